@@ -1,0 +1,1 @@
+"""Backends: one file each, registered in the entry-point group ``lacore.backends``."""

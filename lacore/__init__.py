@@ -1,0 +1,47 @@
+"""lacore: plastic collapse loads of bodies in frictional contact, each with its own proof."""
+
+from lacore import meshes
+from lacore.assembly import Discretisation, discretise
+from lacore.backend import backend_names, find_backend
+from lacore.bodies import Body
+from lacore.certificate import Certificate
+from lacore.criteria import VonMises
+from lacore.errors import InputError, LacoreError, NotCapable, SolveError
+from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
+from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
+from lacore.problem import Problem
+from lacore.result import LimitState
+from lacore.solving import solve
+from lacore.status import Rigor, Status
+
+__all__ = [
+    "SMOOTH",
+    "STICK",
+    "Body",
+    "BodyForce",
+    "Certificate",
+    "Coulomb",
+    "Discretisation",
+    "Fix",
+    "InputError",
+    "Interface",
+    "LacoreError",
+    "LimitState",
+    "NotCapable",
+    "PointForce",
+    "Pressure",
+    "Problem",
+    "RigidFooting",
+    "RigidObstacle",
+    "Rigor",
+    "SolveError",
+    "Status",
+    "Traction",
+    "Tresca",
+    "VonMises",
+    "backend_names",
+    "discretise",
+    "find_backend",
+    "meshes",
+    "solve",
+]

@@ -1,0 +1,217 @@
+"""From a `Problem` to the kinematic program (T6), vectorised."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+from types import MappingProxyType
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from skfem import Basis, FacetBasis, LinearForm
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.contact_points import ContactPoints, contact_rows
+from lacore.dofs import BodyDofs, number
+from lacore.elimination import NodeConditions, free_basis, held, join
+from lacore.errors import InputError
+from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.problem import Problem, vertex_at
+from lacore.program import DissipationGroup, KinematicProgram, Scales, reduced
+
+_LOAD_ORDER = 2  # a uniform load on a P2 velocity is a polynomial of degree 2: exact
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """An assembled problem.
+
+    Attributes:
+        problem: what was assembled.
+        full: the program for all unknowns, SI units.
+        program: the program for the free unknowns q, SI units.
+        free_basis: ``U = free_basis @ q``.
+        held_nodes: which nodes a support or a footing acts on, shape (nodes of all bodies,).
+        bodies: by name.
+        points: geometry of the contact points.
+        natural: scales in which the quantities of the answer are of order one (T20).
+    """
+
+    problem: Problem
+    full: KinematicProgram
+    program: KinematicProgram
+    free_basis: Sparse
+    held_nodes: Bools
+    bodies: Mapping[str, BodyDofs]
+    points: ContactPoints
+    natural: Scales
+
+
+def discretise(problem: Problem) -> Discretisation:
+    """Assemble a problem.
+
+    Raises:
+        InputError: a footing that cannot move, a reference load that does no power because it
+            acts on supports alone.
+    """
+    bodies = number(problem.bodies)
+    footings = _footings(problem)
+    node_dofs = np.concatenate([dofs.dofs for dofs in bodies.values()], axis=1)
+    n = node_dofs.size + len(footings)
+
+    contact, points = contact_rows(problem.interfaces, bodies, n)
+    full = KinematicProgram(
+        groups=tuple(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
+        contact=contact,
+        reference_load=_load_vector(problem.reference_loads, bodies, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, footings, n),
+    )
+    conditions = join(
+        [
+            *(_support_conditions(support, bodies[support.body]) for support in problem.supports),
+            *(
+                _footing_conditions(footing, bodies[footing.body], number)
+                for number, footing in enumerate(footings)
+            ),
+        ]
+    )
+    basis = free_basis(conditions, node_dofs, [f"{f.body}: {f.where}" for f in footings])
+    program = reduced(full, basis)
+    size = _load_size(full.reference_load, node_dofs)
+    # Round-off of the nodal sums; a load that can do power keeps at least one whole nodal force.
+    if np.sum(np.abs(program.reference_load)) <= 1e-12 * size:
+        raise InputError(
+            "Problem.reference_loads",
+            None,
+            "they do no power (F0 = 0): all of them act where supports hold the body",
+            "load a boundary that can move, or release the support",
+        )
+    return Discretisation(
+        problem=problem,
+        full=full,
+        program=program,
+        free_basis=basis,
+        held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
+        bodies=MappingProxyType(bodies),
+        points=points,
+        natural=Scales(
+            length=sqrt(sum(float(group.weights.sum()) for group in full.groups)),
+            stress=sqrt(3) * max(float(group.bound.max()) for group in full.groups),
+            velocity=1 / size,
+        ),
+    )
+
+
+def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
+    form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+    basis = dofs.basis
+    gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
+    strain = np.stack([gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]], axis=2)
+    # strain: (elements, points, 3, shapes)
+    columns = basis.element_dofs.T.astype(np.int64) + dofs.offset
+
+    def rows(coefficients: Floats) -> Sparse:
+        values = np.einsum("rs,epsi->epri", coefficients, strain)
+        count = int(np.prod(values.shape[:3]))
+        indices = np.broadcast_to(columns[:, None, None, :], values.shape)
+        start = np.arange(count + 1) * values.shape[3]
+        return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
+
+    weights = np.asarray(basis.dx).ravel()
+    return DissipationGroup(
+        name=name,
+        rows=rows(form.rows),
+        dim=form.rows.shape[0],
+        weights=weights,
+        bound=np.full(weights.size, form.bound),
+        volumetric=rows(form.volumetric[None, :]),
+        volumetric_factor=form.volumetric_factor,
+    )
+
+
+def _load_vector(
+    loads: Sequence[Load],
+    bodies: Mapping[str, BodyDofs],
+    footings: Sequence[RigidFooting],
+    n: int,
+) -> Floats:
+    """Nodal forces of loads, shape (n,), N/m; a footing's load acts on its own unknown."""
+    total = np.zeros(n)
+    for load in loads:
+        dofs = bodies[load.body]
+        if isinstance(load, RigidFooting):
+            start, end, _ = facet_geometry(dofs.body, _facets(dofs, load))
+            area = float(np.linalg.norm(end - start, axis=0).sum())
+            place = n - len(footings) + footings.index(_unloaded(load))
+            total[place] += load.pressure * area
+        elif isinstance(load, PointForce):
+            vertex = vertex_at(dofs.body, load.at, "PointForce.at")
+            total[dofs.dofs[:, vertex]] += load.vector
+        else:
+            force = _distributed(load, dofs)
+            total[dofs.offset : dofs.offset + force.size] += force
+    return total
+
+
+def _distributed(load: Traction | Pressure | BodyForce, dofs: BodyDofs) -> Floats:
+    if isinstance(load, BodyForce):
+        basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_LOAD_ORDER)
+    else:
+        facets = _facets(dofs, load)
+        basis = FacetBasis(dofs.body.mesh, dofs.basis.elem, facets=facets, intorder=_LOAD_ORDER)
+
+    @LinearForm
+    def power(v, w):  # type: ignore[no-untyped-def]
+        if isinstance(load, Pressure):
+            return -load.value * (w.n[0] * v[0] + w.n[1] * v[1])
+        return load.vector[0] * v[0] + load.vector[1] * v[1]
+
+    return np.asarray(power.assemble(basis))
+
+
+def _facets(dofs: BodyDofs, part: Traction | Pressure | RigidFooting | Fix) -> Ints:
+    return boundary_facets(dofs.body, part.where, f"{type(part).__name__}.where")
+
+
+def _footings(problem: Problem) -> list[RigidFooting]:
+    """The footings of all loads, each once whatever its pressure."""
+    loads = [*problem.reference_loads, *problem.dead_loads]
+    return list(dict.fromkeys(_unloaded(load) for load in loads if isinstance(load, RigidFooting)))
+
+
+def _unloaded(footing: RigidFooting) -> RigidFooting:
+    return replace(footing, pressure=1.0)
+
+
+def _load_size(load: Floats, node_dofs: Ints) -> float:
+    """Sum of the magnitudes of all nodal and footing forces: independent of axes, N/m."""
+    nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
+    return float(nodal + np.abs(load[node_dofs.size :]).sum())
+
+
+def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
+    """Nodes on facets, three a facet, and the outward normal there: (3 n,), (3 n, 2)."""
+    _, _, outward = facet_geometry(dofs.body, facets)
+    return dofs.facet_nodes(facets).ravel() + dofs.first_node, np.tile(outward.T, (3, 1))
+
+
+def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
+    nodes, outward = _boundary_nodes(dofs, _facets(dofs, support))
+    along = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
+    directions = {
+        "x": [np.broadcast_to([1.0, 0.0], outward.shape)],
+        "y": [np.broadcast_to([0.0, 1.0], outward.shape)],
+        "xy": [np.broadcast_to(axis, outward.shape) for axis in ([1.0, 0.0], [0.0, 1.0])],
+        "normal": [outward],
+        "tangential": [along],
+    }[support.components]
+    return join([held(nodes, direction) for direction in directions])
+
+
+def _footing_conditions(footing: RigidFooting, dofs: BodyDofs, number: int) -> NodeConditions:
+    nodes, outward = _boundary_nodes(dofs, _facets(dofs, footing))
+    motion = np.array(footing.direction) / np.linalg.norm(footing.direction)
+    across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
+    carried = outward if not footing.rough else np.broadcast_to(motion, outward.shape)
+    moved = NodeConditions(nodes, carried, np.full(nodes.size, number), carried @ motion)
+    return join([moved, held(nodes, across)]) if footing.rough else moved

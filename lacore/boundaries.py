@@ -1,0 +1,88 @@
+"""From a name or a predicate on coordinates to boundary facets."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies import Body
+from lacore.errors import InputError, suggest
+
+Where = str | Callable[[Floats], Bools]
+_SAMPLES = np.linspace(0.0, 1.0, 17)
+
+
+def boundary_facets(body: Body, where: Where, field: str) -> Ints:
+    """Facets of the part `where` of the boundary of `body`, sorted.
+
+    A name selects the facets that the mesh gives under it. A predicate gets coordinates of shape
+    (2, n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
+    length; it must not end inside a facet (the velocity would have a jump there that the space
+    cannot follow).
+
+    Raises:
+        InputError: unknown name, nothing selected, an interior facet, a predicate that ends
+            inside a facet.
+    """
+    mesh = body.mesh
+    if isinstance(where, str):
+        named = mesh.boundaries or {}
+        if where not in named:
+            raise InputError(field, where, "no such boundary", suggest(where, named))
+        facets = np.unique(np.asarray(named[where], dtype=np.int64))
+        if np.any(mesh.f2t[1, facets] >= 0):
+            raise InputError(
+                field, where, "holds facets inside the body", "name facets of the boundary only"
+            )
+    elif callable(where):
+        facets = _selected(body, where, field)
+    else:
+        raise InputError(
+            field,
+            where,
+            "not a boundary",
+            "give a boundary name or a function of coordinates (2, n)",
+        )
+    if facets.size == 0:
+        shown = where if isinstance(where, str) else None
+        raise InputError(field, shown, "an empty boundary", "select at least one boundary facet")
+    return facets
+
+
+def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
+    mesh = body.mesh
+    boundary = mesh.boundary_facets()
+    start, end = mesh.p[:, mesh.facets[0, boundary]], mesh.p[:, mesh.facets[1, boundary]]
+    samples = start[:, :, None] * (1 - _SAMPLES) + end[:, :, None] * _SAMPLES
+    inside = np.asarray(where(samples.reshape(2, -1)))
+    if inside.shape != (samples[0].size,) or inside.dtype != bool:
+        raise InputError(
+            field,
+            inside.dtype.name,
+            "the predicate does not return one bool a point",
+            "return an array of bool of shape (n,) for coordinates (2, n)",
+        )
+    inside = inside.reshape(boundary.size, _SAMPLES.size)
+    whole = inside.all(axis=1)
+    cut = inside[:, 1:-1].any(axis=1) & ~whole
+    if cut.any():
+        first = np.flatnonzero(cut)[0]
+        raise InputError(
+            field,
+            None,
+            f"it ends inside the element edge from {start[:, first]} to {end[:, first]}"
+            " (at a midside node or elsewhere between vertices)",
+            "put a vertex of the mesh where it ends",
+        )
+    return np.asarray(boundary[whole], dtype=np.int64)
+
+
+def facet_geometry(body: Body, facets: Ints) -> tuple[Floats, Floats, Floats]:
+    """Ends and unit outward normals of boundary facets: three arrays of shape (2, n)."""
+    mesh = body.mesh
+    start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
+    along = end - start
+    normal = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
+    centre = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+    outward = np.sign(np.sum(normal * (start - centre), axis=0))
+    return start, end, normal * outward

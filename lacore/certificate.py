@@ -1,0 +1,137 @@
+"""Recomputed residuals of a limit state (T8, T15): the number carries its own proof.
+
+Everything here is computed from the program and the answer (velocity, stresses, reactions, load
+factor), never from what a solver says of itself.
+"""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.state import ProgramState, out_of_balance
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Residuals, each >= 0 up to round-off and 0 for an exact Coulomb limit state.
+
+    Scales are global: the total load for forces, the largest nodal velocity for velocities, the
+    largest strain rate (or velocity over body length, when the mechanism is rigid) for strain
+    rates, the power turned over ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers.
+
+    Attributes:
+        equilibrium: largest nodal force out of balance, with the reported load factor and dead
+            loads, per total load.
+        yield_violation: largest ``||stress||/bound - 1``.
+        cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
+            reaction.
+        penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; slip of points
+            that stick by law counts here.
+        divergence: largest ``|theta|``, per strain rate.
+        normalisation: ``|F0.u - 1|``.
+        flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per power.
+        slip: Coulomb law as bipotential, ``sum w |b_c(-u, t) + u.t|`` (T3) per power.
+        gap: pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
+    """
+
+    equilibrium: float
+    yield_violation: float
+    cone: float
+    penetration: float
+    divergence: float
+    normalisation: float
+    flow: float
+    slip: float
+    gap: float
+
+    @property
+    def worst(self) -> tuple[str, float]:
+        """Name and value of the largest residual; NaN counts as the largest."""
+        residuals: dict[str, float] = asdict(self)
+        name = max(residuals, key=lambda key: np.nan_to_num(residuals[key], nan=np.inf))
+        return name, residuals[name]
+
+    def holds(self, tolerance: float) -> bool:
+        """Whether every residual is within `tolerance`; false for NaN."""
+        return all(value <= tolerance for value in asdict(self).values())
+
+
+def certify(
+    program: KinematicProgram, state: ProgramState, contact: FrozenContact | None = None
+) -> Certificate:
+    """Residuals of a state against the friction laws of the program, with the true reactions.
+
+    Args:
+        program: in any units.
+        state: in the same units.
+        contact: judge against these frozen bounds and dilatancies instead of the laws: the
+            certificate of one inner solve.
+    """
+    rows = program.contact
+    t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
+    opening, slip = rows.opening(u), rows.slip(u)
+    slip_rate = np.linalg.norm(slip, axis=1)
+    if contact is None:
+        bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
+    else:
+        bound, dilatancy = contact.bound, contact.dilatancy
+    finite = np.isfinite(bound)
+    friction = np.where(finite, bound, 0.0) * slip_rate
+    cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
+
+    dissipated = program.plastic_dissipation(u) + float(rows.weights @ friction)
+    dead_power = float(program.dead_load @ u)
+    power = _nonzero(dissipated + abs(dead_power))
+    forces = _nonzero(
+        abs(state.load_factor) * float(np.abs(program.reference_load).sum())
+        + float(np.abs(program.dead_load).sum())
+    )
+    velocity = _nonzero(_largest(np.abs(u)))
+    reaction = _nonzero(_largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))))
+    area = sum(float(group.weights.sum()) for group in program.groups)
+    strain = max(
+        velocity / np.sqrt(_nonzero(area)),
+        *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
+    )
+    bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
+    excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
+    inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
+    return Certificate(
+        equilibrium=_largest(np.abs(out_of_balance(program, state))) / forces,
+        yield_violation=max(
+            (
+                _largest(np.linalg.norm(stress, axis=1) / group.bound - 1)
+                for group, stress in zip(program.groups, state.stress, strict=True)
+            ),
+            default=0.0,
+        ),
+        cone=max(_largest(excess), _largest(-t_n)) / reaction,
+        penetration=_largest(inward) / velocity,
+        divergence=max(
+            (_largest(np.abs(group.volumetric @ u)) for group in program.groups), default=0.0
+        )
+        / strain,
+        normalisation=abs(float(program.reference_load @ u) - 1),
+        flow=abs(_flow_defect(program, state)) / power,
+        slip=float(rows.weights @ np.abs(bipotential)) / power,
+        gap=abs(dissipated - dead_power - state.load_factor) / power,
+    )
+
+
+def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
+    defect = 0.0
+    for group, stress in zip(program.groups, state.stress, strict=True):
+        work = np.sum(stress * group.cone_vectors(state.velocity), axis=1)
+        defect += float(group.dissipation(state.velocity).sum() - group.weights @ work)
+    return defect
+
+
+def _largest(values: Floats) -> float:
+    """Largest of values and 0."""
+    return float(max(0.0, values.max())) if values.size else 0.0
+
+
+def _nonzero(scale: float) -> float:
+    return scale if scale > 0 else 1.0

@@ -1,0 +1,262 @@
+"""Coupling loops: the only place that iterates on contact reactions (T9-T13).
+
+The reaction iteration freezes the friction bounds ``g = mu t_n + limit``, solves the convex
+program, reads the normal reactions of that solution and starts again. Exact backends stop when
+the recomputed residuals of the Coulomb problem (`lacore.certificate`) are within tolerance;
+regularised ones, whose residuals never vanish, when the friction bounds that they were given are
+those of the reactions that they return.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import InnerSolution, PreparedSolver
+from lacore.certificate import Certificate, certify
+from lacore.errors import InputError, require_known, require_positive
+from lacore.program import (
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+    reaction_contact,
+)
+from lacore.status import Status
+
+STARTS = ("associated", "zero")
+_INDEPENDENT = 1e-8  # singular values below this share of the largest carry no direction
+_NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
+
+
+@dataclass(frozen=True)
+class CouplingOptions:
+    """How to couple.
+
+    Attributes:
+        start: ``associated`` (reactions of the associated problem) or ``zero`` (the paper's).
+        damping: share w of the new reaction in the next one, 0 < w <= 1.
+        anderson: depth of Anderson acceleration, 0 for none.
+        tolerance: bar for the residuals of the certificate.
+        max_iterations: of the loop, not counting the start.
+    """
+
+    start: str = "associated"
+    damping: float = 0.7
+    anderson: int = 3
+    tolerance: float = 1e-6
+    max_iterations: int = 100
+
+    def __post_init__(self) -> None:
+        require_known("start", self.start, STARTS)
+        if not 0 < self.damping <= 1:
+            raise InputError("damping", self.damping, "outside (0, 1]", "1 is no damping")
+        if self.anderson < 0:
+            raise InputError("anderson", self.anderson, "a negative depth", "give 0 for none")
+        require_positive("tolerance", self.tolerance)
+        require_positive("max_iterations", self.max_iterations)
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """One inner solve of the loop.
+
+    Attributes:
+        step: 0 is the start.
+        kind: ``associated``, ``zero`` or ``reaction``.
+        inner: what the backend answered.
+        certificate: residuals against the true friction laws; None without a point.
+        mismatch: largest difference between the friction bound given and that of the reaction
+            returned, per largest reaction.
+    """
+
+    step: int
+    kind: str
+    inner: InnerSolution
+    certificate: Certificate | None
+    mismatch: float
+
+    def row(self) -> dict[str, Any]:
+        """As a row of the history, in the units of the program."""
+        point = self.inner.point
+        residuals = asdict(self.certificate) if self.certificate else {}
+        return {
+            "iteration": self.step,
+            "kind": self.kind,
+            "load_factor": np.nan if point is None else point.load_factor,
+            "mismatch": self.mismatch,
+            **residuals,
+            "inner_status": self.inner.status.label,
+            "native_status": self.inner.native_status,
+            "inner_iterations": self.inner.iterations,
+            "solve_time": self.inner.solve_time,
+        }
+
+
+@dataclass(frozen=True)
+class Coupled:
+    """End of a coupling loop: its status, and every inner solve on the way."""
+
+    status: Status
+    iterates: tuple[Iterate, ...]
+
+    @property
+    def last(self) -> Iterate:
+        """The iterate that the status speaks of."""
+        return self.iterates[-1]
+
+
+@dataclass
+class _Run:
+    """The inner solves of one loop, judged as they come."""
+
+    program: KinematicProgram
+    solver: PreparedSolver
+    regularised: bool
+    options: CouplingOptions
+    on_iterate: Callable[[Iterate], None]
+    iterates: list[Iterate] = field(default_factory=list)
+
+    def solve(self, kind: str, contact: FrozenContact, laws: FrozenContact | None) -> Iterate:
+        """Solve for a frozen contact and judge the answer by `laws` (None: the true ones)."""
+        inner = self.solver.solve(contact)
+        certificate, mismatch = None, np.nan
+        if inner.point is not None:
+            certificate = certify(self.program, inner.point, laws)
+            if laws is None:
+                mismatch = self._mismatch(contact, inner.point.normal_reaction)
+            else:
+                mismatch = 0.0
+        iterate = Iterate(len(self.iterates), kind, inner, certificate, mismatch)
+        self.iterates.append(iterate)
+        self.on_iterate(iterate)
+        return iterate
+
+    def _mismatch(self, contact: FrozenContact, normal_reaction: Floats) -> float:
+        coulomb = self.program.contact.coulomb
+        new = reaction_contact(self.program.contact, normal_reaction).bound[coulomb]
+        largest = max(float(np.abs(normal_reaction).max(initial=0.0)), np.finfo(float).tiny)
+        return float(np.abs(new - contact.bound[coulomb]).max(initial=0.0)) / largest
+
+    def proven(self, iterate: Iterate) -> bool:
+        """Whether the residuals prove the iterate."""
+        certificate, tolerance = iterate.certificate, self.options.tolerance
+        if certificate is None:
+            return False
+        if not self.regularised:
+            return certificate.holds(tolerance)
+        values = iterate.inner.regularised
+        assert values is not None
+        # T19: the solver's multiplier is P + 2 C at a minimiser, and only there.
+        missed = abs(values.multiplier - values.load_factor) / max(
+            abs(values.load_factor), _NO_POWER
+        )
+        judged = (
+            certificate.equilibrium,
+            certificate.yield_violation,
+            certificate.normalisation,
+            iterate.mismatch,
+            0.0 if np.isnan(values.multiplier) else missed,
+        )
+        return all(value <= tolerance for value in judged)
+
+    def end(self, status: Status) -> Coupled:
+        return Coupled(status, tuple(self.iterates))
+
+    def judged(self, iterate: Iterate) -> Coupled:
+        """The end of a loop at an iterate that is final."""
+        point = iterate.inner.point
+        if point is None:
+            return self.end(iterate.inner.status)
+        if not self.proven(iterate):
+            unfinished = iterate.inner.status not in (Status.SOLVED, Status.ALMOST_SOLVED)
+            return self.end(iterate.inner.status if unfinished else Status.NOT_CERTIFIED)
+        dead_power = abs(float(self.program.dead_load @ point.velocity))
+        if dead_power <= _NO_POWER and abs(point.load_factor) <= _NO_POWER:
+            return self.end(Status.FREE)
+        return self.end(Status.SOLVED)
+
+
+@dataclass
+class Anderson:
+    """Damped fixed-point iteration with Anderson acceleration (Walker & Ni 2011, type II).
+
+    Attributes:
+        depth: number of earlier steps used; 0 is plain damping.
+        damping: share w of the image in the next argument.
+    """
+
+    depth: int
+    damping: float
+    _arguments: list[Floats] = field(default_factory=list)
+    _residuals: list[Floats] = field(default_factory=list)
+
+    def step(self, argument: Floats, image: Floats) -> Floats:
+        """Next argument, given the last one and its image."""
+        residual = image - argument
+        self._arguments = [*self._arguments, argument][-(self.depth + 1) :]
+        self._residuals = [*self._residuals, residual][-(self.depth + 1) :]
+        plain = argument + self.damping * residual
+        if len(self._residuals) < 2:
+            return plain
+        changes = np.diff(np.stack(self._residuals, axis=1), axis=1)
+        moves = np.diff(np.stack(self._arguments, axis=1), axis=1)
+        weights = np.linalg.lstsq(changes, residual, rcond=_INDEPENDENT)[0]
+        return np.asarray(plain - (moves + self.damping * changes) @ weights)
+
+
+def associated(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: Callable[[Iterate], None],
+) -> Coupled:
+    """One solve with every Coulomb interface made associated (T4), judged as such."""
+    run = _Run(program, solver, regularised, options, on_iterate)
+    contact = associated_contact(program.contact)
+    return run.judged(run.solve("associated", contact, contact))
+
+
+def reaction_loop(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: Callable[[Iterate], None],
+) -> Coupled:
+    """Successive approximation on the normal reactions (T9), damped and accelerated."""
+    run = _Run(program, solver, regularised, options, on_iterate)
+    rows = program.contact
+    zero = reaction_contact(rows, np.zeros(rows.count))
+    if not rows.coulomb.any():
+        return run.judged(run.solve("single", zero, None))
+
+    start = options.start
+    if start == "associated":
+        first = run.solve(start, associated_contact(rows), None)
+        if first.inner.status is Status.LOCKED:  # no error: friction may well be finite (T13)
+            start = "zero"
+    if start == "zero":
+        first = run.solve(start, zero, None)
+        if first.inner.status is Status.UNSAFE:
+            return run.end(Status.INVALID_START)
+    if first.inner.point is None:
+        return run.end(first.inner.status)
+
+    reaction = np.maximum(first.inner.point.normal_reaction, 0.0)
+    mixing = Anderson(options.anderson, options.damping)
+    for _ in range(options.max_iterations):
+        iterate = run.solve("reaction", reaction_contact(rows, reaction), None)
+        point = iterate.inner.point
+        if point is None or run.proven(iterate):
+            return run.judged(iterate)
+        reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)
+    return run.end(Status.NOT_CONVERGED)
+
+
+COUPLINGS: dict[str, Callable[..., Coupled]] = {
+    "reaction": reaction_loop,
+    "associated": associated,
+}

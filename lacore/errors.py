@@ -1,0 +1,55 @@
+"""Errors that name the field, the value and the mend."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from math import isfinite
+
+
+class LacoreError(Exception):
+    """Base of every error that lacore raises on purpose."""
+
+
+class InputError(LacoreError, ValueError):
+    """A statement of the problem that cannot be right; raised before any solve.
+
+    The message reads ``field = value: why; mend``.
+    """
+
+    def __init__(self, field: str, value: object, why: str, mend: str) -> None:
+        self.field, self.value, self.why, self.mend = field, value, why, mend
+        shown = "" if value is None else f" = {value!r}"
+        super().__init__(f"{field}{shown}: {why}; {mend}")
+
+
+class NotCapable(LacoreError):
+    """A backend that cannot take a program; the message says why and the way out."""
+
+
+class SolveError(LacoreError):
+    """A solve that ended without a certified load factor (``throw=True``); carries the state."""
+
+    def __init__(self, message: str, state: object) -> None:
+        self.state = state
+        super().__init__(message)
+
+
+def suggest(name: str, known: Iterable[str]) -> str:
+    """What to try instead of an unknown name: "did you mean ..." or the list of known names."""
+    names = sorted(known)
+    close = get_close_matches(name, names, n=1, cutoff=0.5)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    return f"known names: {', '.join(names)}" if names else "none is known"
+
+
+def require_known(field: str, name: str, known: Iterable[str]) -> None:
+    """Raise `InputError` unless `name` is one of `known`."""
+    names = list(known)
+    if name not in names:
+        raise InputError(field, name, "unknown name", suggest(str(name), names))
+
+
+def require_positive(field: str, value: float) -> None:
+    """Raise `InputError` unless `value` is a positive finite number."""
+    if not (isfinite(value) and value > 0):
+        raise InputError(field, value, "not a positive number", "give a finite value > 0")

@@ -1,0 +1,158 @@
+"""Contact interfaces and their friction laws (T2, T4).
+
+Sign conventions. `n` is the unit normal from the master (obstacle) into the slave body; the
+relative velocity is that of the slave against the master, ``u_n > 0`` opens. Tractions act on the
+slave, ``t_n >= 0`` is compression.
+"""
+
+from dataclasses import dataclass
+from math import inf, isfinite, isnan
+
+import numpy as np
+
+from lacore.boundaries import Where
+from lacore.errors import InputError
+
+
+@dataclass(frozen=True)
+class FrictionTerms:
+    """A law as ``||t_t|| <= coefficient t_n + limit`` with ``u_n >= dilatancy ||u_t||``."""
+
+    coefficient: float
+    limit: float
+    dilatancy: float
+
+
+@dataclass(frozen=True)
+class Coulomb:
+    """Unilateral Coulomb friction ``||t_t|| <= mu t_n`` (T2).
+
+    Attributes:
+        mu: friction coefficient, >= 0. For infinite friction use `STICK`.
+        associated: sliding dilates, ``u_n >= mu ||u_t||``, and dissipates nothing (T4).
+    """
+
+    mu: float
+    associated: bool = False
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.mu) and self.mu >= 0):
+            raise InputError(
+                "friction",
+                self.mu,
+                "not a friction coefficient",
+                "give a finite mu >= 0 (0 or lacore.SMOOTH: none; lacore.STICK: infinite)",
+            )
+
+    def terms(self) -> FrictionTerms:
+        """The law as coefficients of the program."""
+        if self.associated:
+            return FrictionTerms(0.0, 0.0, self.mu)
+        return FrictionTerms(self.mu, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Tresca:
+    """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa."""
+
+    limit: float
+
+    def __post_init__(self) -> None:
+        if isnan(self.limit) or self.limit < 0:
+            raise InputError(
+                "Tresca.limit", self.limit, "not a friction stress", "give a stress >= 0 in Pa"
+            )
+
+    def terms(self) -> FrictionTerms:
+        """The law as coefficients of the program."""
+        return FrictionTerms(0.0, self.limit, 0.0)
+
+
+SMOOTH = Tresca(0.0)
+STICK = Tresca(inf)
+Friction = Coulomb | Tresca
+
+
+@dataclass(frozen=True)
+class RigidObstacle:
+    """A rigid obstacle at rest.
+
+    Attributes:
+        point, normal: a plane through `point` whose `normal` points out of the obstacle, towards
+            the body. Without them the obstacle has the shape of the boundary that touches it.
+    """
+
+    point: tuple[float, float] | None = None
+    normal: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if (self.point is None) != (self.normal is None):
+            raise InputError(
+                "RigidObstacle", None, "a plane needs both point and normal", "give both or none"
+            )
+        if self.point is not None and self.normal is not None:
+            values = np.array([*self.point, *self.normal], dtype=float)
+            if values.shape != (4,) or not np.all(np.isfinite(values)):
+                raise InputError(
+                    "RigidObstacle",
+                    (self.point, self.normal),
+                    "not two plane vectors",
+                    "give point=(x, y), normal=(nx, ny)",
+                )
+            if not np.any(values[2:]):
+                raise InputError(
+                    "RigidObstacle.normal", self.normal, "has no direction", "give a vector != 0"
+                )
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Contact between a slave boundary and a rigid obstacle.
+
+    Attributes:
+        slave: ``(body name, where)``, see `lacore.boundaries.boundary_facets`.
+        master: a `RigidObstacle`.
+        friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
+            STICK is Coulomb friction in the limit mu -> infinity: opening is free, slip is not.
+
+    Raises:
+        InputError: a negative or NaN friction, a master of another kind.
+    """
+
+    slave: tuple[str, Where]
+    master: RigidObstacle
+    friction: float | Friction
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.slave, tuple) and len(self.slave) == 2):
+            raise InputError(
+                "Interface.slave", self.slave, "not a boundary", "give (body name, where)"
+            )
+        if not isinstance(self.master, RigidObstacle):
+            raise InputError(
+                "Interface.master",
+                self.master,
+                "only rigid obstacles are supported so far, two bodies in contact are not",
+                "give lacore.RigidObstacle()",
+            )
+        if not isinstance(self.friction, (int, float, np.number, Coulomb, Tresca)):
+            raise InputError(
+                "Interface.friction",
+                self.friction,
+                "not a friction law",
+                "give a coefficient, lacore.Coulomb, Tresca, SMOOTH or STICK",
+            )
+        object.__setattr__(self, "friction", self.law)
+
+    @property
+    def law(self) -> Friction:
+        """The friction law, a bare coefficient read as Coulomb friction."""
+        if isinstance(self.friction, Coulomb | Tresca):
+            return self.friction
+        return Coulomb(float(self.friction))
+
+    @property
+    def name(self) -> str:
+        """Name in tables: ``block.bottom``."""
+        body, where = self.slave
+        return f"{body}.{where if isinstance(where, str) else getattr(where, '__name__', 'part')}"

@@ -1,0 +1,123 @@
+"""Supports and loads. Forces are per unit thickness; every load is integrated exactly."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from lacore.boundaries import Where
+from lacore.errors import InputError, require_known
+
+COMPONENTS = ("x", "y", "xy", "normal", "tangential")
+
+
+def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
+    values = np.asarray(vector, dtype=float)
+    if values.shape != (2,) or not np.all(np.isfinite(values)):
+        raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
+    if not np.any(values):
+        raise InputError(field, vector, "is zero: a load without power", "give a vector != 0")
+
+
+def _check_size(field: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value):
+        raise InputError(
+            field, value, "not a number other than zero", f"give a finite value != 0 in {unit}"
+        )
+
+
+@dataclass(frozen=True)
+class Fix:
+    """Velocity components held at zero on a part of the boundary.
+
+    Attributes:
+        body: name of the body.
+        where: see `lacore.boundaries.boundary_facets`.
+        components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary.
+    """
+
+    body: str
+    where: Where
+    components: str = "xy"
+
+    def __post_init__(self) -> None:
+        require_known("Fix.components", self.components, COMPONENTS)
+
+
+@dataclass(frozen=True)
+class Traction:
+    """Uniform traction `vector` [Pa] on a part of the boundary."""
+
+    body: str
+    where: Where
+    vector: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_vector("Traction.vector", self.vector, "Pa")
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary."""
+
+    body: str
+    where: Where
+    value: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_size("Pressure.value", self.value, "Pa")
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """Uniform force per volume `vector` [N/m^3]."""
+
+    body: str
+    vector: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_vector("BodyForce.vector", self.vector, "N/m^3")
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """Force `vector` [N/m] at the mesh vertex `at`. A continuum yields under it: mesh dependent."""
+
+    body: str
+    at: tuple[float, float]
+    vector: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_vector("PointForce.vector", self.vector, "N/m")
+        if np.shape(self.at) != (2,) or not np.all(np.isfinite(self.at)):
+            raise InputError("PointForce.at", self.at, "not a point", "give (x, y)")
+
+
+@dataclass(frozen=True)
+class RigidFooting:
+    """A rigid footing that moves along `direction` without rotating, and loads what it touches.
+
+    The load is a force of mean pressure `pressure` [Pa] along `direction`, so that the load factor
+    is the mean footing pressure in units of `pressure`.
+
+    Attributes:
+        body, where: the part of the boundary under the footing; its ends fall on vertices.
+        direction: of motion and force; normalised.
+        pressure: mean pressure, force over the area of `where`.
+        rough: the body sticks to the footing; else it slides along it without friction. Either
+            way it does not lift off.
+    """
+
+    body: str
+    where: Where
+    direction: tuple[float, float]
+    pressure: float = 1.0
+    rough: bool = True
+
+    def __post_init__(self) -> None:
+        _check_vector("RigidFooting.direction", self.direction, "any unit")
+        _check_size("RigidFooting.pressure", self.pressure, "Pa")
+
+
+Load = Traction | Pressure | BodyForce | PointForce | RigidFooting

@@ -1,0 +1,226 @@
+"""The kinematic program (T6): arrays and sparse matrices, all that a backend ever sees.
+
+minimise   sum_g w_g c_g ||D_g U|| + sum_j w_j g_j ||T_j U|| - Fd.U
+subject to F0.U = 1,  theta_g U = 0,  N_j U + s_j >= d_j ||T_j U||
+
+with g_j, d_j, s_j frozen by the coupling loop for one inner solve (`FrozenContact`).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units in which a program is written: SI value = scale * program value.
+
+    Attributes:
+        length: m.
+        stress: Pa.
+        velocity: m/s.
+    """
+
+    length: float = 1.0
+    stress: float = 1.0
+    velocity: float = 1.0
+
+    @property
+    def force(self) -> float:
+        """Force per unit thickness, N/m."""
+        return self.stress * self.length
+
+    @property
+    def load_factor(self) -> float:
+        """Load factor: that of a power at ``F0.U = 1``."""
+        return self.force * self.velocity
+
+
+@dataclass(frozen=True)
+class DissipationGroup:
+    """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
+
+    Attributes:
+        name: for messages and results.
+        rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
+        dim: rows in a cone.
+        weights: integration weights, shape (m,), m^2 (plane bodies of unit thickness).
+        bound: largest norm of the conjugate stress, shape (m,), Pa.
+        volumetric: rows of theta, shape (m, n).
+        volumetric_factor: see `lacore.criteria.ConicForm`.
+    """
+
+    name: str
+    rows: Sparse
+    dim: int
+    weights: Floats
+    bound: Floats
+    volumetric: Sparse
+    volumetric_factor: float
+
+    def cone_vectors(self, velocity: Floats) -> Floats:
+        """``(rows U)`` by cone, shape (m, dim)."""
+        return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
+
+    def dissipation(self, velocity: Floats) -> Floats:
+        """Dissipation of each cone, shape (m,)."""
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        return np.asarray(self.weights * self.bound * lengths)
+
+
+@dataclass(frozen=True)
+class ContactRows:
+    """Contact points of all interfaces (rows of T28).
+
+    Attributes:
+        normal: rows of u_n, shape (m, n).
+        tangential: rows of u_t, shape (m tangent_dim, n).
+        tangent_dim: rows in a tangential velocity.
+        weights: lengths, shape (m,), m.
+        coefficient, limit, dilatancy: the law ``||t_t|| <= coefficient t_n + limit``,
+            ``u_n >= dilatancy ||u_t||``, each of shape (m,); limit in Pa, inf is stick.
+        interface: number of the interface of each point, shape (m,).
+    """
+
+    normal: Sparse
+    tangential: Sparse
+    tangent_dim: int
+    weights: Floats
+    coefficient: Floats
+    limit: Floats
+    dilatancy: Floats
+    interface: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of contact points m."""
+        return int(self.weights.size)
+
+    @property
+    def coulomb(self) -> Bools:
+        """Points whose friction bound follows the normal reaction, shape (m,)."""
+        return self.coefficient > 0
+
+    def slip(self, velocity: Floats) -> Floats:
+        """Tangential velocities, shape (m, tangent_dim)."""
+        return np.asarray(self.tangential @ velocity).reshape(-1, self.tangent_dim)
+
+    def opening(self, velocity: Floats) -> Floats:
+        """Normal velocities, shape (m,)."""
+        return np.asarray(self.normal @ velocity)
+
+
+@dataclass(frozen=True)
+class FrozenContact:
+    """What the coupling loop freezes for one inner solve (T9-T11), each of shape (m,).
+
+    Attributes:
+        bound: friction bound g, Pa; inf is stick.
+        dilatancy: d.
+        shift: s, m/s.
+    """
+
+    bound: Floats
+    dilatancy: Floats
+    shift: Floats
+
+
+def reaction_contact(contact: ContactRows, normal_reaction: Floats) -> FrozenContact:
+    """Friction bounds frozen at a normal reaction, Pa, shape (m,) (T9)."""
+    return FrozenContact(
+        bound=contact.limit + contact.coefficient * np.maximum(normal_reaction, 0.0),
+        dilatancy=contact.dilatancy,
+        shift=np.zeros(contact.count),
+    )
+
+
+def associated_contact(contact: ContactRows) -> FrozenContact:
+    """Every Coulomb point made associated (T4): a single solve, an upper bound (T14)."""
+    return FrozenContact(
+        bound=contact.limit,
+        dilatancy=contact.dilatancy + contact.coefficient,
+        shift=np.zeros(contact.count),
+    )
+
+
+@dataclass(frozen=True)
+class KinematicProgram:
+    """The program (T6) for n velocity unknowns; immutable, no mesh in it.
+
+    Attributes:
+        groups: dissipation.
+        contact: contact points.
+        reference_load, dead_load: F0 and Fd, shape (n,), N/m.
+        scales: units.
+    """
+
+    groups: tuple[DissipationGroup, ...]
+    contact: ContactRows
+    reference_load: Floats
+    dead_load: Floats
+    scales: Scales = Scales()
+
+    @property
+    def n(self) -> int:
+        """Number of velocity unknowns."""
+        return int(self.reference_load.size)
+
+    def plastic_dissipation(self, velocity: Floats) -> float:
+        """Dissipation of all groups at a velocity."""
+        return float(sum(group.dissipation(velocity).sum() for group in self.groups))
+
+    def friction_dissipation(self, velocity: Floats, bound: Floats) -> float:
+        """Dissipation of the contact points at friction bounds; stick points slip by round-off."""
+        finite = np.isfinite(bound)
+        slip = np.linalg.norm(self.contact.slip(velocity), axis=1)
+        return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
+
+
+def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
+    """The program for the unknowns q of ``U = basis q``, basis of shape (n, n_free)."""
+
+    def cut(rows: Sparse) -> Sparse:
+        product = csr_matrix(rows @ basis)
+        product.eliminate_zeros()
+        return product
+
+    contact = program.contact
+    return replace(
+        program,
+        groups=tuple(
+            replace(group, rows=cut(group.rows), volumetric=cut(group.volumetric))
+            for group in program.groups
+        ),
+        contact=replace(contact, normal=cut(contact.normal), tangential=cut(contact.tangential)),
+        reference_load=np.asarray(basis.T @ program.reference_load),
+        dead_load=np.asarray(basis.T @ program.dead_load),
+    )
+
+
+def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram:
+    """The SI program written in other units: what backends solve, so tolerances mean one thing."""
+    contact = program.contact
+    return replace(
+        program,
+        groups=tuple(
+            replace(
+                group,
+                rows=group.rows * scales.length,
+                volumetric=group.volumetric * scales.length,
+                weights=group.weights / scales.length**2,
+                bound=group.bound / scales.stress,
+            )
+            for group in program.groups
+        ),
+        contact=replace(
+            contact,
+            weights=contact.weights / scales.length,
+            limit=contact.limit / scales.stress,
+        ),
+        reference_load=program.reference_load * scales.velocity,
+        dead_load=program.dead_load / scales.force,
+        scales=scales,
+    )

@@ -1,0 +1,209 @@
+"""The regularised dissipation and contact laws (T17-T20), as corrected from the paper.
+
+Every rate-independent term ``bound ||v||`` becomes the least of a viscous energy
+``stiffness ||v - v_p||^2 / 2`` and the dissipation ``bound ||v_p||`` (a Huber function);
+incompressibility and contact become penalties. All quantities in the units of the program.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.errors import require_positive
+from lacore.program import FrozenContact, KinematicProgram, Scales
+from lacore.state import ProgramState
+
+
+@dataclass(frozen=True)
+class Penalties:
+    """Viscosity and penalties in the units of the program (T17, T18).
+
+    Attributes:
+        eta: fictitious viscosity; ``eta ||e||^2`` below the yield threshold.
+        bulk: K_c; ``bulk theta^2 / 2``.
+        normal, tangential: K_n and K_t; ``K u^2 / 2``.
+    """
+
+    eta: float
+    bulk: float
+    normal: float
+    tangential: float
+
+
+def penalties(
+    scales: Scales,
+    r: float,
+    eta: float | None = None,
+    bulk: float | None = None,
+    normal: float | None = None,
+    tangential: float | None = None,
+) -> Penalties:
+    """Penalties from the dimensionless regularisation r (T20), or from SI values given instead.
+
+    With sigma the yield stress, L the body length and V = 1/|F0|:
+    ``eta = sigma L / (V r)``, ``bulk = 10 eta``, ``normal = tangential = 10 sigma / (V r)``.
+
+    Args:
+        scales: of the program.
+        r: dimensionless regularisation, > 0; smaller is closer to the rigid-plastic limit.
+        eta, bulk: Pa s.
+        normal, tangential: Pa/(m/s).
+
+    Raises:
+        InputError: a value that is not positive.
+    """
+    for name, value in {
+        "r": r,
+        "eta": eta,
+        "bulk": bulk,
+        "normal": normal,
+        "tangential": tangential,
+    }.items():
+        if value is not None:
+            require_positive(name, value)
+    viscosity = scales.stress * scales.length / scales.velocity
+    spring = scales.stress / scales.velocity
+    eta_program = 1 / r if eta is None else eta / viscosity
+    return Penalties(
+        eta=eta_program,
+        bulk=10 * eta_program if bulk is None else bulk / viscosity,
+        normal=10 / r if normal is None else normal / spring,
+        tangential=10 / r if tangential is None else tangential / spring,
+    )
+
+
+@dataclass(frozen=True)
+class RegularisedValues:
+    """The values of one regularised solve (T19): ``P <= alpha_reg <= load_factor <= alpha*``.
+
+    Attributes:
+        plastic: P, dissipation less the power of the dead load.
+        alpha_reg: value of the objective, ``P + C`` with C the viscous and penalty energy.
+        load_factor: lambda = ``P + 2 C``, the multiplier of ``F0.U = 1``.
+        multiplier: the same as the solver reports it; NaN where it reports none.
+    """
+
+    plastic: float
+    alpha_reg: float
+    load_factor: float
+    multiplier: float
+
+    @property
+    def energy(self) -> float:
+        """C, the viscous and penalty energy: the size of the regularisation error."""
+        return self.alpha_reg - self.plastic
+
+
+@dataclass(frozen=True)
+class _Huber:
+    """Elastic energy, dissipation and secant stiffness at given lengths."""
+
+    energy: Floats
+    dissipation: Floats
+    secant: Floats
+
+
+def _huber(length: Floats, stiffness: float, bound: Floats) -> _Huber:
+    elastic = np.minimum(length, bound / stiffness)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        secant = np.where(length > bound / stiffness, bound / length, stiffness)
+        dissipation = np.where(length > elastic, bound * (length - elastic), 0.0)
+    return _Huber(stiffness * elastic**2 / 2, dissipation, secant)
+
+
+@dataclass(frozen=True)
+class RegularisedPoint:
+    """The regularised energy at a velocity, and its derivative as stresses and reactions."""
+
+    values: RegularisedValues
+    gradient: Floats
+    state: ProgramState
+
+
+def evaluate(
+    program: KinematicProgram,
+    contact: FrozenContact,
+    penalty: Penalties,
+    velocity: Floats,
+    multiplier: float = float("nan"),
+) -> RegularisedPoint:
+    """Energy, its gradient (shape (n,)) and the stresses at any velocity of shape (n,).
+
+    At a minimiser with ``F0.U = 1`` the gradient is ``load_factor * F0``.
+    """
+    energy = dissipation = 0.0
+    gradient = -program.dead_load
+    stresses, means = [], []
+    for group in program.groups:
+        cone = group.cone_vectors(velocity)
+        theta = np.asarray(group.volumetric @ velocity)
+        share = group.volumetric_factor
+        length = np.sqrt(np.sum(cone**2, axis=1) + (share * theta) ** 2)
+        law = _huber(length, penalty.eta, group.bound)
+        stresses.append(law.secant[:, None] * cone)
+        means.append((law.secant * share**2 + penalty.bulk) * theta)
+        energy += float(group.weights @ (law.energy + penalty.bulk * theta**2 / 2))
+        dissipation += float(group.weights @ law.dissipation)
+        gradient = gradient + group.rows.T @ (group.weights[:, None] * stresses[-1]).ravel()
+        gradient = gradient + group.volumetric.T @ (group.weights * means[-1])
+    reaction = _contact_law(program, contact, penalty, velocity)
+    weights = program.contact.weights
+    energy += float(weights @ reaction.energy)
+    dissipation += float(weights @ reaction.dissipation)
+    gradient = gradient - program.contact.normal.T @ (weights * reaction.normal)
+    gradient = (
+        gradient - program.contact.tangential.T @ (weights[:, None] * reaction.tangential).ravel()
+    )
+    plastic = dissipation - float(program.dead_load @ velocity)
+    values = RegularisedValues(plastic, plastic + energy, plastic + 2 * energy, multiplier)
+    state = ProgramState(
+        velocity=velocity,
+        load_factor=values.load_factor,
+        stress=tuple(stresses),
+        mean_stress=tuple(means),
+        normal_reaction=reaction.normal,
+        tangential_reaction=reaction.tangential,
+    )
+    return RegularisedPoint(values, gradient, state)
+
+
+@dataclass(frozen=True)
+class _Reaction:
+    energy: Floats
+    dissipation: Floats
+    normal: Floats
+    tangential: Floats
+
+
+def _contact_law(
+    program: KinematicProgram, contact: FrozenContact, penalty: Penalties, velocity: Floats
+) -> _Reaction:
+    """Contact law (T18), and its counterpart with dilatancy.
+
+    With dilatancy d the penalty energy is that of the distance to the cone ``u_n >= d ||u_t||``
+    in the metric (K_n, K_t): its derivative is the trial reaction projected onto
+    ``||t_t|| <= d t_n``.
+    """
+    opening = program.contact.opening(velocity) + contact.shift
+    slip = program.contact.slip(velocity)
+    slip_rate = np.linalg.norm(slip, axis=1)
+    law = _huber(slip_rate, penalty.tangential, contact.bound)
+    normal = penalty.normal * np.maximum(-opening, 0.0)
+    energy = normal**2 / (2 * penalty.normal) + law.energy
+    tangential = -law.secant[:, None] * slip
+
+    d = contact.dilatancy
+    dilatant = d > 0
+    sliding = dilatant & (penalty.tangential * slip_rate > d * normal)
+    sticking = dilatant & ~sliding
+    compliance = 1 / penalty.normal + d**2 / penalty.tangential
+    pushed = np.maximum(d * slip_rate - opening, 0.0)[sliding]
+    normal[sliding] = pushed / compliance[sliding]
+    energy[sliding] = pushed**2 / (2 * compliance[sliding])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        direction = np.where(slip_rate[:, None] > 0, slip / slip_rate[:, None], 0.0)
+    tangential[sliding] = -(d * normal)[sliding, None] * direction[sliding]
+    tangential[sticking] = -penalty.tangential * slip[sticking]
+    energy[sticking] += penalty.tangential * slip_rate[sticking] ** 2 / 2
+    return _Reaction(energy, np.where(dilatant, 0.0, law.dissipation), normal, tangential)

@@ -1,0 +1,156 @@
+"""What a solve returns: the limit state, in SI units, with its proof."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from lacore.arrays import Floats
+from lacore.assembly import Discretisation
+from lacore.certificate import Certificate
+from lacore.regularization import RegularisedValues
+from lacore.state import ProgramState, out_of_balance
+from lacore.status import Rigor, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
+
+
+@dataclass(frozen=True)
+class LimitState:
+    """A plastic collapse state, or the reason why there is none.
+
+    Attributes:
+        status: how the solve ended; its value says what to do.
+        load_factor: alpha. NaN unless `status` is SOLVED (then the residuals prove it) or LOCKED
+            (then +inf).
+        rigor: what the load factor proves.
+        backend, coupling: names.
+        certificate: recomputed residuals of the state; None where there is no state.
+        regularised: the values of T19 (regularised backends), as load factors.
+        history: one row an inner solve: load factor, residuals, statuses, times.
+        build_time, solve_time: s, wall clock: assembly, and everything after it.
+        message: the status in words, with what the backend added.
+        discretisation: the assembled problem.
+        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa); None
+            where there is no state. For a status other than SOLVED it is the last iterate, for
+            inspection only.
+    """
+
+    status: Status
+    load_factor: float
+    rigor: Rigor
+    backend: str
+    coupling: str
+    certificate: Certificate | None
+    regularised: RegularisedValues | None
+    history: pd.DataFrame
+    build_time: float
+    solve_time: float
+    message: str
+    discretisation: Discretisation
+    point: ProgramState | None
+
+    def _point(self) -> ProgramState:
+        if self.point is None:
+            raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
+        return self.point
+
+    @property
+    def outer_iterations(self) -> int:
+        """Inner solves of the coupling loop."""
+        return len(self.history)
+
+    @property
+    def velocity(self) -> dict[str, Floats]:
+        """Velocity at the P2 nodes (vertices, then edge midpoints) by body, shape (2, nodes), m/s.
+
+        Normalised by ``F0.u = 1``: only its shape has a meaning.
+        """
+        u = self._point().velocity
+        return {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
+
+    @property
+    def stress(self) -> dict[str, Floats]:
+        """Stress (xx, yy, zz, xy) at the strain points by body, shape (elements, 3, 4), Pa.
+
+        Tension is positive.
+        """
+        point = self._point()
+        result = {}
+        for group, s, p in zip(
+            self.discretisation.full.groups, point.stress, point.mean_stress, strict=True
+        ):
+            # Conjugate to (eps_xx - eps_yy, gamma): s_xx = -s_yy = s[0], s_xy = s[1], s_zz = 0.
+            parts = np.stack([p + s[:, 0], p - s[:, 0], p, s[:, 1]], axis=-1)
+            result[group.name] = parts.reshape(-1, 3, 4)
+        return result
+
+    @property
+    def dissipation(self) -> dict[str, Floats]:
+        """Plastic power of each element per area by body, shape (elements,), W/m^2 at F0.u = 1."""
+        u = self._point().velocity
+        return {
+            group.name: group.dissipation(u).reshape(-1, 3).sum(axis=1)
+            / group.weights.reshape(-1, 3).sum(axis=1)
+            for group in self.discretisation.full.groups
+        }
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
+
+        ``t_n >= 0`` is compression; the tangent is the normal turned by +90 degrees. Pressures
+        oscillate from point to point; sums and averages are what to trust.
+        """
+        point, rows = self._point(), self.discretisation.full.contact
+        where = self.discretisation.points
+        u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
+        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+        names = [interface.name for interface in self.discretisation.problem.interfaces]
+        return pd.DataFrame(
+            {
+                "interface": np.array(names, dtype=object)[rows.interface],
+                "x": where.position[:, 0],
+                "y": where.position[:, 1],
+                "n_x": where.normal[:, 0],
+                "n_y": where.normal[:, 1],
+                "length": rows.weights,
+                "t_n": point.normal_reaction,
+                "t_t": point.tangential_reaction[:, 0],
+                "u_n": u_n,
+                "u_t": u_t,
+                "state": np.select([u_n > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
+            }
+        )
+
+    @cached_property
+    def support_reactions(self) -> pd.DataFrame:
+        """Forces of supports and rigid footings on the nodes that they hold or move, N/m."""
+        point = self._point()
+        force = out_of_balance(self.discretisation.full, point)
+        frames = []
+        for name, dofs in self.discretisation.bodies.items():
+            held = self.discretisation.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
+            frames.append(
+                pd.DataFrame(
+                    {
+                        "body": name,
+                        "x": dofs.nodes[0, held],
+                        "y": dofs.nodes[1, held],
+                        "force_x": force[dofs.dofs[0, held]],
+                        "force_y": force[dofs.dofs[1, held]],
+                    }
+                )
+            )
+        return pd.concat(frames, ignore_index=True)
+
+    def plot(self) -> "Figure":
+        """Picture of the mechanism: deformed mesh, dissipation, slip and opening on interfaces."""
+        from lacore.plotting import plot_mechanism
+
+        return plot_mechanism(self)

@@ -1,0 +1,185 @@
+"""`solve`: from a problem to its limit state."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.assembly import Discretisation, discretise
+from lacore.backend import check_capable, find_backend, read_options
+from lacore.certificate import certify
+from lacore.coupling import COUPLINGS, Coupled, CouplingOptions, Iterate
+from lacore.errors import SolveError, require_known
+from lacore.problem import Problem
+from lacore.program import (
+    FrozenContact,
+    KinematicProgram,
+    Scales,
+    associated_contact,
+    dimensionless,
+    reaction_contact,
+)
+from lacore.regularization import RegularisedValues
+from lacore.result import LimitState
+from lacore.spaces import SPACES
+from lacore.state import ProgramState
+from lacore.status import Rigor, Status
+
+
+def solve(
+    problem: Problem | Discretisation,
+    backend: str = "clarabel",
+    coupling: str = "reaction",
+    *,
+    start: str = "associated",
+    damping: float = 0.7,
+    anderson: int = 3,
+    tolerance: float = 1e-6,
+    max_iterations: int = 100,
+    options: Mapping[str, Any] | None = None,
+    on_iterate: Callable[[Iterate], None] | None = None,
+    throw: bool = False,
+) -> LimitState:
+    """Collapse load and mechanism of a problem.
+
+    Args:
+        problem: the problem, or its discretisation where several backends share it.
+        backend: a name from `lacore.backend_names()`.
+        coupling: ``reaction``, the loop on contact reactions, or ``associated``: friction made
+            associated, one solve, an upper bound of the Coulomb load factor.
+        start, damping, anderson, tolerance, max_iterations: see `CouplingOptions`.
+        options: of the backend, by name.
+        on_iterate: called after each inner solve, for progress.
+        throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
+            status.
+
+    Raises:
+        InputError: an unknown name or an option out of range, before any solve.
+        NotCapable: the backend is missing, or cannot take the problem.
+        SolveError: see `throw`.
+    """
+    require_known("coupling", coupling, COUPLINGS)
+    coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations)
+    engine = find_backend(backend)
+    engine_options = read_options(engine, options or {})
+    begin = time.perf_counter()
+    if isinstance(problem, Problem):
+        problem = discretise(problem)
+    program = dimensionless(problem.program, problem.natural)
+    built = time.perf_counter()
+    check_capable(engine, program)
+    regularised = engine.capabilities.regularised
+    coupled = COUPLINGS[coupling](
+        program,
+        engine.prepare(program, engine_options),
+        regularised,
+        coupling_options,
+        on_iterate or (lambda _: None),
+    )
+    state = _limit_state(
+        problem,
+        program,
+        coupled,
+        backend=backend,
+        coupling=coupling,
+        regularised=regularised,
+        build_time=built - begin,
+        solve_time=time.perf_counter() - built,
+    )
+    if throw and state.status is not Status.SOLVED:
+        raise SolveError(state.message, state)
+    return state
+
+
+def _limit_state(
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    coupled: Coupled,
+    *,
+    backend: str,
+    coupling: str,
+    regularised: bool,
+    build_time: float,
+    solve_time: float,
+) -> LimitState:
+    inner, scales = coupled.last.inner, program.scales
+    point, certificate = inner.point, coupled.last.certificate
+    load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
+    if point is not None and certificate is not None and not regularised:
+        contact = associated_contact(program.contact) if coupling == "associated" else None
+        point = replace(point, load_factor=kinematic_load_factor(program, point, contact))
+        # The gap stays that between the two values; everything else must hold for the reported one.
+        certificate = replace(certify(program, point, contact), gap=certificate.gap)
+    if point is not None and coupled.status is Status.SOLVED:
+        load_factor = point.load_factor * scales.load_factor
+    history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
+    history["load_factor"] *= scales.load_factor
+    message = f"{coupled.status.label}: {coupled.status.value}"
+    return LimitState(
+        status=coupled.status,
+        load_factor=float(load_factor),
+        rigor=_rigor(discretisation, coupled.status, coupling, regularised),
+        backend=backend,
+        coupling=coupling,
+        certificate=certificate,
+        regularised=_in_si(inner.regularised, scales),
+        history=history,
+        build_time=build_time,
+        solve_time=solve_time,
+        message=f"{message} ({inner.message})" if inner.message else message,
+        discretisation=discretisation,
+        point=None if point is None else _point_in_si(discretisation, point, scales),
+    )
+
+
+def kinematic_load_factor(
+    program: KinematicProgram, point: ProgramState, contact: FrozenContact | None
+) -> float:
+    """Load factor of a velocity, re-evaluated from it (T15b), friction at the reactions of `point`.
+
+    With `contact` given, friction at its bounds instead.
+    """
+    u = point.velocity
+    bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
+    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
+    return (dissipated - float(program.dead_load @ u)) / float(program.reference_load @ u)
+
+
+def _rigor(
+    discretisation: Discretisation, status: Status, coupling: str, regularised: bool
+) -> Rigor:
+    if status is not Status.SOLVED:
+        return Rigor.NOT_CERTIFIED
+    if regularised:
+        return Rigor.REGULARISED
+    bodies = discretisation.problem.bodies.values()
+    strict = all(SPACES[body.space].strict and body.geometry == "exact" for body in bodies)
+    normal = coupling == "associated" or not discretisation.full.contact.coulomb.any()
+    return Rigor.UPPER if strict and normal else Rigor.DISCRETE
+
+
+def _in_si(values: RegularisedValues | None, scales: Scales) -> RegularisedValues | None:
+    if values is None:
+        return None
+    return RegularisedValues(
+        *(
+            value * scales.load_factor
+            for value in (values.plastic, values.alpha_reg, values.load_factor, values.multiplier)
+        )
+    )
+
+
+def _point_in_si(
+    discretisation: Discretisation, point: ProgramState, scales: Scales
+) -> ProgramState:
+    return ProgramState(
+        velocity=np.asarray(discretisation.free_basis @ point.velocity) * scales.velocity,
+        load_factor=point.load_factor * scales.load_factor,
+        stress=tuple(stress * scales.stress for stress in point.stress),
+        mean_stress=tuple(mean * scales.stress for mean in point.mean_stress),
+        normal_reaction=point.normal_reaction * scales.stress,
+        tangential_reaction=point.tangential_reaction * scales.stress,
+    )

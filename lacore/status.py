@@ -1,0 +1,76 @@
+"""What a solve came to. The text of a status says what happened and what to do about it."""
+
+from enum import Enum
+
+
+class Status(Enum):
+    """Outcome of one inner solve, or of the whole coupled problem (T13)."""
+
+    SOLVED = "solved to the tolerances asked for"
+    ALMOST_SOLVED = "solved to reduced tolerances only: judge it by the recomputed residuals"
+    STALLED = (
+        "the solver stopped making progress: coarsen the scaling of the mesh, loosen the"
+        " tolerance, or try another backend"
+    )
+    ITERATION_LIMIT = "the solver's iteration limit was reached: raise `max_iterations`"
+    TIME_LIMIT = "the time limit was reached: raise `time_limit` or take a coarser mesh"
+    FAILED = "the solver failed numerically: its message says how; try another backend"
+    NOT_CONVERGED = (
+        "the reaction loop did not reach a Coulomb state within its budget: lower `damping`,"
+        " raise `anderson`, or raise `max_iterations`; the history shows what it did"
+    )
+    NOT_CERTIFIED = (
+        "the loop ended, but the recomputed residuals do not prove the answer: tighten the"
+        " backend's tolerance, or try another backend"
+    )
+    INVALID_START = (
+        "without friction the dead loads already collapse the structure, so zero reactions are"
+        " no valid start (every arch): use start='associated'"
+    )
+    UNSAFE = (
+        "no load factor keeps equilibrium: the dead loads alone collapse the structure; reduce"
+        " them, add supports or strength"
+    )
+    LOCKED = (
+        "no admissible mechanism feels the reference load (load factor +inf): the supports,"
+        " obstacles or incompressibility block every motion that it drives"
+    )
+    FREE = (
+        "the structure moves under the reference load without any dissipation (load factor 0):"
+        " a support, a friction or a strength is missing"
+    )
+
+    @property
+    def has_point(self) -> bool:
+        """Whether a velocity and a load factor come with this status, to be judged by residuals."""
+        return self in _WITH_POINT
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables: ``not converged``."""
+        return self.name.lower().replace("_", " ")
+
+
+_WITH_POINT = frozenset(
+    {
+        Status.SOLVED,
+        Status.ALMOST_SOLVED,
+        Status.STALLED,
+        Status.ITERATION_LIMIT,
+        Status.TIME_LIMIT,
+    }
+)
+
+
+class Rigor(Enum):
+    """What a load factor proves (T16). No number is printed without one."""
+
+    UPPER = "strict upper bound of the continuum problem"
+    DISCRETE = "converged value of the discrete problem, not a bound"
+    REGULARISED = "value of the regularised problem: approaches the discrete one as r -> 0"
+    NOT_CERTIFIED = "not certified"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables."""
+        return self.name.lower().replace("_", " ")

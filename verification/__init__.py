@@ -1,0 +1,1 @@
+"""Verification: cases with references, and the harness that compares backends with them."""
