@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import clarabel
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, diags_array, hstack, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution

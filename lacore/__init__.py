@@ -6,7 +6,7 @@ from lacore.backend import backend_names, find_backend
 from lacore.bodies import Body
 from lacore.certificate import Certificate
 from lacore.criteria import VonMises
-from lacore.errors import InputError, LacoreError, NotCapable, SolveError
+from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem
@@ -19,6 +19,7 @@ __all__ = [
     "STICK",
     "Body",
     "BodyForce",
+    "CapabilityError",
     "Certificate",
     "Coulomb",
     "Discretisation",
@@ -27,7 +28,6 @@ __all__ = [
     "Interface",
     "LacoreError",
     "LimitState",
-    "NotCapable",
     "PointForce",
     "Pressure",
     "Problem",

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 from importlib.metadata import entry_points
 from typing import Any, ClassVar, Protocol
 
-from lacore.errors import NotCapable, require_known
+from lacore.errors import CapabilityError, require_known
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState
@@ -88,24 +88,24 @@ def find_backend(name: str) -> Backend:
 
     Raises:
         InputError: no such name.
-        NotCapable: it is registered, but cannot be loaded or run here.
+        CapabilityError: it is registered, but cannot be loaded or run here.
     """
     require_known("backend", name, backend_names())
     (entry, *_) = entry_points(group=GROUP, name=name)
     try:
         backend: Backend = entry.load()()
     except ImportError as error:
-        raise NotCapable(f"backend {name!r} cannot be loaded: {error}") from error
+        raise CapabilityError(f"backend {name!r} cannot be loaded: {error}") from error
     if reason := backend.unavailable():
-        raise NotCapable(f"backend {name!r} is not available: {reason}")
+        raise CapabilityError(f"backend {name!r} is not available: {reason}")
     return backend
 
 
 def check_capable(backend: Backend, program: KinematicProgram) -> None:
-    """Raise `NotCapable` where a backend cannot take a program."""
+    """Raise `CapabilityError` where a backend cannot take a program."""
     limit = backend.capabilities.max_unknowns
     if limit is not None and program.n > limit:
-        raise NotCapable(
+        raise CapabilityError(
             f"backend {backend.name!r} takes at most {limit} velocity unknowns, this problem has"
             f" {program.n}: take a coarser mesh, or a sparse backend such as 'clarabel'"
         )

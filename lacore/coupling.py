@@ -124,10 +124,9 @@ class _Run:
         certificate, mismatch = None, np.nan
         if inner.point is not None:
             certificate = certify(self.program, inner.point, laws)
+            mismatch = 0.0
             if laws is None:
                 mismatch = self._mismatch(contact, inner.point.normal_reaction)
-            else:
-                mismatch = 0.0
         iterate = Iterate(len(self.iterates), kind, inner, certificate, mismatch)
         self.iterates.append(iterate)
         self.on_iterate(iterate)

@@ -86,7 +86,7 @@ def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[
     tangent[conditions.nodes] = np.stack([-d[:, 1], d[:, 0]], axis=1)
     free = np.flatnonzero(count <= 0)
     slide = np.flatnonzero(sliding)
-    nodes, axis, footing = np.nonzero(carried)
+    nodes, axes, footing = np.nonzero(carried)
     first_slide = 2 * free.size
     first_footing = first_slide + slide.size
     entries = [
@@ -95,7 +95,7 @@ def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[
             (node_dofs[c, slide], first_slide + np.arange(slide.size), tangent[slide, c])
             for c in (0, 1)
         ),
-        (node_dofs[axis, nodes], first_footing + footing, carried[nodes, axis, footing]),
+        (node_dofs[axes, nodes], first_footing + footing, carried[nodes, axes, footing]),
         (
             2 * n_nodes + np.arange(n_footings),
             first_footing + np.arange(n_footings),

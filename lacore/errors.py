@@ -21,7 +21,7 @@ class InputError(LacoreError, ValueError):
         super().__init__(f"{field}{shown}: {why}; {mend}")
 
 
-class NotCapable(LacoreError):
+class CapabilityError(LacoreError):
     """A backend that cannot take a program; the message says why and the way out."""
 
 

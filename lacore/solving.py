@@ -58,7 +58,7 @@ def solve(
 
     Raises:
         InputError: an unknown name or an option out of range, before any solve.
-        NotCapable: the backend is missing, or cannot take the problem.
+        CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
     """
     require_known("coupling", coupling, COUPLINGS)
