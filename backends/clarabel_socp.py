@@ -33,6 +33,7 @@ STATUS_MAP = {
     "CallbackTerminated": Status.FAILED,
     "Unsolved": Status.FAILED,
 }
+_DEFINITE = {"Solved", "PrimalInfeasible", "DualInfeasible"}  # nothing to gain from another try
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ class ClarabelSolver:
         else:
             self._solver.update(q=cost, b=offset)
         answer = self._solver.solve()
-        if str(answer.status) != "Solved":
+        if str(answer.status) not in _DEFINITE:
             self._solver = self._start(cost, offset, refine=True)
             answer = self._solver.solve()
             self._solver = None
