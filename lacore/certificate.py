@@ -100,17 +100,18 @@ def certify(
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
     return Certificate(
         equilibrium=_largest(np.abs(out_of_balance(program, state))) / forces,
-        yield_violation=max(
-            (
-                _largest(np.linalg.norm(stress, axis=1) / group.bound - 1)
-                for group, stress in zip(program.groups, state.stress, strict=True)
-            ),
-            default=0.0,
+        yield_violation=_largest(
+            np.array(
+                [
+                    _largest(np.linalg.norm(stress, axis=1) / group.bound - 1)
+                    for group, stress in zip(program.groups, state.stress, strict=True)
+                ]
+            )
         ),
-        cone=max(_largest(excess), _largest(-t_n)) / reaction,
+        cone=_largest(np.maximum(excess, -t_n)) / reaction,
         penetration=_largest(inward) / velocity,
-        divergence=max(
-            (_largest(np.abs(group.volumetric @ u)) for group in program.groups), default=0.0
+        divergence=_largest(
+            np.array([_largest(np.abs(group.volumetric @ u)) for group in program.groups])
         )
         / strain,
         normalisation=abs(float(program.reference_load @ u) - 1),
@@ -129,8 +130,8 @@ def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
 
 
 def _largest(values: Floats) -> float:
-    """Largest of values and 0."""
-    return float(max(0.0, values.max())) if values.size else 0.0
+    """Largest of values and 0; NaN where there is one (the built-in max would drop it)."""
+    return float(np.maximum(0.0, values.max())) if values.size else 0.0
 
 
 def _nonzero(scale: float) -> float:
