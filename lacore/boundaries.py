@@ -54,6 +54,10 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
     boundary = mesh.boundary_facets()
     start, end = mesh.p[:, mesh.facets[0, boundary]], mesh.p[:, mesh.facets[1, boundary]]
     samples = start[:, :, None] * (1 - _SAMPLES) + end[:, :, None] * _SAMPLES
+    # Between its ends without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
+    samples = np.clip(
+        samples, np.minimum(start, end)[:, :, None], np.maximum(start, end)[:, :, None]
+    )
     inside = np.asarray(where(samples.reshape(2, -1)))
     if inside.shape != (samples[0].size,) or inside.dtype != bool:
         raise InputError(
