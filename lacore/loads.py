@@ -118,6 +118,8 @@ class RigidFooting:
     def __post_init__(self) -> None:
         _check_vector("RigidFooting.direction", self.direction, "any unit")
         _check_size("RigidFooting.pressure", self.pressure, "Pa")
+        # Footings are told apart by value, so a direction given as a list has to be hashable.
+        object.__setattr__(self, "direction", tuple(float(c) for c in self.direction))
 
 
 Load = Traction | Pressure | BodyForce | PointForce | RigidFooting
