@@ -168,13 +168,33 @@ class _Run:
         point = iterate.inner.point
         if point is None:
             return self.end(iterate.inner.status)
+        if self.free(iterate):
+            return self.end(Status.FREE)
         if not self.proven(iterate):
             unfinished = iterate.inner.status not in (Status.SOLVED, Status.ALMOST_SOLVED)
             return self.end(iterate.inner.status if unfinished else Status.NOT_CERTIFIED)
-        dead_power = abs(float(self.program.dead_load @ point.velocity))
-        if dead_power <= _NO_POWER and abs(point.load_factor) <= _NO_POWER:
-            return self.end(Status.FREE)
         return self.end(Status.SOLVED)
+
+    def free(self, iterate: Iterate) -> bool:
+        """Whether an admissible motion turns over no power at all.
+
+        It is judged before the residuals: those per power, and with no dead load those per total
+        load, are 0/0 here.
+        """
+        point, certificate = iterate.inner.point, iterate.certificate
+        if point is None or certificate is None or iterate.inner.status is not Status.SOLVED:
+            return False
+        admissible = (certificate.penetration, certificate.divergence, certificate.normalisation)
+        bound = reaction_contact(self.program.contact, point.normal_reaction).bound
+        powers = (
+            point.load_factor,
+            float(self.program.dead_load @ point.velocity),
+            self.program.plastic_dissipation(point.velocity),
+            self.program.friction_dissipation(point.velocity, bound),
+        )
+        return all(value <= self.options.tolerance for value in admissible) and all(
+            abs(value) <= _NO_POWER for value in powers
+        )
 
 
 @dataclass
@@ -249,7 +269,7 @@ def reaction_loop(
     for _ in range(options.max_iterations):
         iterate = run.solve("reaction", reaction_contact(rows, reaction), None)
         point = iterate.inner.point
-        if point is None or run.proven(iterate):
+        if point is None or run.proven(iterate) or run.free(iterate):
             return run.judged(iterate)
         reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)
     return run.end(Status.NOT_CONVERGED)
