@@ -91,10 +91,19 @@ def rectangle(
     Raises:
         InputError: see `graded`.
     """
-    quads = MeshQuad.init_tensor(
-        graded(x[0], x[1], nx, grade_x), graded(y[0], y[1], ny, grade_y)
-    ).with_defaults()
-    return quads.to_meshtri(style="x" if crossed else None)
+    mesh = _cells(x, y, nx, ny, grade_x, grade_y).to_meshtri(style="x" if crossed else None)
+    # By exact coordinates: the default names of scikit-fem go by `numpy.isclose` and take in facets
+    # beside the boundary where cells are long and thin or far from the origin.
+    left, bottom = mesh.p.min(axis=1)
+    right, top = mesh.p.max(axis=1)
+    return mesh.with_boundaries(
+        {
+            "left": lambda middle: middle[0] == left,
+            "right": lambda middle: middle[0] == right,
+            "bottom": lambda middle: middle[1] == bottom,
+            "top": lambda middle: middle[1] == top,
+        }
+    )
 
 
 def quarter_ring(
@@ -120,15 +129,25 @@ def quarter_ring(
     """
     if not inner > 0:
         raise InputError("inner", inner, "not a positive radius", "give inner > 0")
-    flat = rectangle(
-        (inner, outer), (0, pi / 2), n_radial, n_angular, crossed, grade_x=(inner, grade)
-    )
-    r, angle = flat.p
-    names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
+    cells = _cells((inner, outer), (0, pi / 2), n_radial, n_angular, grade_x=(inner, grade))
+    r, angle = cells.p
     points = np.stack([r * np.cos(angle), r * np.sin(angle)])
-    points[0, np.isclose(angle, pi / 2)] = 0.0
-    return replace(
-        flat,
-        doflocs=np.ascontiguousarray(points),
-        _boundaries={names[name]: facets for name, facets in flat.boundaries.items()},
+    points[0, angle == pi / 2] = 0.0
+    # Crossed when bent: the centre of a flat cell would land beyond the chord of a thin one.
+    bent = replace(cells, doflocs=points).to_meshtri(style="x" if crossed else None)
+    flat = rectangle((inner, outer), (0, pi / 2), n_radial, n_angular, crossed, (inner, grade))
+    names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
+    return bent.with_boundaries(
+        {names[name]: facets for name, facets in flat.boundaries.items()},
     )
+
+
+def _cells(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    nx: int,
+    ny: int,
+    grade_x: tuple[float, float] | None = None,
+    grade_y: tuple[float, float] | None = None,
+) -> MeshQuad:
+    return MeshQuad.init_tensor(graded(x[0], x[1], nx, grade_x), graded(y[0], y[1], ny, grade_y))
