@@ -9,7 +9,9 @@ from lacore.bodies import Body
 from lacore.errors import InputError, suggest
 
 Where = str | Callable[[Floats], Bools]
-_SAMPLES = np.linspace(0.0, 1.0, 17)
+# Shares of an edge: inside it, so that `<` and `<=` with a vertex select the same, and close to its
+# ends, so that a predicate that ends just past a vertex is seen; 1e-3 leaves room for slack.
+_SAMPLES = np.array([1e-3, *np.linspace(0.0, 1.0, 17)[1:-1], 1 - 1e-3])
 
 
 def boundary_facets(body: Body, where: Where, field: str) -> Ints:
@@ -68,7 +70,7 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
         )
     inside = inside.reshape(boundary.size, _SAMPLES.size)
     whole = inside.all(axis=1)
-    cut = inside[:, 1:-1].any(axis=1) & ~whole
+    cut = inside.any(axis=1) & ~whole
     if cut.any():
         first = np.flatnonzero(cut)[0]
         raise InputError(
