@@ -1,0 +1,137 @@
+"""Meshes: graded rows, rectangles, the quarter ring."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+import lacore as la
+from lacore.meshes import graded
+
+ROUND_OFF = 1e-12  # of lengths of order one, after some hundred operations
+
+
+def areas(mesh):
+    a, b, c = np.moveaxis(mesh.p[:, mesh.t], 1, 0)
+    return ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
+
+
+@given(
+    start=st.floats(-1e3, 1e3),
+    length=st.floats(1e-3, 1e3),
+    place=st.floats(0, 1),
+    cells=st.integers(2, 60),
+    ratio=st.floats(1, 100),
+)
+def test_graded_row(start, length, place, cells, ratio):
+    stop = start + length
+    at = min(start + place * length, stop)
+    # A point within an ulp's reach of an end cannot be a vertex of its own.
+    assume(min(at - start, stop - at) == 0 or min(at - start, stop - at) > 1e-6 * length)
+    row = graded(start, stop, cells, (at, ratio))
+    assert row.shape == (cells + 1,)
+    assert row[0] == start
+    assert row[-1] == stop
+    assert at in row, "the point is a vertex, exactly"
+    assert np.all(np.diff(row) > 0)
+    size = np.diff(row)
+    right, left = size[row[:-1] >= at], size[row[1:] <= at]
+    # Cells grow away from the point; tolerance: cancellation in differences of coordinates.
+    slack = 1e-12 * max(abs(start), abs(stop), length)
+    assert np.all(np.diff(right) >= -slack)
+    assert np.all(np.diff(left) <= slack)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 4.0, 20.0])
+def test_ratio_of_largest_to_smallest_cell(ratio):
+    # Cell size is e^(share) of distance: across a cell it varies by ratio^(1/cells), hence within
+    # one cell's growth of the ratio asked for.
+    cells = 64
+    size = np.diff(graded(0.0, 1.0, cells, (0.0, ratio)))
+    assert ratio ** (1 - 2 / cells) <= size[-1] / size[0] * (1 + ROUND_OFF)
+    assert size[-1] / size[0] <= ratio * (1 + ROUND_OFF)
+
+
+def test_without_grade_cells_are_equal():
+    assert np.allclose(np.diff(graded(-1, 2, 6)), 0.5, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ((1, 0, 3), ("extent", "not an interval")),
+        ((0, np.nan, 3), ("extent", "not an interval")),
+        ((0, np.inf, 3), ("extent", "not an interval")),
+        ((0, 1, 0), ("cells", "at least one")),
+        ((0, 1, 2.5), ("cells", "2.5")),
+        ((0, 1, 3, (2.0, 4)), ("grade", "outside", "move it inside")),
+        ((0, 1, 3, (np.nan, 4)), ("grade", "outside")),
+        ((0, 1, 3, (0.0, 0.5)), ("grade", "ratio >= 1")),
+        ((0, 1, 3, (0.0, np.nan)), ("grade", "ratio >= 1")),
+        ((0, 1, 1, (0.5, 4)), ("cells", "at least two")),
+    ],
+)
+def test_graded_refuses(arguments, parts):
+    with pytest.raises(la.InputError) as caught:
+        graded(*arguments)
+    assert all(part in str(caught.value) for part in parts)
+
+
+@given(
+    nx=st.integers(1, 6),
+    ny=st.integers(1, 6),
+    width=st.floats(0.1, 10),
+    height=st.floats(0.1, 10),
+    crossed=st.booleans(),
+    ratio=st.floats(1, 30),
+)
+def test_rectangle(nx, ny, width, height, crossed, ratio):
+    mesh = la.meshes.rectangle(
+        (-1, -1 + width), (2, 2 + height), nx, ny, crossed, (-1, ratio), (2 + height, ratio)
+    )
+    assert mesh.nelements == nx * ny * (4 if crossed else 2)
+    # Sum of positive areas is that of the rectangle: no gap, no overlap.
+    assert np.abs(areas(mesh)).sum() == pytest.approx(width * height, rel=ROUND_OFF)
+    assert sorted(mesh.boundaries) == ["bottom", "left", "right", "top"]
+    lines = {"left": (0, -1), "right": (0, -1 + width), "bottom": (1, 2), "top": (1, 2 + height)}
+    for name, (axis, value) in lines.items():
+        facets = mesh.boundaries[name]
+        assert facets.size == (ny if axis == 0 else nx)
+        assert np.allclose(mesh.p[axis, mesh.facets[:, facets]], value, atol=1e-11)
+    la.Body(mesh, la.VonMises(shear_strength=1.0))  # accepted as it is
+
+
+@given(n_radial=st.integers(1, 5), n_angular=st.integers(2, 8), ratio=st.floats(1, 5), cross=...)
+def test_quarter_ring(n_radial: int, n_angular: int, ratio: float, cross: bool):
+    inner, outer = 1.0, 2.0
+    mesh = la.meshes.quarter_ring(inner, outer, n_radial, n_angular, cross, ratio)
+    la.Body(mesh, la.VonMises(shear_strength=1.0), geometry="approximated")
+    assert sorted(mesh.boundaries) == ["bore", "outside", "x_axis", "y_axis"]
+    ends = {name: mesh.p[:, mesh.facets[:, f].ravel()] for name, f in mesh.boundaries.items()}
+    assert np.allclose(np.linalg.norm(ends["bore"], axis=0), inner, rtol=ROUND_OFF)
+    assert np.allclose(np.linalg.norm(ends["outside"], axis=0), outer, rtol=ROUND_OFF)
+    assert np.all(ends["x_axis"][1] == 0)
+    assert np.all(ends["y_axis"][0] == 0)
+    # The polygon of n chords over a quarter circle of radius R has the area (n/2) R^2 sin(pi/2n).
+    polygon = n_angular / 2 * np.sin(np.pi / 2 / n_angular) * (outer**2 - inner**2)
+    assert np.abs(areas(mesh)).sum() == pytest.approx(polygon, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("inner", [0.0, -1.0, float("nan")])
+def test_quarter_ring_refuses_its_inner_radius(inner):
+    with pytest.raises(la.InputError, match="inner"):
+        la.meshes.quarter_ring(inner, 2.0, 2, 2)
+
+
+@pytest.mark.parametrize("place", [0.0, 1e3, 1e6])
+@pytest.mark.parametrize("height", [1.0, 100.0])
+def test_boundary_names_wherever_and_however_slim(place, height):
+    mesh = la.meshes.rectangle((place, place + 1), (place, place + height), 20, 2)
+    sizes = {name: facets.size for name, facets in mesh.boundaries.items()}
+    assert sizes == {"left": 2, "right": 2, "bottom": 20, "top": 20}
+
+
+def test_quarter_ring_of_cells_thinner_than_their_bulge():
+    # Half the thickness, 1/32, is below the bulge R (1 - cos(pi/16)) = 0.038 of the outer arc.
+    mesh = la.meshes.quarter_ring(1.0, 2.0, 16, 4)
+    la.Body(mesh, la.VonMises(shear_strength=1.0), geometry="approximated")
