@@ -1,0 +1,101 @@
+"""A block twice as wide as high is pressed between two rigid platens with Coulomb friction mu.
+
+                 alpha                              platen, at rest
+            v   v   v   v   v             ///////////////// mu //////
+          +-------------------+           o-----------------------+
+          |         :         |     u_x=0 o                       |  free
+          | - - - - : - - - - |           o     quarter model     |
+          |         :         |           o-----------------------+
+          +-------------------+             ^   ^   ^   ^   ^   ^
+            ^   ^   ^   ^   ^               smooth footing, moves up
+
+By symmetry a quarter is modelled, and seen by an observer on the platen: the platen is the rigid
+obstacle at rest and the mid-plane is pushed up against it, flat and smooth. Without friction the
+block would need 2 k; friction confines it. From mu of about 0.3 on the block sticks to the platens
+and the load grows no more. The edge of the platen is a singular point.
+"""
+
+import lacore as la
+from verification.case import Band, Case, Convergence, Reference, Variant
+
+WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
+
+_PUBLISHED = {0.05: 2.100, 0.1: 2.197, 0.2: 2.365}
+_STICKING = 2.427658
+_SLIDING = Convergence(
+    0.0587,
+    0.62,
+    "mu = 0.2, the worst; 32 to 2048 elements: 0.69, 0.34, 0.17, 0.089, 0.052 % above the limit"
+    " 2.3613 that they and the interior rule tend to",
+)
+_STICK = Convergence(
+    0.172, 0.52, "mu = 0.3; 32 to 4800 elements: 2.84, 1.42, 0.76, 0.46, 0.32, 0.21 % above"
+)
+
+
+def build(nx: int, ny: int, ratio: float, mu: float) -> la.Problem:
+    """The quarter, graded towards the edge of the platen."""
+    mesh = la.meshes.rectangle(
+        x=(0, WIDTH), y=(0, HEIGHT), nx=nx, ny=ny, grade_x=(WIDTH, ratio), grade_y=(HEIGHT, ratio)
+    )
+    return la.Problem(
+        bodies={"block": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        supports=[la.Fix("block", "left", "x")],
+        interfaces=[la.Interface(("block", "top"), la.RigidObstacle((0, HEIGHT), (0, -1)), mu)],
+        reference_loads=[la.RigidFooting("block", "bottom", (0, 1), rough=False)],
+    )
+
+
+def reference(mu: float) -> Reference:
+    """Numerical solutions of the slip-line problem; with much friction that of sticking platens."""
+    if mu >= 0.3:
+        return Reference(
+            _STICKING,
+            "slip-line net of sticking platens",
+            "net integrated to 6 digits; bracket [2.4152, 2.4569] by independent bounds;"
+            " after Salencon",
+            "exact, numerical",
+            half_width=0.003,
+        )
+    return Reference(
+        _PUBLISHED[mu],
+        "extrapolated from refined finite elements",
+        "independent computation, to the half width; refinement here tends to 2.0996, 2.1962 and"
+        " 2.3613 for mu = 0.05, 0.1, 0.2, the last 0.0007 below that interval",
+        "bracket",
+        half_width=0.003,
+    )
+
+
+def band(elements: int, mu: float) -> Band:
+    """Converges from above, but frozen Coulomb friction makes no bounds."""
+    error = _STICK if mu >= 0.3 else _SLIDING
+    return error.two_sided(elements, "frozen Coulomb friction is not associated.")
+
+
+CASE = Case(
+    id="platens-coulomb",
+    title="Block pressed between platens with friction, w/h = 2",
+    tags=("contact", "Coulomb", "singular point"),
+    unit="F/(w k)",
+    explanation=__doc__,
+    hand_calculation="""\
+no friction:   alpha = 2 k (uniform compression in plane strain)
+sticking:      slip-line net of the block of w/h = 2: alpha = 2.427658 k
+in between:    thin-block estimate (slab method), exact to first order in mu only:
+               dp/dx = 2 mu p/h from p = 2 k at the free side, with h the height and w = 2 h
+               alpha = 2 k (e^c - 1)/c, c = mu w/h  ->  mu = 0.05: 2.103, mu = 0.1: 2.214
+               (a little above 2.100 and 2.197: it ignores the shear that friction puts into
+               the yield condition)
+""",
+    meshes={
+        "coarse": {"nx": 8, "ny": 4, "ratio": 8.0},
+        "medium": {"nx": 22, "ny": 11, "ratio": 20.0},
+        "fine": {"nx": 48, "ny": 25, "ratio": 60.0},
+    },
+    build=build,
+    reference=reference,
+    band=band,
+    variants=tuple(Variant(f"mu-{mu:g}", {"mu": mu}) for mu in (0.05, 0.1, 0.2, 0.3)),
+    sweep="mu",
+)

@@ -1,0 +1,71 @@
+"""A square block is pressed between two rigid platens: friction does not matter.
+
+                 alpha
+            v   v   v   v                     platen, at rest
+          +---------------+               /////// mu //////
+          | \\           / |               o---------------+
+          |   \\       /   |         u_x=0 o \\             |
+          |     \\   /     |               o    \\  45 deg  |  free
+          |       X       |               o       \\       |
+          |     /   \\     |               o          \\    |
+          |   /       \\   |               o-------------\\-+
+          | /           \\ |                 ^   ^   ^   ^
+          +---------------+               smooth footing, moves up
+            ^   ^   ^   ^
+
+Four rigid wedges slide along the two diagonals; the upper and lower ones move with the platens and
+stick to them, so no friction at all is needed or used. This holds for w/h <= 1. The quarter model
+is that of `platens-coulomb`.
+
+Continuous velocities cannot follow the cut into the corner where the axes of symmetry meet: the
+shear band has a width there. The error vanishes with the mesh. Uniform compression without shear on
+the platens is admissible for any frozen friction, so every discrete value lies above 2 k.
+"""
+
+import lacore as la
+from verification.case import Band, Case, Convergence, Reference, Variant
+
+SIDE = 0.5  # of the quarter
+_ERROR = Convergence(
+    0.557, 0.913, "mu = 0.5, the worst; 36 to 4624 elements: 1.96, 0.83, 0.36, 0.10, 0.024 % above"
+)
+
+
+def build(n: int, mu: float) -> la.Problem:
+    """The quarter on n x n square cells."""
+    mesh = la.meshes.rectangle(x=(0, SIDE), y=(0, SIDE), nx=n, ny=n)
+    return la.Problem(
+        bodies={"block": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        supports=[la.Fix("block", "left", "x")],
+        interfaces=[la.Interface(("block", "top"), la.RigidObstacle((0, SIDE), (0, -1)), mu)],
+        reference_loads=[la.RigidFooting("block", "bottom", (0, 1), rough=False)],
+    )
+
+
+def reference(mu: float) -> Reference:
+    """Uniform compression."""
+    return Reference(2.0, "2 k", "uniform stress and the mechanism of diagonal cuts", "exact")
+
+
+def band(elements: int, mu: float) -> Band:
+    """Strict for every friction: uniform stress needs none on the platens."""
+    return _ERROR.strict(elements)
+
+
+CASE = Case(
+    id="platens-square",
+    title="Square block between platens: 2 k at any friction",
+    tags=("contact", "Coulomb", "closed form", "invariance"),
+    unit="F/(w k)",
+    explanation=__doc__,
+    hand_calculation="""\
+below:  uniform sigma_y = -2 k, sigma_x = 0: radius of Mohr's circle k, no shear on the platens
+above:  platens close at rate 2 v, four cuts of length w/sqrt2, jump sqrt2 v:
+        D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v;  power of F: 2 v F  ->  F/w = 2 k
+""",
+    meshes={"coarse": {"n": 5}, "medium": {"n": 16}, "fine": {"n": 34}},
+    build=build,
+    reference=reference,
+    band=band,
+    variants=tuple(Variant(f"mu-{mu:g}", {"mu": mu}) for mu in (0.1, 0.5)),
+)

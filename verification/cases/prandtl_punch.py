@@ -1,0 +1,91 @@
+"""A rigid strip footing of half width 1 is pressed into a half space of a von Mises material.
+
+The right half is modelled. The footing is smooth (the soil slides freely beneath it) or rough (the
+soil sticks to it); the collapse pressure is the same.
+
+                 alpha
+                 | | |
+          axis   v v v   footing
+          o-------------+- - - - - - - - - - - - +
+        u_x=0  \\       / \\ fan               / :
+          o     \\  1  /   \\     2    3       /  :
+                 \\   /     \\ _ _ _ _ _ _ _ /    :   u = 0
+          o       \\ /                           :
+          o- - - - - - - - - - - - - - - - - - - +
+                           u = 0
+          |<---- 1 ---->|
+          |<----------------- 4 ---------------->|     depth 2
+
+Three zones: an active wedge (1) goes down, a 90-degree fan (2) turns the motion around the edge of
+the footing, a passive wedge (3) goes up. The edge is a singular point where the strain rate is not
+bounded, so the mesh is graded towards it: uniform meshes converge at order 1 only.
+"""
+
+from math import pi
+
+import numpy as np
+
+import lacore as la
+from verification.case import Band, Case, Convergence, Reference, Variant
+
+_SMOOTH = Convergence(
+    5.41, 0.965, "120 to 7440 elements: 5.33, 1.87, 0.707, 0.320, 0.150, 0.100 % above"
+)
+_ROUGH = Convergence(
+    2.24, 0.68, "120 to 7440 elements: 8.63, 3.73, 1.92, 1.08, 0.690, 0.530 % above"
+)
+
+
+def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> la.Problem:
+    """The right half, graded towards the edge of the footing."""
+    mesh = la.meshes.rectangle(
+        x=(0, 4), y=(-2, 0), nx=nx, ny=ny, grade_x=(1.0, ratio_x), grade_y=(0.0, ratio_y)
+    )
+    return la.Problem(
+        bodies={"soil": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        supports=[
+            la.Fix("soil", "left", "x"),
+            la.Fix("soil", "bottom"),
+            la.Fix("soil", "right"),
+        ],
+        reference_loads=[la.RigidFooting("soil", _under_footing, (0, -1), rough=rough)],
+    )
+
+
+def _under_footing(x: np.ndarray) -> np.ndarray:
+    return (x[1] > -1e-9) & (x[0] < 1 + 1e-9)
+
+
+def reference(rough: bool) -> Reference:
+    """Prandtl's solution, for either footing."""
+    return Reference(
+        2 + pi, "(2 + pi) k", "Prandtl 1920; Hill, The Mathematical Theory of Plasticity", "exact"
+    )
+
+
+def band(elements: int, rough: bool) -> Band:
+    """Strict upper bound; a rough footing adds a stress jump at its surface, hence more error."""
+    return (_ROUGH if rough else _SMOOTH).strict(elements)
+
+
+CASE = Case(
+    id="prandtl-punch",
+    title="Strip footing on a half space (Prandtl)",
+    tags=("continuum", "singular point", "upper bound"),
+    unit="mean footing pressure / k",
+    explanation=__doc__,
+    hand_calculation="""\
+passive wedge 3: free surface, sigma_y = 0      mean pressure  p3 = k
+fan 2: Hencky, p + 2 k (turn) constant, 90 deg  p1 = p3 + 2 k (pi/2) = k + pi k
+active wedge 1: sigma_y = -(p1 + k)             alpha = (2 + pi) k = 5.141593 k
+""",
+    meshes={
+        "coarse": {"nx": 6, "ny": 5, "ratio_x": 30.0, "ratio_y": 10.0},
+        "medium": {"nx": 22, "ny": 11, "ratio_x": 100.0, "ratio_y": 30.0},
+        "fine": {"nx": 48, "ny": 25, "ratio_x": 300.0, "ratio_y": 100.0},
+    },
+    build=build,
+    reference=reference,
+    band=band,
+    variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
+)

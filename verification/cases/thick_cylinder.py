@@ -1,0 +1,73 @@
+"""A thick tube of inner radius a = 1 and outer radius b = 2 bursts under internal pressure.
+
+          o
+    u_x=0 o-_
+          |    - _
+          |         \\
+          o-_         \\
+            - \\   <-   \\    a = 1, b = 2
+         alpha  \\        |
+          ->    |        |
+                o--------o    u_y = 0
+
+Plane strain, a quarter modelled. There is no contact: the case tests the continuum, and curved
+boundaries. The mesh replaces both circles by polygons, so its value is not a bound.
+"""
+
+from math import log, sqrt
+
+import lacore as la
+from verification.case import Band, Case, Convergence, Reference, Variant
+
+INNER, OUTER = 1.0, 2.0
+_ERROR = Convergence(
+    0.372, 0.974, "72 to 4784 elements: 0.577, 0.323, 0.105, 0.051, 0.021, 0.010 %, all above"
+)
+
+
+def build(n_radial: int, n_angular: int) -> la.Problem:
+    """The quarter; yield stress 1, so the load factor is in units of s0."""
+    mesh = la.meshes.quarter_ring(INNER, OUTER, n_radial, n_angular, grade=OUTER / INNER)
+    return la.Problem(
+        bodies={"tube": la.Body(mesh, la.VonMises(yield_stress=1.0), geometry="approximated")},
+        supports=[la.Fix("tube", "x_axis", "y"), la.Fix("tube", "y_axis", "x")],
+        reference_loads=[la.Pressure("tube", "bore")],
+    )
+
+
+def reference() -> Reference:
+    """The fully plastic tube."""
+    return Reference(
+        2 / sqrt(3) * log(OUTER / INNER),
+        "(2/sqrt3) s0 ln(b/a)",
+        "Hill, The Mathematical Theory of Plasticity; hand calculation below",
+        "exact",
+    )
+
+
+def band(elements: int) -> Band:
+    """Straight edges on curved boundaries."""
+    return _ERROR.two_sided(elements, "straight edges replace the circles.")
+
+
+CASE = Case(
+    id="thick-cylinder",
+    title="Thick tube under internal pressure",
+    tags=("continuum", "curved boundary", "closed form"),
+    unit="pressure / s0",
+    explanation=__doc__,
+    hand_calculation="""\
+equilibrium:  d sigma_r/dr = (sigma_t - sigma_r)/r
+yield:        sigma_t - sigma_r = 2 k = (2/sqrt3) s0   (plane strain)
+integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)  ->  alpha = 0.800377 s0 for b/a = 2
+""",
+    meshes={
+        "coarse": {"n_radial": 4, "n_angular": 8},
+        "medium": {"n_radial": 12, "n_angular": 20},
+        "fine": {"n_radial": 26, "n_angular": 46},
+    },
+    build=build,
+    reference=reference,
+    band=band,
+    variants=(Variant("burst", {}),),
+)
