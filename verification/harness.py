@@ -1,0 +1,228 @@
+"""Run one case variant on one mesh with one backend, and judge it: one row a run."""
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, fields
+from math import nan
+from typing import Any
+
+import lacore as la
+from lacore.coupling import Iterate
+from verification.case import Allowed, Band, Case, Reference, Variant, allowed_values
+
+PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
+STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
+COUPLING = "reaction"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One finished run; a field is a column. Values that do not exist are NaN or empty.
+
+    Attributes:
+        case, variant, backend, coupling, mesh: what was run.
+        n_elements, n_dofs: of the mesh; unknowns after supports.
+        load_factor, reference: in units of the case.
+        error: ``load_factor / reference - 1``.
+        rigor, status: labels.
+        lower, upper: the load factor again, where rigor proves it to be such a bound.
+        outer_iterations: inner solves of the coupling loop.
+        gap: of the certificate.
+        build_time, solve_time: s.
+        message: of the status, or why a run was skipped or failed.
+        verdict: ``pass``, ``FAIL`` or ``skipped``; `why` says why.
+        why: the rule that gave the verdict, with its numbers.
+        alpha_reg, regularised_lambda, P: the values of T19, as load factors.
+        energy: C of T19.
+        parameters: of the variant; written as ``param_*``.
+    """
+
+    case: str
+    variant: str
+    backend: str
+    coupling: str
+    mesh: str
+    n_elements: float = nan
+    n_dofs: float = nan
+    load_factor: float = nan
+    reference: float = nan
+    error: float = nan
+    rigor: str = ""
+    lower: float = nan
+    upper: float = nan
+    status: str = ""
+    outer_iterations: float = nan
+    gap: float = nan
+    build_time: float = nan
+    solve_time: float = nan
+    message: str = ""
+    verdict: str = FAIL
+    why: str = ""
+    alpha_reg: float = nan
+    regularised_lambda: float = nan
+    P: float = nan
+    energy: float = nan
+    parameters: dict[str, float | bool] = field(default_factory=dict)
+
+    def record(self) -> dict[str, Any]:
+        """As columns."""
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        parameters = values.pop("parameters")
+        values["lambda"] = values.pop("regularised_lambda")
+        for name in ("n_elements", "n_dofs", "outer_iterations"):
+            if values[name] == values[name]:
+                values[name] = int(values[name])
+        return {name: values[name] for name in COLUMNS} | {
+            f"param_{name}": value for name, value in parameters.items()
+        }
+
+
+COLUMNS = [
+    "lambda" if entry.name == "regularised_lambda" else entry.name
+    for entry in fields(Row)
+    if entry.name != "parameters"
+]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What to run."""
+
+    case: Case
+    variant: Variant
+    mesh: str
+    backend: str
+
+    @property
+    def label(self) -> str:
+        """For progress."""
+        return f"{self.case.id}:{self.variant.name} {self.mesh} {self.backend}"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run with its row, and its state where there is one."""
+
+    run: Run
+    row: Row
+    state: la.LimitState | None
+
+
+def judge(state: la.LimitState, reference: Reference, band: Band) -> tuple[str, str]:
+    """Verdict on a result, and why.
+
+    Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
+    value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
+    lowered by C; and C must be small, or the verdict would be worth nothing.
+    """
+    if state.status is not la.Status.SOLVED:
+        return FAIL, f"not solved: {state.message}"
+    allowed = allowed_values(reference, band)
+    value = state.load_factor
+    energy = 0.0
+    if state.regularised is not None:
+        energy = max(state.regularised.energy, 0.0)
+        if not energy <= STRONG * abs(value):
+            return FAIL, (
+                f"regularisation too strong to judge: C = {energy:.3g} is above"
+                f" {100 * STRONG:g} % of the value; lower r"
+            )
+        allowed = Allowed(allowed.low - energy, allowed.high)
+    verdict = PASS if allowed.holds(value) else FAIL
+    sign = "in" if verdict == PASS else "not in"
+    return verdict, f"{value:.7g} {sign} [{allowed.low:.7g}, {allowed.high:.7g}]"
+
+
+def execute(
+    runs: Iterable[Run], on_start: Callable[[Run], None], on_iterate: Callable[[Iterate], None]
+) -> Iterator[Outcome]:
+    """Run one after the other; neighbours of one variant and mesh share their discretisation."""
+    shared: tuple[Case, Variant, str] | None = None
+    assembled: _Assembled | Exception = RuntimeError("nothing assembled")
+    for run in runs:
+        on_start(run)
+        key = (run.case, run.variant, run.mesh)
+        if shared is None or any(a is not b for a, b in zip(shared, key, strict=True)):
+            shared = key
+            try:
+                assembled = _assemble(run)
+            except Exception as error:  # the other cases go on
+                assembled = error
+        yield run_one(run, assembled, on_iterate)
+
+
+@dataclass(frozen=True)
+class _Assembled:
+    discretisation: la.Discretisation
+    build_time: float
+
+
+def _assemble(run: Run) -> _Assembled:
+    begin = time.perf_counter()
+    discretisation = la.discretise(run.case.problem(run.variant, run.mesh))
+    return _Assembled(discretisation, time.perf_counter() - begin)
+
+
+def run_one(
+    run: Run, assembled: _Assembled | Exception, on_iterate: Callable[[Iterate], None]
+) -> Outcome:
+    """One row, whatever happens."""
+    names = {
+        "case": run.case.id,
+        "variant": run.variant.name,
+        "backend": run.backend,
+        "coupling": COUPLING,
+        "mesh": run.mesh,
+        "parameters": dict(run.variant.parameters),
+    }
+    if isinstance(assembled, Exception):
+        return Outcome(run, _failed(names, assembled), None)
+    discretisation = assembled.discretisation
+    names["n_elements"] = sum(
+        body.mesh.nelements for body in discretisation.problem.bodies.values()
+    )
+    names["n_dofs"] = discretisation.program.n
+    names["build_time"] = assembled.build_time
+    try:
+        reference = run.case.reference(**run.variant.parameters)
+        names["reference"] = reference.value
+        band = run.case.band(names["n_elements"], **run.variant.parameters)
+        state = la.solve(
+            discretisation, backend=run.backend, coupling=COUPLING, on_iterate=on_iterate
+        )
+    except la.CapabilityError as error:
+        row = Row(**names, status="skipped", message=str(error), verdict=SKIPPED, why=str(error))
+        return Outcome(run, row, None)
+    except Exception as error:  # a broken backend must not take the others' results with it
+        return Outcome(run, _failed(names, error), None)
+    verdict, why = judge(state, reference, band)
+    return Outcome(run, _row(names, state, reference, verdict, why), state)
+
+
+def _failed(names: dict[str, Any], error: Exception) -> Row:
+    message = f"{type(error).__name__}: {error}"
+    return Row(**names, status="failed", message=message, verdict=FAIL, why=message)
+
+
+def _row(
+    names: dict[str, Any], state: la.LimitState, reference: Reference, verdict: str, why: str
+) -> Row:
+    values = state.regularised
+    return Row(
+        **names,
+        load_factor=state.load_factor,
+        error=state.load_factor / reference.value - 1,
+        rigor=state.rigor.label,
+        upper=state.load_factor if state.rigor is la.Rigor.UPPER else nan,
+        status=state.status.label,
+        outer_iterations=state.outer_iterations,
+        gap=state.certificate.gap if state.certificate else nan,
+        solve_time=state.solve_time,
+        message=state.message,
+        verdict=verdict,
+        why=why,
+        alpha_reg=values.alpha_reg if values else nan,
+        regularised_lambda=values.load_factor if values else nan,
+        P=values.plastic if values else nan,
+        energy=values.energy if values else nan,
+    )
