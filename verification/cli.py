@@ -1,0 +1,169 @@
+"""The command line: ``lacore``, also ``python -m verification``.
+
+Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
+"""
+
+import json
+from dataclasses import fields
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import click
+
+import lacore as la
+from verification import terminal
+from verification.catalogue import catalogue
+from verification.compare import plan, run_all, tally
+
+
+class _Commands(click.Group):
+    """Bad input is one sentence and exit code 2, never a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except la.InputError as error:
+            failure = click.ClickException(str(error))
+            failure.exit_code = 2
+            raise failure from error
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="lacore")
+def main() -> None:
+    """Plastic collapse loads of bodies in frictional contact, verified.
+
+    Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
+    """
+
+
+def _list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
+    return [name.strip() for name in (value or "").split(",") if name.strip()]
+
+
+_json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
+)
+
+
+@main.command()
+@click.argument("cases", nargs=-1, metavar="[CASE]...")
+@click.option("--backends", callback=_list, metavar="A,B", help="Backends; default: all.")
+@click.option(
+    "--meshes",
+    callback=_list,
+    metavar="A,B",
+    help="Mesh levels: coarse, medium, fine; default: those of each variant.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reports/compare"),
+    show_default=True,
+    help="Folder for results.csv, pictures and the page index.html.",
+)
+@_json_option
+@click.pass_context
+def compare(
+    ctx: click.Context,
+    cases: tuple[str, ...],
+    backends: list[str],
+    meshes: list[str],
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Compare backends with each other and with reference collapse loads.
+
+    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are run, on
+    coarse and medium meshes, in a minute or two. Each result is written to results.csv as soon as
+    it is there; at the end come a table and the page index.html, which explains every case.
+
+    \b
+    Examples:
+      lacore compare
+      lacore compare prandtl-punch deformable-block:sliding --backends clarabel
+      lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
+    """
+    runs = plan(cases, backends, meshes)
+    with terminal.watching(len(runs)) as watch:
+        outcomes = run_all(runs, out / "results.csv", watch.start, watch.iterate, watch.finish)
+    count = tally(outcomes)
+    if as_json:
+        rows = [outcome.row.record() for outcome in outcomes]
+        _print_json({"summary": vars(count), "rows": rows})
+    else:
+        terminal.show_results(terminal.table_console(), outcomes)
+        click.echo(f"\n{count.text}\nResults: {out / 'results.csv'}")
+    ctx.exit(1 if count.failed else 0)
+
+
+@main.command("cases")
+@_json_option
+def list_cases(as_json: bool) -> None:
+    """List the verification cases."""
+    records = [
+        {
+            "id": case.id,
+            "title": case.title,
+            "variants": [variant.name for variant in case.variants],
+            "meshes": list(case.meshes),
+            "tags": list(case.tags),
+        }
+        for case in catalogue().values()
+    ]
+    _show(records, as_json)
+
+
+@main.command("backends")
+@_json_option
+def list_backends(as_json: bool) -> None:
+    """List the backends: what they solve, their limits, and why one cannot run here."""
+    _show([_backend_record(name) for name in la.backend_names()], as_json)
+
+
+def _backend_record(name: str) -> dict[str, Any]:
+    try:
+        backend = la.find_backend(name)
+    except la.CapabilityError as error:
+        return {
+            "name": name,
+            "title": "",
+            "solves": "",
+            "takes": "",
+            "options": [],
+            "state": f"{error}",
+        }
+    abilities = backend.capabilities
+    return {
+        "name": name,
+        "title": backend.title,
+        "solves": "regularised program" if abilities.regularised else "exact program",
+        "takes": f"up to {abilities.max_unknowns} unknowns"
+        if abilities.max_unknowns
+        else "any size",
+        "options": [f"{entry.name}={entry.default!r}" for entry in fields(backend.Options)],
+        "state": "ready",
+    }
+
+
+def _show(records: list[dict[str, Any]], as_json: bool) -> None:
+    if as_json:
+        _print_json(records)
+    else:
+        terminal.show_records(terminal.table_console(), records)
+
+
+def _print_json(document: Any) -> None:
+    click.echo(json.dumps(_strict(document), indent=1, allow_nan=False))
+
+
+def _strict(value: Any) -> Any:
+    """JSON has no NaN (null here) and no infinity (a string here)."""
+    if isinstance(value, dict):
+        return {name: _strict(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_strict(item) for item in value]
+    if isinstance(value, float) and not isfinite(value):
+        return None if value != value else str(value)
+    return value

@@ -1,0 +1,136 @@
+"""What the commands show on a terminal: progress on stderr, tables on stdout."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import isfinite
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+from lacore.coupling import Iterate
+from verification.harness import FAIL, PASS, Outcome, Run
+
+_STYLES = {PASS: "", FAIL: "bold red"}
+_WIDTH = 108
+
+
+class Watch:
+    """Callbacks of a comparison that move a progress bar."""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress = progress
+        self._task = progress.add_task("", total=total)
+        self._label = ""
+
+    def start(self, run: Run) -> None:
+        """Show what is running."""
+        self._label = run.label
+        self._progress.update(self._task, description=self._label)
+
+    def iterate(self, iterate: Iterate) -> None:
+        """Show which inner solve of the loop has ended."""
+        self._progress.update(self._task, description=f"{self._label} #{iterate.step + 1}")
+
+    def finish(self, outcome: Outcome) -> None:
+        """Count it; say at once what is wrong."""
+        self._progress.advance(self._task)
+        if outcome.row.verdict == FAIL:
+            self._progress.console.print(
+                f"FAIL {outcome.run.label}: {outcome.row.why}", style="red", markup=False
+            )
+
+
+@contextmanager
+def watching(total: int) -> Iterator[Watch]:
+    """Progress on stderr: what is running, how much is done, time left."""
+    with Progress(
+        SpinnerColumn(),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.description}", markup=False),
+        console=Console(stderr=True),
+        transient=True,
+    ) as progress:
+        yield Watch(progress, total)
+
+
+def table_console() -> Console:
+    """Stdout, at least as wide as the table of results: piped output must not be cut."""
+    console = Console()
+    console.width = max(console.width, _WIDTH)
+    return console
+
+
+def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
+    """Table of all rows, a heading for each case and variant; then what did not pass, and why."""
+    head = ("mesh", "backend", "value", "reference", "error %", "rigor", "status", "iter")
+    table = Table(*head, "build s", "solve s", "verdict", box=None, pad_edge=False)
+    for column in table.columns:
+        column.no_wrap = True
+        if column.header not in ("mesh", "backend", "rigor", "status", "verdict"):
+            column.justify = "right"
+    before = ""
+    for row in (outcome.row for outcome in outcomes):
+        name = f"{row.case}:{row.variant}"
+        if name != before:
+            # A heading in a column of its own would cost the width that the numbers need.
+            table.add_section()
+            table.add_row(f"[bold cyan]{row.case}[/]", f"[cyan]{row.variant}[/]")
+        before = name
+        table.add_row(
+            f"  {row.mesh}",
+            row.backend,
+            _number(row.load_factor, ".6f"),
+            _number(row.reference, ".6f"),
+            _number(100 * row.error, "+.4f"),
+            row.rigor,
+            row.status,
+            _number(row.outer_iterations, ".0f"),
+            _number(row.build_time, ".2f"),
+            _number(row.solve_time, ".2f"),
+            row.verdict,
+            style=_STYLES.get(row.verdict, "dim"),
+        )
+    console.print(table)
+    reasons = {
+        f"{row.backend}: {row.why}": row.verdict
+        for row in (outcome.row for outcome in outcomes)
+        if row.verdict not in (PASS, FAIL)
+    }
+    for reason, verdict in reasons.items():
+        console.print(f"{verdict}: {reason}", style="dim", markup=False, highlight=False)
+    for outcome in outcomes:
+        if outcome.row.verdict == FAIL:
+            text = f"FAIL {outcome.run.label}: {outcome.row.why}"
+            console.print(text, style="red", markup=False, highlight=False)
+
+
+def _number(value: float, how: str) -> str:
+    return format(value, how) if isfinite(value) else ("" if value != value else str(value))
+
+
+def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
+    """A plain table of records of one shape."""
+    table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
+    for name in records[0] if records else ():
+        table.add_column(name)
+    for record in records:
+        table.add_row(*(_text(value) for value in record.values()))
+    console.print(table, markup=False)
+
+
+def _text(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
