@@ -114,12 +114,12 @@ class ClarabelSolver:
             self._solver = None
         cost, offset = self._conic.cost(contact), self._conic.offset(contact)
         if self._solver is None:
-            self._solver = self._start(cost, offset, refine=False)
+            self._solver = self._start(cost, offset, careful=False)
         else:
             self._solver.update(q=cost, b=offset)
         answer = self._solver.solve()
         if str(answer.status) not in _DEFINITE:
-            self._solver = self._start(cost, offset, refine=True)
+            self._solver = self._start(cost, offset, careful=True)
             answer = self._solver.solve()
             self._solver = None
         native = str(answer.status)
@@ -134,7 +134,13 @@ class ClarabelSolver:
             else None,
         )
 
-    def _start(self, cost: Floats, offset: Floats, refine: bool) -> Any:
+    def _start(self, cost: Floats, offset: Floats, careful: bool) -> Any:
+        """A solver for the current form: fast first; where that fails, careful.
+
+        Measured on punches, platens and infeasible programs: static regularisation 1e-7 solves
+        graded meshes that 1e-8 does not; infeasible programs are recognised reliably only without
+        equilibration, which costs feasible ones a digit.
+        """
         assert self._conic is not None
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -142,7 +148,9 @@ class ClarabelSolver:
         settings.direct_solve_method = "qdldl"
         settings.presolve_enable = False
         settings.chordal_decomposition_enable = False
-        settings.iterative_refinement_enable = refine
+        settings.static_regularization_constant = 1e-7
+        settings.iterative_refinement_enable = careful
+        settings.equilibrate_enable = not careful
         settings.max_iter = self._options.max_iterations
         settings.time_limit = self._options.time_limit
         settings.tol_gap_abs = settings.tol_gap_rel = self._options.tolerance

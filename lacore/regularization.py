@@ -5,14 +5,20 @@ Every rate-independent term ``bound ||v||`` becomes the least of a viscous energ
 incompressibility and contact become penalties. All quantities in the units of the program.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import require_positive
+from lacore.errors import InputError, require_positive
 from lacore.program import FrozenContact, KinematicProgram, Scales
 from lacore.state import ProgramState
+from lacore.status import Status
+
+ESCAPED = 1e8  # dimensionless velocity at F0.U = 1: that of a mechanism is 1 to 1000
+_LOCKED_SHARE = 0.8  # of the power; about 0.04 for a mechanism at r = 0.1, 1 for a locked body
+_LOCKED_POWER = 1.0  # dimensionless: below it the load is small, whatever carries it
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,26 @@ class Penalties:
     bulk: float
     normal: float
     tangential: float
+
+    def softened(self, factor: float) -> "Penalties":
+        """All four multiplied by a factor."""
+        return Penalties(
+            self.eta * factor, self.bulk * factor, self.normal * factor, self.tangential * factor
+        )
+
+    def continuation(self, reduction: float) -> list["Penalties"]:
+        """Penalties from r = 1, where the energy is close to quadratic, to these in equal ratios.
+
+        Args:
+            reduction: ratio of r between two steps, 0 < reduction < 1.
+
+        Raises:
+            InputError: reduction outside (0, 1).
+        """
+        if not 0 < reduction < 1:
+            raise InputError("reduction", reduction, "outside (0, 1)", "give e.g. 0.1")
+        steps = max(math.ceil(math.log(self.eta) / -math.log(reduction) - 1e-9), 0)
+        return [self.softened(reduction**step) for step in range(steps, -1, -1)]
 
 
 def penalties(
@@ -166,6 +192,23 @@ def evaluate(
         tangential_reaction=reaction.tangential,
     )
     return RegularisedPoint(values, gradient, state)
+
+
+def judged_status(status: Status, program: KinematicProgram, point: RegularisedPoint) -> Status:
+    """What the answer of a regularised solver means (T13): evidence, not a proof.
+
+    Penalties make every program feasible: where they carry nearly all the power, no admissible
+    mechanism feels the load (LOCKED). A velocity without bound is a collapse under dead load
+    (UNSAFE).
+    """
+    values, velocity = point.values, point.state.velocity
+    if not np.abs(velocity).max(initial=0.0) < ESCAPED:
+        return Status.UNSAFE if np.any(program.dead_load) else Status.FAILED
+    dead_power = float(program.dead_load @ velocity)
+    power = values.plastic + dead_power + 2 * values.energy + abs(dead_power)
+    if status is Status.SOLVED and 2 * values.energy > _LOCKED_SHARE * max(power, _LOCKED_POWER):
+        return Status.LOCKED
+    return status
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,314 @@
+"""IPOPT through CasADi on the regularised nonlinear program of the paper, as corrected (T17-T21).
+
+Unknowns are velocities alone; the one constraint is ``F0.U = 1``. Energy, gradient and Hessian of
+a strain point or a contact point are small symbolic functions mapped over all points, so the
+Hessian ``B^T H B`` is exact and sparse without differentiating the whole problem. The
+regularisation is continued from r = 1 downwards, each step warm-started.
+"""
+
+import time
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csc_matrix, csr_matrix, vstack
+
+from lacore.arrays import Floats, Sparse
+from lacore.backend import Capabilities, InnerSolution
+from lacore.errors import InputError, require_positive
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.regularization import ESCAPED, Penalties, evaluate, judged_status, penalties
+from lacore.status import Status
+
+STATUS_MAP = {
+    "Solve_Succeeded": Status.SOLVED,
+    "Solved_To_Acceptable_Level": Status.ALMOST_SOLVED,
+    "Feasible_Point_Found": Status.ALMOST_SOLVED,
+    "Search_Direction_Becomes_Too_Small": Status.STALLED,
+    "Restoration_Failed": Status.STALLED,
+    "Error_In_Step_Computation": Status.STALLED,
+    "Maximum_Iterations_Exceeded": Status.ITERATION_LIMIT,
+    "Maximum_CpuTime_Exceeded": Status.TIME_LIMIT,
+    "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
+    "Diverging_Iterates": Status.UNSAFE,
+    "Infeasible_Problem_Detected": Status.LOCKED,
+    "User_Requested_Stop": Status.FAILED,
+    "Not_Enough_Degrees_Of_Freedom": Status.FAILED,
+    "Invalid_Problem_Definition": Status.FAILED,
+    "Invalid_Option": Status.FAILED,
+    "Invalid_Number_Detected": Status.FAILED,
+    "Unrecoverable_Exception": Status.FAILED,
+    "NonIpopt_Exception_Thrown": Status.FAILED,
+    "Insufficient_Memory": Status.FAILED,
+    "Internal_Error": Status.FAILED,
+}
+
+
+@dataclass(frozen=True)
+class IpoptOptions:
+    """Options of the `ipopt` backend.
+
+    Attributes:
+        r: dimensionless regularisation (T20); the error of lambda falls about as r^2.
+        eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
+        normal, tangential: instead of r: contact penalties, Pa/(m/s).
+        reduction: factor between the steps of the continuation, 0 < reduction < 1.
+        damping: share of the rank-one term in the Hessian, 0 <= damping <= 1; 1 is exact.
+        tolerance: IPOPT's.
+        max_iterations: of one continuation step.
+        time_limit: s, one continuation step.
+    """
+
+    r: float = 1e-3
+    eta: float | None = None
+    bulk: float | None = None
+    normal: float | None = None
+    tangential: float | None = None
+    reduction: float = 0.1
+    damping: float = 1.0
+    tolerance: float = 1e-9
+    max_iterations: int = 300
+    time_limit: float = 3600.0
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "max_iterations", "time_limit"):
+            require_positive(f"ipopt.{name}", getattr(self, name))
+        if not 0 <= self.damping <= 1:
+            raise InputError("ipopt.damping", self.damping, "outside [0, 1]", "1 is exact")
+
+
+class Ipopt:
+    """The nonlinear program of the paper."""
+
+    name: ClassVar[str] = "ipopt"
+    title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
+    source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
+    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True)
+    Options: ClassVar[type] = IpoptOptions
+
+    def unavailable(self) -> str:
+        """Why IPOPT cannot run here; empty where it can."""
+        if ca.has_nlpsol("ipopt"):
+            return ""
+        return "this CasADi was built without IPOPT; install it from PyPI (pip install casadi)"
+
+    def prepare(self, program: KinematicProgram, options: IpoptOptions) -> "IpoptSolver":
+        """Penalties and point functions, shared by all frozen contacts."""
+        return IpoptSolver(program, options)
+
+
+class IpoptSolver:
+    """IPOPT at work on one program."""
+
+    def __init__(self, program: KinematicProgram, options: IpoptOptions) -> None:
+        self._program, self._options = program, options
+        self._target = penalties(
+            program.scales,
+            options.r,
+            options.eta,
+            options.bulk,
+            options.normal,
+            options.tangential,
+        )
+        self._dilatancy: Floats | None = None
+        self._nlp: Any = None
+        self._velocity: Floats | None = None
+        self._multiplier = 0.0
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve; from the last answer when there is one, else by continuation in r."""
+        begin = time.perf_counter()
+        if self._dilatancy is None or not np.array_equal(self._dilatancy, contact.dilatancy):
+            self._nlp = _build(self._program, contact, self._options)
+            self._dilatancy = contact.dilatancy
+        iterations = 0
+        native = ""
+        warm = self._velocity is not None
+        if warm:
+            native, iterations = self._step(contact, self._target)
+        if STATUS_MAP.get(native) is not Status.SOLVED:
+            self._velocity, self._multiplier = None, 0.0
+            for penalty in self._target.continuation(self._options.reduction):
+                native, count = self._step(contact, penalty)
+                iterations += count
+        assert self._velocity is not None
+        point = evaluate(self._program, contact, self._target, self._velocity, self._multiplier)
+        status = judged_status(STATUS_MAP[native], self._program, point)
+        return InnerSolution(
+            status=status,
+            native_status=native,
+            iterations=iterations,
+            solve_time=time.perf_counter() - begin,
+            point=point.state if status.has_point else None,
+            regularised=point.values,
+        )
+
+    def _step(self, contact: FrozenContact, penalty: Penalties) -> tuple[str, int]:
+        start = self._velocity
+        if start is None:
+            load = self._program.reference_load
+            start = load / float(load @ load)
+        answer = self._nlp(
+            x0=start,
+            lam_g0=-self._multiplier,
+            lbg=1.0,
+            ubg=1.0,
+            p=np.concatenate(
+                [
+                    [penalty.eta, penalty.bulk, penalty.normal, penalty.tangential],
+                    np.minimum(contact.bound, 1e20),
+                ]
+            ),
+        )
+        stats = self._nlp.stats()
+        self._velocity = np.array(answer["x"]).ravel()
+        self._multiplier = -float(answer["lam_g"])
+        return str(stats["return_status"]), int(stats["iter_count"])
+
+
+def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOptions) -> Any:
+    """The nonlinear program as a CasADi solver; parameters: four penalties and friction bounds."""
+    u = ca.MX.sym("u", program.n)
+    p = ca.MX.sym("p", 4 + program.contact.count)
+    value = -ca.dot(program.dead_load, u)
+    gradient = -ca.MX(program.dead_load)
+    hessian = ca.MX(program.n, program.n)
+    for group in program.groups:
+        count = group.weights.size
+        rows = _interleave(group.rows, group.dim, group.volumetric, 1)
+        law = _plastic_law(group.dim, group.volumetric_factor, options.damping)
+        constants = ca.DM(np.stack([group.weights, group.bound]))
+        part = _terms(rows, group.dim + 1, law, u, constants, ca.repmat(p[:2], 1, count))
+        value, gradient, hessian = (
+            a + b for a, b in zip((value, gradient, hessian), part, strict=True)
+        )
+    if program.contact.count:
+        rows = _interleave(
+            program.contact.normal, 1, program.contact.tangential, program.contact.tangent_dim
+        )
+        law = _contact_law(program.contact.tangent_dim)
+        constants = ca.DM(np.stack([program.contact.weights, contact.dilatancy]))
+        parameters = ca.vertcat(ca.repmat(p[2:4], 1, program.contact.count), p[4:].T)
+        part = _terms(rows, 1 + program.contact.tangent_dim, law, u, constants, parameters)
+        value, gradient, hessian = (
+            a + b for a, b in zip((value, gradient, hessian), part, strict=True)
+        )
+    load = ca.DM(program.reference_load)
+    power = ca.dot(load, u)
+    factor, multiplier = ca.MX.sym("lam_f"), ca.MX.sym("lam_g")
+    return ca.nlpsol(
+        "regularised",
+        "ipopt",
+        {"x": u, "p": p, "f": value, "g": power},
+        {
+            "grad_f": ca.Function("grad_f", [u, p], [value, gradient]),
+            "jac_g": ca.Function("jac_g", [u, p], [power, load.T]),
+            "hess_lag": ca.Function(
+                "hess_lag", [u, p, factor, multiplier], [ca.triu(factor * hessian)]
+            ),
+            "print_time": False,
+            "error_on_fail": False,
+            "calc_lam_p": False,
+            "calc_lam_x": False,
+            "ipopt": {
+                "print_level": 0,
+                "sb": "yes",
+                "tol": options.tolerance,
+                "max_iter": options.max_iterations,
+                "max_wall_time": options.time_limit,
+                "acceptable_iter": 0,
+                "jac_c_constant": "yes",
+                "diverging_iterates_tol": ESCAPED,
+                "nlp_scaling_method": "none",
+            },
+        },
+    )
+
+
+def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters: Any) -> list[Any]:
+    """Sum of a point law over all points: value, gradient, Hessian."""
+    count = rows.shape[0] // dim
+    matrix = _to_casadi(rows)
+    local = ca.reshape(ca.mtimes(matrix, u), dim, count)
+    energy, force, stiffness = law.map(count)(local, constants, parameters)
+    blocks = ca.diagcat(*[ca.Sparsity.dense(dim, dim)] * count)
+    blocks = ca.MX(blocks, ca.vec(stiffness))
+    return [
+        ca.sum2(energy),
+        ca.mtimes(matrix.T, ca.vec(force)),
+        ca.mtimes(matrix.T, ca.mtimes(blocks, matrix)),
+    ]
+
+
+def _plastic_law(dim: int, share: float, damping: float) -> Any:
+    """T17 at one strain point: local (cone rows, theta), constants (weight, bound)."""
+    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 2), ca.SX.sym("p", 2)
+    weight, bound, eta, bulk = constants[0], constants[1], p[0], p[1]
+    scale = ca.DM.ones(dim + 1)
+    scale[dim] = share
+    e = scale * local
+    limit = bound / eta
+    length = ca.sqrt(ca.fmax(ca.dot(e, e), limit**2))
+    flowing = length > limit
+    secant = bound / length
+    theta = local[dim]
+    inside = ca.if_else(flowing, limit**2, ca.dot(e, e))
+    energy = eta * inside / 2 + bound * (length - limit) + bulk * theta**2 / 2
+    force = secant * scale * e
+    force[dim] += bulk * theta
+    direction = scale * e / length
+    stiffness = secant * (ca.diag(scale**2) - damping * flowing * ca.mtimes(direction, direction.T))
+    stiffness[dim, dim] += bulk
+    return ca.Function(
+        "plastic",
+        [local, constants, p],
+        [weight * energy, weight * force, weight * ca.densify(stiffness)],
+    )
+
+
+def _contact_law(tangent_dim: int) -> Any:
+    """T18 at one contact point: local (u_n, u_t), constants (weight, dilatancy)."""
+    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
+    weight, dilatancy = constants[0], constants[1]
+    normal, tangential, bound = p[0], p[1], p[2]
+    opening, slip = local[0], local[1:]
+    pressed = ca.fmax(-opening, 0)
+    limit = bound / tangential
+    tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
+    rate = ca.sqrt(ca.fmax(ca.dot(slip, slip), limit**2 + tiny))
+    inside = ca.fmin(ca.dot(slip, slip), limit**2)
+    frozen = normal * pressed**2 / 2 + tangential * inside / 2 + bound * (rate - limit)
+
+    speed = ca.sqrt(ca.dot(slip, slip) + tiny)
+    sliding = tangential * speed > dilatancy * normal * pressed
+    pushed = ca.fmax(dilatancy * speed - opening, 0)
+    compliance = 1 / normal + dilatancy**2 / tangential
+    dilatant = ca.if_else(
+        sliding,
+        pushed**2 / (2 * compliance),
+        normal * pressed**2 / 2 + tangential * ca.dot(slip, slip) / 2,
+    )
+    energy = weight * ca.if_else(dilatancy > 0, dilatant, frozen)
+    stiffness, force = ca.hessian(energy, local)
+    return ca.Function("contact", [local, constants, p], [energy, force, ca.densify(stiffness)])
+
+
+def _interleave(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
+    """Rows of both by point: first_dim rows of the first, second_dim of the second."""
+    count = first.shape[0] // first_dim
+    order = np.concatenate(
+        [
+            np.arange(first.shape[0]).reshape(count, first_dim),
+            first.shape[0] + np.arange(second.shape[0]).reshape(count, second_dim),
+        ],
+        axis=1,
+    ).ravel()
+    return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order])
+
+
+def _to_casadi(matrix: Sparse) -> Any:
+    columns = csc_matrix(matrix)
+    columns.sort_indices()
+    pattern = ca.Sparsity(*columns.shape, columns.indptr.tolist(), columns.indices.tolist())
+    return ca.DM(pattern, columns.data)
