@@ -1,0 +1,243 @@
+"""The certificate: exact states pass, planted errors do not (T12c)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lacore as la
+from lacore.certificate import certify
+from lacore.program import Scales, associated_contact, dimensionless
+from lacore.solving import kinematic_load_factor
+from tests.lacore.models import deformable_block
+from tests.lacore.planted import (
+    MU,
+    flowing,
+    flowing_field,
+    on_free_unknowns,
+    sliding,
+    sliding_field,
+)
+
+EXACT = 1e-12  # round-off of sums of a hundred terms of order one
+BAR = 1e-6  # of `solve`
+
+SLIDING, FLOWING = sliding(), flowing()
+
+
+@pytest.mark.parametrize("planted", [SLIDING, FLOWING], ids=["sliding", "flowing"])
+def test_an_exact_state_passes(planted):
+    d, state = planted
+    certificate = certify(d.program, state)
+    assert certificate.holds(EXACT), certificate
+    assert certificate.worst[1] <= EXACT
+    assert kinematic_load_factor(d.program, state, None) == pytest.approx(
+        state.load_factor, rel=EXACT
+    )
+
+
+@given(
+    length=st.floats(-6, 6), stress=st.floats(-3, 9), velocity=st.floats(-6, 6), flow=st.booleans()
+)
+def test_residuals_do_not_depend_on_units(length, stress, velocity, flow):
+    d, state = FLOWING if flow else SLIDING
+    scales = Scales(10**length, 10**stress, 10**velocity)
+    scaled = replace(
+        state,
+        velocity=state.velocity / scales.velocity,
+        load_factor=(state.load_factor + 1e-4) / scales.load_factor,
+        stress=tuple(s / scales.stress for s in state.stress),
+        mean_stress=tuple(s / scales.stress for s in state.mean_stress),
+        normal_reaction=state.normal_reaction / scales.stress,
+        tangential_reaction=state.tangential_reaction / scales.stress,
+    )
+    wrong = replace(state, load_factor=state.load_factor + 1e-4)
+    one, other = certify(d.program, wrong), certify(dimensionless(d.program, scales), scaled)
+    # Both see the same error; strain rates are compared with velocity over a length in both.
+    assert other.equilibrium == pytest.approx(one.equilibrium, rel=1e-9)
+    assert other.gap == pytest.approx(one.gap, rel=1e-9)
+    assert other.divergence <= EXACT
+
+
+def rotated(x):
+    """Slides, and turns about the middle of the base: one half of it penetrates by 1e-3."""
+    return sliding_field(x) + 2e-3 * np.stack([-(x[1] - 1), x[0] - 0.5])
+
+
+def bent(x):
+    """Incompressible, admissible and normalised, but not normal to the yield surface."""
+    y = x[1]
+    return np.stack([x[0] * (1 + 0.1 * (y - 0.5)), -y - 0.05 * (y**2 - y)])
+
+
+def lifted(x):
+    return sliding_field(x) + np.array([[0.0], [1e-3]])
+
+
+def swollen(x):
+    return sliding_field(x) + 1e-3 * np.stack([0 * x[0], x[1]])
+
+
+def sunk(x):
+    return flowing_field(x) - np.array([[0.0], [1e-4]])
+
+
+def given_state(**changes):
+    """An error of the answer: fields and what becomes of them."""
+
+    def error(d, state):
+        return d.program, replace(
+            state, **{name: change(getattr(state, name)) for name, change in changes.items()}
+        )
+
+    return error
+
+
+def given_velocity(field):
+    return lambda d, state: (d.program, replace(state, velocity=on_free_unknowns(d, field)))
+
+
+def given_dead_load(factor):
+    return lambda d, s: (replace(d.program, dead_load=factor * d.program.dead_load), s)
+
+
+def given_contact(**changes):
+    """The laws are others than those that the answer obeys."""
+
+    def error(d, state):
+        rows = d.program.contact
+        new = {name: change(getattr(rows, name)) for name, change in changes.items()}
+        return replace(d.program, contact=replace(rows, **new)), state
+
+    return error
+
+
+def given_strength(factor):
+    def error(d, state):
+        (group,) = d.program.groups
+        return replace(d.program, groups=(replace(group, bound=factor * group.bound),)), state
+
+    return error
+
+
+def times(factor):
+    return lambda value: factor * value
+
+
+def in_one_cone(factor):
+    def change(stress):
+        spoilt = stress[0].copy()
+        spoilt[7] *= factor
+        return (spoilt,)
+
+    return change
+
+
+def without_the_first(reaction):
+    return np.where(np.arange(reaction.size) == 0, 0.0, reaction)
+
+
+SLIDING_ERRORS = {
+    "friction along the slip": given_state(tangential_reaction=times(-1)),
+    "reversed slip": given_state(velocity=times(-1)),
+    "tension": given_state(normal_reaction=times(-1)),
+    "load factor off by 1e-4": given_state(load_factor=lambda value: value + 1e-4),
+    "no dead load": given_dead_load(0),
+    "dead load off by 1e-4": given_dead_load(1.0001),
+    "cone violated by 1e-3": given_contact(coefficient=times(0.999)),
+    "too little friction for the slip": given_contact(coefficient=times(1.001)),
+    "slip where the law sticks": given_contact(coefficient=times(0), limit=lambda v: v + np.inf),
+    "slip of a dilatant law without opening": given_contact(
+        coefficient=times(0), dilatancy=lambda v: v + MU
+    ),
+    "penetration": given_velocity(rotated),
+    "open and pressed": given_velocity(lifted),
+    "swells": given_velocity(swollen),
+    "not normalised": given_state(velocity=times(1.0001)),
+    "stress off by 1e-3": given_state(stress=lambda value: (1.001 * value[0],)),
+    "mean stress off by 1e-3": given_state(mean_stress=lambda value: (1.001 * value[0],)),
+    "one reaction missing": given_state(normal_reaction=without_the_first),
+}
+FLOWING_ERRORS = {
+    "beyond yield by 1e-3": given_strength(0.999),
+    "flow below yield": given_strength(1.001),
+    "flow against the stress": given_state(stress=lambda value: (-value[0],)),
+    "flow not normal": given_velocity(bent),
+    "load factor off by 1e-4": given_state(load_factor=lambda value: value - 1e-4),
+    "sinks into the floor": given_velocity(sunk),
+    "one cone beyond yield": given_state(stress=in_one_cone(1.01)),
+    "one cone without a number": given_state(stress=in_one_cone(np.nan)),
+}
+
+
+@pytest.mark.parametrize(
+    ("planted", "error"),
+    [
+        *(pytest.param(SLIDING, e, id=f"sliding: {name}") for name, e in SLIDING_ERRORS.items()),
+        *(pytest.param(FLOWING, e, id=f"flowing: {name}") for name, e in FLOWING_ERRORS.items()),
+    ],
+)
+def test_a_planted_error_is_refused(planted, error):
+    certificate = certify(*error(*planted))
+    assert not certificate.holds(BAR), certificate
+    name, size = certificate.worst
+    assert np.isnan(size) or size > BAR
+    assert (
+        getattr(certificate, name) is size or np.isnan(size) or getattr(certificate, name) == size
+    )
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["velocity", "load_factor", "stress", "mean_stress", "normal_reaction", "tangential_reaction"],
+)
+def test_one_nan_is_refused(name):
+    d, state = SLIDING
+    value = getattr(state, name)
+    if name == "load_factor":
+        spoilt = float("nan")
+    else:
+        array = (value[0] if isinstance(value, tuple) else value).copy()
+        array.flat[array.size // 2] = np.nan
+        spoilt = (array,) if isinstance(value, tuple) else array
+    assert not certify(d.program, replace(state, **{name: spoilt})).holds(1e300)
+
+
+def test_the_right_residual_speaks():
+    """Errors that touch one law only are reported under its name, the others stay silent."""
+
+    def loud(planted, error):
+        certificate = certify(*error(*planted))
+        return {name for name, value in vars(certificate).items() if not value <= EXACT}
+
+    assert loud(SLIDING, SLIDING_ERRORS["load factor off by 1e-4"]) == {"equilibrium", "gap"}
+    assert loud(SLIDING, SLIDING_ERRORS["too little friction for the slip"]) == {"slip", "gap"}
+    assert loud(SLIDING, SLIDING_ERRORS["mean stress off by 1e-3"]) == {"equilibrium"}
+    assert loud(FLOWING, FLOWING_ERRORS["beyond yield by 1e-3"]) >= {"yield_violation"}
+    assert loud(FLOWING, FLOWING_ERRORS["flow not normal"]) == {"flow", "gap"}
+
+
+def test_an_associated_state_is_no_coulomb_state():
+    """C14 with mu = 0.5: the dilatant mechanism lifts the block that it slides."""
+    d = la.discretise(deformable_block(0.5))
+    state = la.solve(d, coupling="associated")
+    assert state.status is la.Status.SOLVED
+    assert not la.certificate.certify(d.full, state.point).holds(BAR)
+    point = replace(
+        state.point, velocity=np.linalg.lstsq(d.free_basis.toarray(), state.point.velocity)[0]
+    )
+    program = d.program
+    assert certify(program, point, associated_contact(program.contact)).holds(BAR)
+    coulomb = certify(program, point)
+    assert coulomb.slip > 1e-2
+    assert not coulomb.holds(BAR)
+
+
+def test_a_frozen_contact_is_judged_by_its_own_law():
+    """The sliding state is that of a Tresca interface with limit mu p0 as well."""
+    d, state = SLIDING
+    rows = d.program.contact
+    tresca = replace(rows, coefficient=0 * rows.coefficient, limit=np.full(rows.count, MU * 0.8))
+    assert certify(replace(d.program, contact=tresca), state).holds(EXACT)
