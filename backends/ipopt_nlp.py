@@ -18,7 +18,7 @@ from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, require_positive
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import ESCAPED, Penalties, evaluate, judged_status, penalties
+from lacore.regularization import Penalties, evaluate, judged_status, penalties
 from lacore.status import Status
 
 STATUS_MAP = {
@@ -219,7 +219,6 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
                 "max_wall_time": options.time_limit,
                 "acceptable_iter": 0,
                 "jac_c_constant": "yes",
-                "diverging_iterates_tol": ESCAPED,
                 "nlp_scaling_method": "none",
             },
         },
@@ -232,8 +231,8 @@ def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters:
     matrix = _to_casadi(rows)
     local = ca.reshape(ca.mtimes(matrix, u), dim, count)
     energy, force, stiffness = law.map(count)(local, constants, parameters)
-    blocks = ca.diagcat(*[ca.Sparsity.dense(dim, dim)] * count)
-    blocks = ca.MX(blocks, ca.vec(stiffness))
+    pattern = ca.diagcat(*[ca.Sparsity.dense(dim, dim)] * count)
+    blocks = ca.MX(pattern, ca.vec(stiffness))
     return [
         ca.sum2(energy),
         ca.mtimes(matrix.T, ca.vec(force)),

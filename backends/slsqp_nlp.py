@@ -87,7 +87,7 @@ class Slsqp:
 
 
 class SlsqpSolver:
-    """SLSQP at work on one program. Its unknowns are ``y = R U`` with ``R^T R`` the viscous matrix."""
+    """SLSQP at work on one program; unknowns ``y = R U`` with ``R^T R`` the viscous matrix."""
 
     def __init__(self, program: KinematicProgram, options: SlsqpOptions) -> None:
         self._program, self._options = program, options
@@ -141,7 +141,7 @@ class SlsqpSolver:
             if time.perf_counter() > deadline:
                 raise StopIteration
 
-        return minimize(
+        return minimize(  # type: ignore[call-overload]  # its stubs want a TypedDict of options
             objective,
             self._start,
             jac=True,
