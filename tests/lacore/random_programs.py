@@ -1,0 +1,48 @@
+"""Small programs of random numbers: laws are tested on them without any mesh."""
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+
+N, CONES, POINTS = 9, 4, 3
+
+
+def random_program(seed):
+    """A program of nine unknowns, four cones of two rows, three contact points."""
+    rng = np.random.default_rng(seed)
+
+    def rows(count):
+        return csr_matrix(rng.uniform(-1, 1, (count, N)))
+
+    group = DissipationGroup(
+        name="body",
+        rows=rows(2 * CONES),
+        dim=2,
+        weights=rng.uniform(0.1, 1, CONES),
+        bound=rng.uniform(0.5, 2, CONES),
+        volumetric=rows(CONES),
+        volumetric_factor=1 / np.sqrt(3),
+    )
+    contact = ContactRows(
+        normal=rows(POINTS),
+        tangential=rows(POINTS),
+        tangent_dim=1,
+        weights=rng.uniform(0.1, 1, POINTS),
+        coefficient=rng.uniform(0.1, 1, POINTS),
+        limit=rng.uniform(0, 1, POINTS),
+        dilatancy=np.zeros(POINTS),
+        interface=np.zeros(POINTS, dtype=int),
+    )
+    return KinematicProgram(
+        groups=(group,),
+        contact=contact,
+        reference_load=rng.uniform(-1, 1, N),
+        dead_load=rng.uniform(-1, 1, N),
+    )
+
+
+def frozen(bound, dilatancy=0.0, shift=0.0):
+    return FrozenContact(
+        *(np.broadcast_to(np.asarray(v, float), POINTS).copy() for v in (bound, dilatancy, shift))
+    )
