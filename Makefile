@@ -1,0 +1,42 @@
+# Every target sets itself up: Python >= 3.11 with venv and pip is all that it needs.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: help compare test test-all lint bench clean
+
+help:
+	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
+	@echo "make test      run the fast tests"
+	@echo "make test-all  run all tests"
+	@echo "make lint      formatting, lint and types"
+	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json"
+	@echo "make clean     remove the environment and all generated reports"
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "lacore needs Python 3.11 or newer: make PYTHON=python3.11")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+compare: $(READY)
+	$(BIN)/lacore compare --out reports/compare
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+test-all: $(READY)
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(READY)
+	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only --benchmark-json=reports/benchmarks.json
+
+clean:
+	git clean -fdX reports
+	rm -rf $(VENV)
