@@ -26,7 +26,7 @@ class Certificate:
             loads, per total load.
         yield_violation: largest ``||stress||/bound - 1``.
         cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
-            reaction.
+            reaction or, where reactions vanish, per total load over contact length.
         penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; slip of points
             that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate.
@@ -89,7 +89,10 @@ def certify(
         + float(np.abs(program.dead_load).sum())
     )
     velocity = _nonzero(_largest(np.abs(u)))
-    reaction = _nonzero(_largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))))
+    reaction = max(
+        _largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))),
+        forces / _nonzero(float(rows.weights.sum())),
+    )
     area = sum(float(group.weights.sum()) for group in program.groups)
     strain = max(
         velocity / np.sqrt(_nonzero(area)),

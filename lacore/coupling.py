@@ -269,6 +269,8 @@ def reaction_loop(
     for _ in range(options.max_iterations):
         iterate = run.solve("reaction", reaction_contact(rows, reaction), None)
         point = iterate.inner.point
+        if iterate.inner.status is Status.UNSAFE:  # at these bounds only: it proves nothing (T12)
+            return run.end(Status.NOT_CONVERGED)
         if point is None or run.proven(iterate) or run.free(iterate):
             return run.judged(iterate)
         reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)

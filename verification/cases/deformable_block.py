@@ -1,16 +1,16 @@
-"""A block of a von Mises material stands on a floor with Coulomb friction mu and is pushed.
+r"""A block of a von Mises material stands on a floor with Coulomb friction mu and is pushed.
 
 A dead pressure p presses on its top, a uniform traction alpha pushes on its left face.
 
-                 p   p   p   p   p   p   p
-                 v   v   v   v   v   v   v
-               +---------------------------+
-      alpha ->|\\                          |
-      alpha ->|   wedge                    |  h = 1
-      alpha ->|       (crushing)           |
-               +---------------------------+
-               /////////// mu //////////////
-               |<--------- b = 4 --------->|
+               p   p   p   p   p   p   p
+               v   v   v   v   v   v   v
+             +------.--------------------+
+    alpha -> | ^   .                     |
+    alpha -> | |  .  45 degrees          |  h = 1
+    alpha -> |   .                       |
+             +--.------------------------+
+             //////////// mu /////////////
+             |<--------- b = 4 --------->|
 
 For little friction the whole block slides, without any deformation. For much friction it stays,
 and its loaded end is crushed: a wedge cut off at 45 degrees slides upwards against p. The two

@@ -1,17 +1,17 @@
-"""A square block is pressed between two rigid platens: friction does not matter.
+r"""A square block is pressed between two rigid platens: friction does not matter.
 
-                 alpha
-            v   v   v   v                     platen, at rest
-          +---------------+               /////// mu //////
-          | \\           / |               o---------------+
-          |   \\       /   |         u_x=0 o \\             |
-          |     \\   /     |               o    \\  45 deg  |  free
-          |       X       |               o       \\       |
-          |     /   \\     |               o          \\    |
-          |   /       \\   |               o-------------\\-+
-          | /           \\ |                 ^   ^   ^   ^
-          +---------------+               smooth footing, moves up
-            ^   ^   ^   ^
+             alpha
+          v  v  v  v                   platen, at rest
+        +-----------+                 /////// mu //////
+        | \       / |                 +---------------+
+        |   \   /   |                 o             / |
+        |     X     |                 o          /    |
+        |   /   \   |           u_x=0 o       /       |  free
+        | /       \ |                 o    /  45 deg  |
+        +-----------+                 o /             |
+          ^  ^  ^  ^                  +---------------+
+                                        ^  ^  ^  ^  ^
+                                      smooth footing, moves up
 
 Four rigid wedges slide along the two diagonals; the upper and lower ones move with the platens and
 stick to them, so no friction at all is needed or used. This holds for w/h <= 1. The quarter model

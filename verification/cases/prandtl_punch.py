@@ -1,20 +1,20 @@
-"""A rigid strip footing of half width 1 is pressed into a half space of a von Mises material.
+r"""A rigid strip footing of half width 1 is pressed into a half space of a von Mises material.
 
 The right half is modelled. The footing is smooth (the soil slides freely beneath it) or rough (the
 soil sticks to it); the collapse pressure is the same.
 
-                 alpha
-                 | | |
-          axis   v v v   footing
-          o-------------+- - - - - - - - - - - - +
-        u_x=0  \\       / \\ fan               / :
-          o     \\  1  /   \\     2    3       /  :
-                 \\   /     \\ _ _ _ _ _ _ _ /    :   u = 0
-          o       \\ /                           :
-          o- - - - - - - - - - - - - - - - - - - +
-                           u = 0
-          |<---- 1 ---->|
-          |<----------------- 4 ---------------->|     depth 2
+              alpha
+              | | |
+              v v v  footing
+          o-----------+-----------------.---------------+
+    u_x=0 o \    1   / \ .         3  .                 |
+          o   \    /    \  2 .      .                   |
+          o     \/_      \ .   .  .                     |  u = 0
+          o          -  _ _ _ -                         |
+          o---------------------------------------------+
+                              u = 0
+          |<--- 1 --->|
+          |<-------------------- 4 -------------------->|   depth 2
 
 Three zones: an active wedge (1) goes down, a 90-degree fan (2) turns the motion around the edge of
 the footing, a passive wedge (3) goes up. The edge is a singular point where the strain rate is not
@@ -26,6 +26,7 @@ from math import pi
 import numpy as np
 
 import lacore as la
+from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, Reference, Variant
 
 _SMOOTH = Convergence(
@@ -52,8 +53,8 @@ def build(nx: int, ny: int, ratio_x: float, ratio_y: float, rough: bool) -> la.P
     )
 
 
-def _under_footing(x: np.ndarray) -> np.ndarray:
-    return (x[1] > -1e-9) & (x[0] < 1 + 1e-9)
+def _under_footing(x: Floats) -> Bools:
+    return np.asarray((x[1] > -1e-9) & (x[0] < 1 + 1e-9))
 
 
 def reference(rough: bool) -> Reference:

@@ -1,17 +1,17 @@
-"""A block on a Coulomb floor in simple shear, under a dead pressure p0 on its top.
+r"""A block on a Coulomb floor in simple shear, under a dead pressure p0 on its top.
 
 Tractions of one size alpha shear it: along the top, and up and down its sides, so that its stress
 is uniform whatever alpha is.
 
-               p0  v    v    v    v
-          alpha --->--->--->--->--->
-              +---------------------+
-            | |                     | ^
-      alpha | |  \\  slip lines      | |  alpha
-            v |     \\  tan = 1/2    | |
-              |        \\            | |
-              +---------------------+
-              ///////// mu //////////
+               p0  v     v     v     v
+      alpha  --->  --->  --->  --->  --->
+              +-------------------------+
+           |  |  .                      |  ^
+    alpha  |  |      .   slip lines     |  |  alpha
+           v  |          .  tan = 1/2   |  |
+              |              .          |
+              +-------------------------+
+              /////////// mu ////////////
 
 Either the block slides on the floor, or it yields: its upper part slides down along slip lines
 inclined by psi, sin(2 psi) = p0/(2 k). The default p0 = 1.6 k gives tan(psi) = 1/2; the cells of

@@ -1,14 +1,15 @@
-"""A thick tube of inner radius a = 1 and outer radius b = 2 bursts under internal pressure.
+r"""A thick tube of inner radius a = 1 and outer radius b = 2 bursts under internal pressure.
 
-          o
-    u_x=0 o-_
-          |    - _
-          |         \\
-          o-_         \\
-            - \\   <-   \\    a = 1, b = 2
-         alpha  \\        |
-          ->    |        |
-                o--------o    u_y = 0
+          o - _
+          o     ` .
+    u_x=0 o         `.
+          o _         `
+            ` .  <-    \    a = 1, b = 2
+        alpha  `.       \
+           -->   \       |
+                  |      |
+                  o oo o o
+                   u_y = 0
 
 Plane strain, a quarter modelled. There is no contact: the case tests the continuum, and curved
 boundaries. The mesh replaces both circles by polygons, so its value is not a bound.
