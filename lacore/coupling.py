@@ -26,6 +26,7 @@ from lacore.program import (
 from lacore.status import Status
 
 STARTS = ("associated", "zero")
+_FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
 _INDEPENDENT = 1e-8  # singular values below this share of the largest carry no direction
 _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
 
@@ -166,8 +167,8 @@ class _Run:
         if self.free(iterate):
             return self.end(Status.FREE)
         if not self.proven(iterate):
-            unfinished = iterate.inner.status not in (Status.SOLVED, Status.ALMOST_SOLVED)
-            return self.end(iterate.inner.status if unfinished else Status.NOT_CERTIFIED)
+            inner = iterate.inner.status
+            return self.end(Status.NOT_CERTIFIED if inner in _FINISHED else inner)
         return self.end(Status.SOLVED)
 
     def free(self, iterate: Iterate) -> bool:
@@ -274,7 +275,8 @@ def reaction_loop(
         if point is None or run.proven(iterate) or run.free(iterate):
             return run.judged(iterate)
         reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)
-    return run.end(Status.NOT_CONVERGED)
+    inner = run.iterates[-1].inner.status
+    return run.end(Status.NOT_CONVERGED if inner in _FINISHED else inner)
 
 
 COUPLINGS: dict[str, Callable[..., Coupled]] = {
