@@ -4,7 +4,6 @@ Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
 """
 
 import json
-from dataclasses import fields
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,10 @@ from verification.catalogue import catalogue
 from verification.compare import plan, run_all, tally
 
 
+class _BadInput(click.ClickException):
+    exit_code = 2
+
+
 class _Commands(click.Group):
     """Bad input is one sentence and exit code 2, never a traceback."""
 
@@ -24,9 +27,7 @@ class _Commands(click.Group):
         try:
             return super().invoke(ctx)
         except la.InputError as error:
-            failure = click.ClickException(str(error))
-            failure.exit_code = 2
-            raise failure from error
+            raise _BadInput(str(error)) from error
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -73,7 +74,7 @@ def compare(
     out: Path,
     as_json: bool,
 ) -> None:
-    """Compare backends with each other and with reference collapse loads.
+    r"""Compare backends with each other and with reference collapse loads.
 
     CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are run, on
     coarse and medium meshes, in a minute or two. Each result is written to results.csv as soon as
@@ -126,23 +127,13 @@ def _backend_record(name: str) -> dict[str, Any]:
     try:
         backend = la.find_backend(name)
     except la.CapabilityError as error:
-        return {
-            "name": name,
-            "title": "",
-            "solves": "",
-            "takes": "",
-            "options": [],
-            "state": f"{error}",
-        }
-    abilities = backend.capabilities
+        return {"name": name, "title": "", "solves": "", "takes": "", "state": str(error)}
+    limit = backend.capabilities.max_unknowns
     return {
         "name": name,
         "title": backend.title,
-        "solves": "regularised program" if abilities.regularised else "exact program",
-        "takes": f"up to {abilities.max_unknowns} unknowns"
-        if abilities.max_unknowns
-        else "any size",
-        "options": [f"{entry.name}={entry.default!r}" for entry in fields(backend.Options)],
+        "solves": "regularised program" if backend.capabilities.regularised else "exact program",
+        "takes": "any size" if limit is None else f"up to {limit} unknowns",
         "state": "ready",
     }
 

@@ -167,7 +167,7 @@ def run_one(
     run: Run, assembled: _Assembled | Exception, on_iterate: Callable[[Iterate], None]
 ) -> Outcome:
     """One row, whatever happens."""
-    names = {
+    names: dict[str, Any] = {
         "case": run.case.id,
         "variant": run.variant.name,
         "backend": run.backend,

@@ -18,7 +18,7 @@ from rich.progress import (
 from rich.table import Table
 
 from lacore.coupling import Iterate
-from verification.harness import FAIL, PASS, Outcome, Run
+from verification.harness import FAIL, PASS, SKIPPED, Outcome, Run
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 108
@@ -76,22 +76,15 @@ def table_console() -> Console:
 
 def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
     """Table of all rows, a heading for each case and variant; then what did not pass, and why."""
-    head = ("mesh", "backend", "value", "reference", "error %", "rigor", "status", "iter")
-    table = Table(*head, "build s", "solve s", "verdict", box=None, pad_edge=False)
-    for column in table.columns:
-        column.no_wrap = True
-        if column.header not in ("mesh", "backend", "rigor", "status", "verdict"):
-            column.justify = "right"
+    console.print(_line(*_HEAD), style="bold", highlight=False, markup=False)
     before = ""
     for row in (outcome.row for outcome in outcomes):
         name = f"{row.case}:{row.variant}"
         if name != before:
-            # A heading in a column of its own would cost the width that the numbers need.
-            table.add_section()
-            table.add_row(f"[bold cyan]{row.case}[/]", f"[cyan]{row.variant}[/]")
+            console.print(name, style="cyan", highlight=False, markup=False)
         before = name
-        table.add_row(
-            f"  {row.mesh}",
+        line = _line(
+            row.mesh,
             row.backend,
             _number(row.load_factor, ".6f"),
             _number(row.reference, ".6f"),
@@ -102,20 +95,51 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             _number(row.build_time, ".2f"),
             _number(row.solve_time, ".2f"),
             row.verdict,
-            style=_STYLES.get(row.verdict, "dim"),
         )
-    console.print(table)
-    reasons = {
-        f"{row.backend}: {row.why}": row.verdict
-        for row in (outcome.row for outcome in outcomes)
-        if row.verdict not in (PASS, FAIL)
-    }
-    for reason, verdict in reasons.items():
-        console.print(f"{verdict}: {reason}", style="dim", markup=False, highlight=False)
+        console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
+    skipped: dict[tuple[str, str], list[str]] = {}
+    for row in (outcome.row for outcome in outcomes):
+        if row.verdict == SKIPPED:
+            skipped.setdefault((row.backend, row.mesh), []).append(row.why)
+    for (backend, mesh), reasons in skipped.items():
+        text = f"\nskipped: {backend} on {mesh}, {len(reasons)} runs: {reasons[0]}"
+        console.print(text, style="dim", markup=False, highlight=False)
     for outcome in outcomes:
         if outcome.row.verdict == FAIL:
-            text = f"FAIL {outcome.run.label}: {outcome.row.why}"
+            text = f"\nFAIL {outcome.run.label}: {outcome.row.why}"
             console.print(text, style="red", markup=False, highlight=False)
+
+
+_HEAD = (
+    "mesh",
+    "backend",
+    "value",
+    "reference",
+    "error %",
+    "rigor",
+    "status",
+    "iter",
+    "build s",
+    "solve s",
+    "verdict",
+)
+
+
+def _line(*cells: str) -> str:
+    formats = (
+        "  {:7}",
+        "{:9}",
+        "{:>9}",
+        "{:>9}",
+        "{:>8}",
+        "{:13}",
+        "{:15}",
+        "{:>4}",
+        "{:>7}",
+        "{:>7}",
+        "{}",
+    )
+    return " ".join(how.format(cell) for how, cell in zip(formats, cells, strict=True))
 
 
 def _number(value: float, how: str) -> str:

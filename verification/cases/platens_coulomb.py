@@ -89,7 +89,7 @@ in between:    thin-block estimate (slab method), exact to first order in mu onl
                the yield condition)
 """,
     meshes={
-        "coarse": {"nx": 8, "ny": 4, "ratio": 8.0},
+        "coarse": {"nx": 6, "ny": 3, "ratio": 6.0},
         "medium": {"nx": 22, "ny": 11, "ratio": 20.0},
         "fine": {"nx": 48, "ny": 25, "ratio": 60.0},
     },

@@ -63,7 +63,7 @@ below:  uniform sigma_y = -2 k, sigma_x = 0: radius of Mohr's circle k, no shear
 above:  platens close at rate 2 v, four cuts of length w/sqrt2, jump sqrt2 v:
         D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v;  power of F: 2 v F  ->  F/w = 2 k
 """,
-    meshes={"coarse": {"n": 5}, "medium": {"n": 16}, "fine": {"n": 34}},
+    meshes={"coarse": {"n": 4}, "medium": {"n": 16}, "fine": {"n": 34}},
     build=build,
     reference=reference,
     band=band,

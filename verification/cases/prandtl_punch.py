@@ -81,7 +81,7 @@ fan 2: Hencky, p + 2 k (turn) constant, 90 deg  p1 = p3 + 2 k (pi/2) = k + pi k
 active wedge 1: sigma_y = -(p1 + k)             alpha = (2 + pi) k = 5.141593 k
 """,
     meshes={
-        "coarse": {"nx": 6, "ny": 5, "ratio_x": 30.0, "ratio_y": 10.0},
+        "coarse": {"nx": 5, "ny": 3, "ratio_x": 30.0, "ratio_y": 10.0},
         "medium": {"nx": 22, "ny": 11, "ratio_x": 100.0, "ratio_y": 30.0},
         "fine": {"nx": 48, "ny": 25, "ratio_x": 300.0, "ratio_y": 100.0},
     },

@@ -63,7 +63,7 @@ yield:        sigma_t - sigma_r = 2 k = (2/sqrt3) s0   (plane strain)
 integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)  ->  alpha = 0.800377 s0 for b/a = 2
 """,
     meshes={
-        "coarse": {"n_radial": 4, "n_angular": 8},
+        "coarse": {"n_radial": 3, "n_angular": 6},
         "medium": {"n_radial": 12, "n_angular": 20},
         "fine": {"n_radial": 26, "n_angular": 46},
     },
