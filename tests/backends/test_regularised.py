@@ -1,0 +1,184 @@
+"""The regularised backends against the exact program at frozen reactions (T17-T20)."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+from backends.clarabel_socp import Clarabel, ClarabelOptions
+from backends.ipopt_nlp import Ipopt, IpoptOptions
+from backends.slsqp_nlp import Slsqp, SlsqpOptions
+from lacore.program import dimensionless, reaction_contact
+from tests.lacore.models import deformable_block, punch
+from verification.catalogue import catalogue
+
+# Two interior-point solutions, each to a relative gap of 1e-11, on values of order one.
+SOLVER = 1e-9
+
+VARIANTS = [
+    pytest.param(case, variant, id=f"{case.id}-{variant.name}")
+    for case in catalogue().values()
+    for variant in case.variants
+]
+
+
+def frozen(problem):
+    """The dimensionless program, its contact at the reactions of the limit state, exact value."""
+    discretisation = la.discretise(problem)
+    program = dimensionless(discretisation.program, discretisation.natural)
+    state = la.solve(discretisation, throw=True)
+    contact = reaction_contact(program.contact, state.point.normal_reaction / program.scales.stress)
+    exact = Clarabel().prepare(program, ClarabelOptions(tolerance=1e-11)).solve(contact)
+    return program, contact, exact.point.load_factor
+
+
+def values(program, contact, r):
+    return Ipopt().prepare(program, IpoptOptions(r=r)).solve(contact).regularised
+
+
+@pytest.mark.parametrize(("case", "variant"), VARIANTS)
+def test_three_values_bound_the_exact_one_from_below(case, variant):
+    """T19 at r = 1e-3: P <= alpha_reg <= lambda <= alpha*, and lambda within 1e-3."""
+    program, contact, exact = frozen(case.build(**case.meshes["coarse"], **variant.parameters))
+    found = values(program, contact, 1e-3)
+    assert found.plastic <= found.alpha_reg <= found.load_factor <= exact * (1 + SOLVER)
+    assert found.load_factor >= exact * (1 - 1e-3)
+    # The multiplier is P + 2 C at a minimiser and only there; IPOPT stops at 1e-9.
+    assert found.multiplier == pytest.approx(found.load_factor, rel=1e-7)
+
+
+@pytest.mark.parametrize("rough", [False, True])
+def test_orders_in_r(rough):
+    """T19: halving r halves the error of alpha_reg and quarters that of lambda.
+
+    Asymptotic from r = 1e-3 down; the errors (lambda: about 1e-7) stay above the solvers' 1e-11.
+    """
+    program, contact, exact = frozen(punch(rough=rough))
+    r = 1e-3 / 2.0 ** np.arange(4)
+    found = [values(program, contact, each) for each in r]
+    slopes = {
+        name: np.polyfit(np.log(r), np.log([exact - getattr(v, name) for v in found]), 1)[0]
+        for name in ("alpha_reg", "load_factor")
+    }
+    assert slopes["alpha_reg"] == pytest.approx(1.0, abs=0.02)
+    assert slopes["load_factor"] == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("penalty", ["eta", "bulk", "normal", "tangential"])
+def test_each_penalty_alone_is_linear(penalty):
+    """T19: the error of alpha_reg falls as 1/penalty with the other three held stiff."""
+    program, contact, _ = frozen(deformable_block(0.5, n=2))
+    scales = program.scales
+    unit = {
+        "eta": scales.stress * scales.length / scales.velocity,
+        "bulk": scales.stress * scales.length / scales.velocity,
+        "normal": scales.stress / scales.velocity,
+        "tangential": scales.stress / scales.velocity,
+    }
+
+    def alpha_reg(stiffness):
+        options = IpoptOptions(r=1e-5, **{penalty: stiffness * unit[penalty]})
+        return Ipopt().prepare(program, options).solve(contact).regularised.alpha_reg
+
+    errors = alpha_reg(1e9) - np.array([alpha_reg(s) for s in (1e2, 2e2, 4e2)])
+    if np.all(errors < 1e-9):  # the rigid sliding block neither yields nor changes volume
+        assert penalty in ("eta", "bulk")
+    else:
+        assert errors[:-1] / errors[1:] == pytest.approx(2.0, rel=0.05)
+
+
+def test_options_in_si_units_are_those_of_r():
+    """T20 by hand: eta = sigma L/(V r), K_c = 10 eta, K_n = K_t = 10 sigma/(V r)."""
+    problem = deformable_block(0.5)
+    scales = la.discretise(problem).natural
+    r = 1e-2
+    eta = scales.stress * scales.length / (scales.velocity * r)
+    spring = 10 * scales.stress / (scales.velocity * r)
+    by_r = la.solve(problem, "ipopt", options={"r": r})
+    by_value = la.solve(
+        problem,
+        "ipopt",
+        options={"eta": eta, "bulk": 10 * eta, "normal": spring, "tangential": spring},
+    )
+    assert by_value.regularised.alpha_reg == pytest.approx(by_r.regularised.alpha_reg, rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, la.Coulomb(0.3, associated=True), la.STICK])
+def test_ipopt_and_slsqp_are_one_program(friction):
+    """Two solvers, two codes of the laws (symbolic and numpy), one minimum at equal r.
+
+    SLSQP leaves nodal forces out of balance by some 1e-7: second order in alpha_reg, first in
+    lambda.
+    """
+    problem = deformable_block(friction)
+    states = [
+        la.solve(problem, name, options={"r": 0.1}, throw=True) for name in ("ipopt", "slsqp")
+    ]
+    a, b = (state.regularised for state in states)
+    assert a.alpha_reg == pytest.approx(b.alpha_reg, rel=1e-9)
+    assert a.load_factor == pytest.approx(b.load_factor, rel=1e-5)
+
+
+def test_all_three_backends_agree():
+    """Value, power and total normal reaction on one mesh, to what T19 allows.
+
+    lambda misses the exact value by less than C; the reaction resultant is fixed by the dead load.
+    """
+    discretisation = la.discretise(deformable_block(0.5))
+    states = {name: la.solve(discretisation, name, throw=True) for name in la.backend_names()}
+    exact = states["clarabel"]
+    for name, state in states.items():
+        energy = state.regularised.energy if state.regularised else 1e-6
+        assert state.load_factor == pytest.approx(exact.load_factor, abs=energy), name
+        reactions = state.reactions
+        # Vertical equilibrium with p b = 4; nodal forces balance to 1e-6 of the load.
+        assert (reactions.t_n * reactions.length).sum() == pytest.approx(4.0, rel=1e-5), name
+        power = state.discretisation.full.reference_load @ state.point.velocity
+        assert power == pytest.approx(1.0, abs=1e-9), name
+
+
+def test_slsqp_refuses_large_problems():
+    """A sentence with the size, the limit and the way out, before any solve."""
+    with pytest.raises(la.CapabilityError, match=r"at most 1200 .* coarser mesh.*'clarabel'"):
+        la.solve(punch(24, 12), "slsqp")
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"r": -1.0}, "r = -1.0: not a positive number"),
+        ({"eta": float("nan")}, "eta = nan"),
+        ({"reduction": 2.0}, "reduction = 2.0: outside"),
+        ({"max_iterations": 0}, "max_iterations"),
+        ({"tolerence": 1e-3}, "did you mean 'tolerance'"),
+    ],
+)
+@pytest.mark.parametrize("backend", ["ipopt", "slsqp"])
+def test_bad_options_are_named(backend, options, text):
+    with pytest.raises(la.InputError, match=text):
+        la.solve(deformable_block(0.3), backend, options=options)
+
+
+def test_iteration_and_time_limits_are_statuses():
+    """A solver stopped early gives a name and no number."""
+    for backend, options, status in (
+        ("ipopt", {"max_iterations": 3}, la.Status.ITERATION_LIMIT),
+        ("ipopt", {"time_limit": 1e-9}, la.Status.TIME_LIMIT),
+        ("slsqp", {"max_iterations": 3}, la.Status.ITERATION_LIMIT),
+        ("slsqp", {"time_limit": 1e-9}, la.Status.TIME_LIMIT),
+    ):
+        state = la.solve(deformable_block(la.STICK), backend, options=options)
+        assert state.status is status, backend
+        assert np.isnan(state.load_factor)
+        assert state.rigor is la.Rigor.NOT_CERTIFIED
+
+
+def test_every_ipopt_status_is_mapped():
+    """The return codes of IPOPT (IpReturnCodes_inc.h), none without a meaning here."""
+    from backends.ipopt_nlp import STATUS_MAP
+
+    assert len(STATUS_MAP) == 20
+
+
+def test_slsqp_options_reject_unknown_values():
+    assert SlsqpOptions().r == pytest.approx(0.1)
+    assert Slsqp().unavailable() == ""
