@@ -18,7 +18,7 @@ from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, require_positive
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import Penalties, evaluate, judged_status, penalties
+from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
 from lacore.status import Status
 
 STATUS_MAP = {
@@ -44,6 +44,8 @@ STATUS_MAP = {
     "Internal_Error": Status.FAILED,
 }
 
+_STICK = 1e20  # a friction bound that nothing reaches: infinity has no place in the algebra
+
 
 @dataclass(frozen=True)
 class IpoptOptions:
@@ -54,7 +56,8 @@ class IpoptOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation, 0 < reduction < 1.
-        damping: share of the rank-one term in the Hessian, 0 <= damping <= 1; 1 is exact.
+        rescue: share of the rank-one term kept in the Hessian when a step with the exact one
+            fails, 0 <= rescue < 1.
         tolerance: IPOPT's.
         max_iterations: of one continuation step.
         time_limit: s, one continuation step.
@@ -66,7 +69,7 @@ class IpoptOptions:
     normal: float | None = None
     tangential: float | None = None
     reduction: float = 0.1
-    damping: float = 1.0
+    rescue: float = 0.95
     tolerance: float = 1e-9
     max_iterations: int = 300
     time_limit: float = 3600.0
@@ -74,8 +77,8 @@ class IpoptOptions:
     def __post_init__(self) -> None:
         for name in ("tolerance", "max_iterations", "time_limit"):
             require_positive(f"ipopt.{name}", getattr(self, name))
-        if not 0 <= self.damping <= 1:
-            raise InputError("ipopt.damping", self.damping, "outside [0, 1]", "1 is exact")
+        if not 0 <= self.rescue < 1:
+            raise InputError("ipopt.rescue", self.rescue, "outside [0, 1)", "give e.g. 0.95")
 
 
 class Ipopt:
@@ -113,8 +116,7 @@ class IpoptSolver:
         )
         self._dilatancy: Floats | None = None
         self._nlp: Any = None
-        self._velocity: Floats | None = None
-        self._multiplier = 0.0
+        self._warm: _Step | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve; from the last answer when there is one, else by continuation in r."""
@@ -123,17 +125,25 @@ class IpoptSolver:
             self._nlp = _build(self._program, contact, self._options)
             self._dilatancy = contact.dilatancy
         iterations = 0
-        native = ""
-        warm = self._velocity is not None
-        if warm:
-            native, iterations = self._step(contact, self._target)
-        if STATUS_MAP.get(native) is not Status.SOLVED:
-            self._velocity, self._multiplier = None, 0.0
+        answer = self._warm
+        if answer is not None:
+            answer = self._step(contact, self._target, 1.0, answer)
+            iterations = answer.iterations
+        if answer is None or STATUS_MAP[answer.native] is not Status.SOLVED:
+            load = self._program.reference_load
+            answer = _Step("", 0, load / float(load @ load), 0.0)
             for penalty in self._target.continuation(self._options.reduction):
-                native, count = self._step(contact, penalty)
-                iterations += count
-        assert self._velocity is not None
-        point = evaluate(self._program, contact, self._target, self._velocity, self._multiplier)
+                before = answer
+                answer = self._step(contact, penalty, 1.0, before)
+                iterations += answer.iterations
+                if answer.hopeless:
+                    break
+                if STATUS_MAP[answer.native] is not Status.SOLVED:
+                    answer = self._step(contact, penalty, self._options.rescue, before)
+                    iterations += answer.iterations
+        self._warm = answer
+        native = answer.native
+        point = evaluate(self._program, contact, self._target, answer.velocity, answer.multiplier)
         status = judged_status(STATUS_MAP[native], self._program, point)
         return InnerSolution(
             status=status,
@@ -144,42 +154,60 @@ class IpoptSolver:
             regularised=point.values,
         )
 
-    def _step(self, contact: FrozenContact, penalty: Penalties) -> tuple[str, int]:
-        start = self._velocity
-        if start is None:
-            load = self._program.reference_load
-            start = load / float(load @ load)
+    def _step(
+        self, contact: FrozenContact, penalty: Penalties, damping: float, start: "_Step"
+    ) -> "_Step":
+        parameters = [penalty.eta, penalty.bulk, penalty.normal, penalty.tangential, damping]
         answer = self._nlp(
-            x0=start,
-            lam_g0=-self._multiplier,
+            x0=start.velocity,
+            lam_g0=-start.multiplier,
             lbg=1.0,
             ubg=1.0,
-            p=np.concatenate(
-                [
-                    [penalty.eta, penalty.bulk, penalty.normal, penalty.tangential],
-                    np.minimum(contact.bound, 1e20),
-                ]
-            ),
+            p=np.concatenate([parameters, np.minimum(contact.bound, _STICK)]),
         )
         stats = self._nlp.stats()
-        self._velocity = np.array(answer["x"]).ravel()
-        self._multiplier = -float(answer["lam_g"])
-        return str(stats["return_status"]), int(stats["iter_count"])
+        return _Step(
+            native=str(stats["return_status"]),
+            iterations=int(stats["iter_count"]),
+            velocity=np.array(answer["x"]).ravel(),
+            multiplier=-float(answer["lam_g"]),
+        )
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One run of IPOPT; the multiplier is that of ``F0.U = 1``, the load factor."""
+
+    native: str
+    iterations: int
+    velocity: Floats
+    multiplier: float
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether another attempt cannot help: time is up, or the program is unbounded."""
+        out_of_time = STATUS_MAP[self.native] is Status.TIME_LIMIT
+        return out_of_time or escaped(self.velocity)
 
 
 def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOptions) -> Any:
-    """The nonlinear program as a CasADi solver; parameters: four penalties and friction bounds."""
+    """The nonlinear program as a CasADi solver.
+
+    Parameters: four penalties, the damping of the Hessian, the friction bounds.
+    """
     u = ca.MX.sym("u", program.n)
-    p = ca.MX.sym("p", 4 + program.contact.count)
+    p = ca.MX.sym("p", 5 + program.contact.count)
     value = -ca.dot(program.dead_load, u)
     gradient = -ca.MX(program.dead_load)
     hessian = ca.MX(program.n, program.n)
     for group in program.groups:
         count = group.weights.size
         rows = _interleave(group.rows, group.dim, group.volumetric, 1)
-        law = _plastic_law(group.dim, group.volumetric_factor, options.damping)
+        law = _plastic_law(group.dim, group.volumetric_factor)
         constants = ca.DM(np.stack([group.weights, group.bound]))
-        part = _terms(rows, group.dim + 1, law, u, constants, ca.repmat(p[:2], 1, count))
+        part = _terms(
+            rows, group.dim + 1, law, u, constants, ca.repmat(ca.vertcat(p[:2], p[4]), 1, count)
+        )
         value, gradient, hessian = (
             a + b for a, b in zip((value, gradient, hessian), part, strict=True)
         )
@@ -189,7 +217,7 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
         )
         law = _contact_law(program.contact.tangent_dim)
         constants = ca.DM(np.stack([program.contact.weights, contact.dilatancy]))
-        parameters = ca.vertcat(ca.repmat(p[2:4], 1, program.contact.count), p[4:].T)
+        parameters = ca.vertcat(ca.repmat(p[2:4], 1, program.contact.count), p[5:].T)
         part = _terms(rows, 1 + program.contact.tangent_dim, law, u, constants, parameters)
         value, gradient, hessian = (
             a + b for a, b in zip((value, gradient, hessian), part, strict=True)
@@ -240,10 +268,13 @@ def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters:
     ]
 
 
-def _plastic_law(dim: int, share: float, damping: float) -> Any:
-    """T17 at one strain point: local (cone rows, theta), constants (weight, bound)."""
-    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 2), ca.SX.sym("p", 2)
-    weight, bound, eta, bulk = constants[0], constants[1], p[0], p[1]
+def _plastic_law(dim: int, share: float) -> Any:
+    """T17 at one strain point: local (cone rows, theta), constants (weight, bound).
+
+    Parameters: eta, K_c, and the share kept of the rank-one term of the Hessian.
+    """
+    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
+    weight, bound, eta, bulk, damping = constants[0], constants[1], p[0], p[1], p[2]
     scale = ca.DM.ones(dim + 1)
     scale[dim] = share
     e = scale * local
@@ -267,7 +298,10 @@ def _plastic_law(dim: int, share: float, damping: float) -> Any:
 
 
 def _contact_law(tangent_dim: int) -> Any:
-    """T18 at one contact point: local (u_n, u_t), constants (weight, dilatancy)."""
+    """T18 at one contact point: local (u_n, u_t), constants (weight, dilatancy).
+
+    Parameters: K_n, K_t, friction bound.
+    """
     local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
     weight, dilatancy = constants[0], constants[1]
     normal, tangential, bound = p[0], p[1], p[2]

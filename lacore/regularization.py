@@ -16,7 +16,7 @@ from lacore.program import FrozenContact, KinematicProgram, Scales
 from lacore.state import ProgramState
 from lacore.status import Status
 
-ESCAPED = 1e8  # dimensionless velocity at F0.U = 1: that of a mechanism is 1 to 1000
+_ESCAPED = 1e8  # dimensionless velocity at F0.U = 1: that of a mechanism is 1 to 1000
 _LOCKED_SHARE = 0.8  # of the power; about 0.04 for a mechanism at r = 0.1, 1 for a locked body
 _LOCKED_POWER = 1.0  # dimensionless: below it the load is small, whatever carries it
 
@@ -194,6 +194,11 @@ def evaluate(
     return RegularisedPoint(values, gradient, state)
 
 
+def escaped(velocity: Floats) -> bool:
+    """Whether a dimensionless velocity has run away (or is not a number)."""
+    return not np.abs(velocity).max(initial=0.0) < _ESCAPED
+
+
 def judged_status(status: Status, program: KinematicProgram, point: RegularisedPoint) -> Status:
     """What the answer of a regularised solver means (T13): evidence, not a proof.
 
@@ -202,7 +207,7 @@ def judged_status(status: Status, program: KinematicProgram, point: RegularisedP
     (UNSAFE).
     """
     values, velocity = point.values, point.state.velocity
-    if not np.abs(velocity).max(initial=0.0) < ESCAPED:
+    if escaped(velocity):
         return Status.UNSAFE if np.any(program.dead_load) else Status.FAILED
     dead_power = float(program.dead_load @ velocity)
     power = values.plastic + dead_power + 2 * values.energy + abs(dead_power)

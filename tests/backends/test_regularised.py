@@ -48,42 +48,44 @@ def test_three_values_bound_the_exact_one_from_below(case, variant):
 
 @pytest.mark.parametrize("rough", [False, True])
 def test_orders_in_r(rough):
-    """T19: halving r halves the error of alpha_reg and quarters that of lambda.
+    """T19: halving r halves the error of alpha_reg; that of lambda is o(r), in the end r^2.
 
-    Asymptotic from r = 1e-3 down; the errors (lambda: about 1e-7) stay above the solvers' 1e-11.
+    Asymptotic from r = 1e-3 down, where the errors of lambda (1e-7 ... 1e-9) stay above the
+    solvers' 1e-11. On the rough punch points still yield one by one in this range, so its order
+    is only known to be above one.
     """
     program, contact, exact = frozen(punch(rough=rough))
     r = 1e-3 / 2.0 ** np.arange(4)
     found = [values(program, contact, each) for each in r]
-    slopes = {
-        name: np.polyfit(np.log(r), np.log([exact - getattr(v, name) for v in found]), 1)[0]
+    errors = {
+        name: exact - np.array([getattr(value, name) for value in found])
         for name in ("alpha_reg", "load_factor")
     }
-    assert slopes["alpha_reg"] == pytest.approx(1.0, abs=0.02)
-    assert slopes["load_factor"] == pytest.approx(2.0, abs=0.2)
+    assert errors["alpha_reg"][:-1] / errors["alpha_reg"][1:] == pytest.approx(2.0, rel=0.02)
+    assert np.all(errors["load_factor"][:-1] / errors["load_factor"][1:] > 2.0)
+    if not rough:
+        order = np.polyfit(np.log(r), np.log(errors["load_factor"]), 1)[0]
+        assert order == pytest.approx(2.0, abs=0.2)
 
 
 @pytest.mark.parametrize("penalty", ["eta", "bulk", "normal", "tangential"])
 def test_each_penalty_alone_is_linear(penalty):
-    """T19: the error of alpha_reg falls as 1/penalty with the other three held stiff."""
+    """T19: alpha_reg is linear in 1/penalty, the other three held: halving halves its change.
+
+    Held at r = 1e-4, they change the reactions by some 1e-3 of themselves: second order.
+    """
     program, contact, _ = frozen(deformable_block(0.5, n=2))
     scales = program.scales
-    unit = {
-        "eta": scales.stress * scales.length / scales.velocity,
-        "bulk": scales.stress * scales.length / scales.velocity,
-        "normal": scales.stress / scales.velocity,
-        "tangential": scales.stress / scales.velocity,
-    }
-
-    def alpha_reg(stiffness):
-        options = IpoptOptions(r=1e-5, **{penalty: stiffness * unit[penalty]})
-        return Ipopt().prepare(program, options).solve(contact).regularised.alpha_reg
-
-    errors = alpha_reg(1e9) - np.array([alpha_reg(s) for s in (1e2, 2e2, 4e2)])
-    if np.all(errors < 1e-9):  # the rigid sliding block neither yields nor changes volume
-        assert penalty in ("eta", "bulk")
-    else:
-        assert errors[:-1] / errors[1:] == pytest.approx(2.0, rel=0.05)
+    unit = scales.stress / scales.velocity
+    if penalty in ("eta", "bulk"):
+        unit *= scales.length
+    found = []
+    for stiffness in (1e2, 2e2, 4e2):
+        options = IpoptOptions(r=1e-4, **{penalty: stiffness * unit})
+        found.append(Ipopt().prepare(program, options).solve(contact).regularised.alpha_reg)
+    first, second = np.diff(found)
+    assert first > 0
+    assert first / second == pytest.approx(2.0, rel=0.02)
 
 
 def test_options_in_si_units_are_those_of_r():
@@ -102,7 +104,9 @@ def test_options_in_si_units_are_those_of_r():
     assert by_value.regularised.alpha_reg == pytest.approx(by_r.regularised.alpha_reg, rel=1e-9)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3, la.Coulomb(0.3, associated=True), la.STICK])
+@pytest.mark.parametrize(
+    "friction", [0.3, la.Coulomb(0.3, associated=True), la.Tresca(0.2), la.STICK]
+)
 def test_ipopt_and_slsqp_are_one_program(friction):
     """Two solvers, two codes of the laws (symbolic and numpy), one minimum at equal r.
 
