@@ -14,6 +14,8 @@ import lacore as la
 from verification import terminal
 from verification.catalogue import catalogue
 from verification.compare import plan, run_all, tally
+from verification.machine import describe
+from verification.report.page import write
 
 
 class _BadInput(click.ClickException):
@@ -89,13 +91,17 @@ def compare(
     runs = plan(cases, backends, meshes)
     with terminal.watching(len(runs)) as watch:
         outcomes = run_all(runs, out / "results.csv", watch.start, watch.iterate, watch.finish)
+    about = describe()
+    with terminal.status("drawing pictures, writing the page"):
+        page = write(out, outcomes, about)
     count = tally(outcomes)
     if as_json:
         rows = [outcome.row.record() for outcome in outcomes]
-        _print_json({"summary": vars(count), "rows": rows})
+        document = {"summary": vars(count), "report": str(page), "machine": about, "rows": rows}
+        _print_json(document)
     else:
         terminal.show_results(terminal.table_console(), outcomes)
-        click.echo(f"\n{count.text}\nResults: {out / 'results.csv'}")
+        click.echo(f"\n{count.text}\nResults: {out / 'results.csv'}\nReport:  {page}")
     ctx.exit(1 if count.failed else 0)
 
 

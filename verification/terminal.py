@@ -1,7 +1,7 @@
 """What the commands show on a terminal: progress on stderr, tables on stdout."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from math import isfinite
 from typing import Any
 
@@ -65,6 +65,11 @@ def watching(total: int) -> Iterator[Watch]:
         transient=True,
     ) as progress:
         yield Watch(progress, total)
+
+
+def status(text: str) -> AbstractContextManager[object]:
+    """A spinner on stderr."""
+    return Console(stderr=True).status(text)
 
 
 def table_console() -> Console:
