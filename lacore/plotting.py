@@ -92,8 +92,8 @@ def _draw_bodies(figure: Figure, axes: Axes, state: LimitState, stretch: float) 
             axes.plot(*edge, color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=1)
         picture = PolyCollection(
             list(faces),
-            array=np.maximum(dissipation[name], 0.0),
-            norm=norm,
+            array=dissipation[name] if norm else np.zeros_like(dissipation[name]),
+            norm=norm or LogNorm(1, 2),
             cmap=cmap,
             edgecolors=(0, 0, 0, 0.16),
             linewidths=0.35,

@@ -40,7 +40,7 @@ def reference(mu: float) -> Reference:
     return Reference(
         min(mu * PRESSURE * LENGTH / HEIGHT, PRESSURE + 2 * K),
         "min(mu p b/h, p + 2 k)",
-        "equilibrium and the wedge mechanism (hand calculation below)",
+        "equilibrium and the wedge mechanism, by hand",
         "exact",
     )
 
@@ -60,10 +60,12 @@ CASE = Case(
     unit="traction / k",
     explanation=__doc__,
     hand_calculation="""\
-sliding:   total normal force  N = p b             alpha h = mu N    alpha = mu p b/h = 4 mu
-crushing:  sigma_y = -p, yield in plane strain     sigma_x = -(p + 2 k)
-           the 45-degree cut carries shear k       alpha = p + 2 k = 3
-together:  alpha = min(4 mu, 3), crossing at       mu = (p + 2 k) h/(p b) = 0.75
+sliding:   total normal force N = p b, alpha h = mu N
+           alpha = mu p b/h = 4 mu
+crushing:  sigma_y = -p, yield in plane strain: sigma_x = -(p + 2 k)
+           alpha = p + 2 k = 3, the 45-degree cut carries k
+together:  alpha = min(4 mu, 3)
+           crossing at mu = (p + 2 k) h/(p b) = 0.75
 """,
     meshes={"coarse": {"n": 2}, "medium": {"n": 8}, "fine": {"n": 17}},
     build=build,

@@ -80,13 +80,14 @@ CASE = Case(
     unit="F/(w k)",
     explanation=__doc__,
     hand_calculation="""\
-no friction:   alpha = 2 k (uniform compression in plane strain)
-sticking:      slip-line net of the block of w/h = 2: alpha = 2.427658 k
-in between:    thin-block estimate (slab method), exact to first order in mu only:
-               dp/dx = 2 mu p/h from p = 2 k at the free side, with h the height and w = 2 h
-               alpha = 2 k (e^c - 1)/c, c = mu w/h  ->  mu = 0.05: 2.103, mu = 0.1: 2.214
-               (a little above 2.100 and 2.197: it ignores the shear that friction puts into
-               the yield condition)
+no friction:  alpha = 2 k (uniform compression)
+sticking:     slip-line net of the block: alpha = 2.427658 k
+in between:   slab method, an estimate for little friction:
+              dp/dx = 2 mu p/h from p = 2 k at the free side
+              alpha = 2 k (e^c - 1)/c, c = mu w/h, w = 2 h
+              mu = 0.05: 2.103, mu = 0.1: 2.214
+              (a little high: the shear that friction brings
+              weakens the block, which the slab ignores)
 """,
     meshes={
         "coarse": {"nx": 6, "ny": 3, "ratio": 6.0},

@@ -59,9 +59,12 @@ CASE = Case(
     unit="F/(w k)",
     explanation=__doc__,
     hand_calculation="""\
-below:  uniform sigma_y = -2 k, sigma_x = 0: radius of Mohr's circle k, no shear on the platens
-above:  platens close at rate 2 v, four cuts of length w/sqrt2, jump sqrt2 v:
-        D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v;  power of F: 2 v F  ->  F/w = 2 k
+from below:  uniform sigma_y = -2 k, sigma_x = 0, no shear at
+             the platens; Mohr's circle has radius k
+from above:  platens close at rate 2 v, four cuts of length
+             w/sqrt2 with a velocity jump sqrt2 v dissipate
+             D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v
+             power of F is 2 v F   ->   F/w = 2 k
 """,
     meshes={"coarse": {"n": 4}, "medium": {"n": 16}, "fine": {"n": 34}},
     build=build,

@@ -76,9 +76,12 @@ CASE = Case(
     unit="mean footing pressure / k",
     explanation=__doc__,
     hand_calculation="""\
-passive wedge 3: free surface, sigma_y = 0      mean pressure  p3 = k
-fan 2: Hencky, p + 2 k (turn) constant, 90 deg  p1 = p3 + 2 k (pi/2) = k + pi k
-active wedge 1: sigma_y = -(p1 + k)             alpha = (2 + pi) k = 5.141593 k
+passive wedge 3:  free surface, sigma_y = 0
+                  mean pressure p3 = k
+fan 2:            Hencky, p changes by 2 k times the turn (pi/2)
+                  p1 = p3 + pi k
+active wedge 1:   sigma_y = -(p1 + k)
+                  alpha = (2 + pi) k = 5.141593 k
 """,
     meshes={
         "coarse": {"nx": 5, "ny": 3, "ratio_x": 30.0, "ratio_y": 10.0},

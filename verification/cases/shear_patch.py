@@ -47,7 +47,7 @@ def reference(mu: float, p0: float) -> Reference:
     return Reference(
         min(mu * p0, sqrt(K**2 - p0**2 / 4)),
         "min(mu p0, sqrt(k^2 - p0^2/4))",
-        "uniform stress, Mohr's circle (hand calculation below)",
+        "uniform stress and Mohr's circle, by hand",
         "exact",
     )
 
@@ -64,9 +64,10 @@ CASE = Case(
     unit="shear traction / k",
     explanation=__doc__,
     hand_calculation="""\
-uniform stress:  sigma_x = 0, sigma_y = -p0, tau = alpha, so on the floor  t_n = p0, t_t = alpha
+uniform stress:  sigma_x = 0, sigma_y = -p0, tau = alpha
+                 so on the floor t_n = p0, t_t = alpha
 sliding:         alpha = mu p0
-yield:           (p0/2)^2 + alpha^2 = k^2   (Mohr's circle of radius k)
+yield:           (p0/2)^2 + alpha^2 = k^2   (Mohr's circle)
 p0 = 1.6 k:      alpha = min(1.6 mu, 0.6) k, crossing at mu = 0.375
 """,
     meshes={

@@ -41,7 +41,7 @@ def reference() -> Reference:
     return Reference(
         2 / sqrt(3) * log(OUTER / INNER),
         "(2/sqrt3) s0 ln(b/a)",
-        "Hill, The Mathematical Theory of Plasticity; hand calculation below",
+        "Hill, The Mathematical Theory of Plasticity; by hand",
         "exact",
     )
 
@@ -59,8 +59,9 @@ CASE = Case(
     explanation=__doc__,
     hand_calculation="""\
 equilibrium:  d sigma_r/dr = (sigma_t - sigma_r)/r
-yield:        sigma_t - sigma_r = 2 k = (2/sqrt3) s0   (plane strain)
-integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)  ->  alpha = 0.800377 s0 for b/a = 2
+yield:        sigma_t - sigma_r = 2 k = (2/sqrt3) s0  (plane strain)
+integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)
+b/a = 2:      alpha = 0.800377 s0
 """,
     meshes={
         "coarse": {"n_radial": 3, "n_angular": 6},

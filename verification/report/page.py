@@ -50,6 +50,17 @@ class Section:
         return list({outcome.run.variant.name: outcome.run for outcome in self.outcomes}.values())
 
     @property
+    def references(self) -> list[tuple[str, str]]:
+        """Values by variant, and formula with source, one pair a formula."""
+        values: dict[str, list[str]] = {}
+        for run in self.runs:
+            reference = self.case.reference(**run.variant.parameters)
+            width = f" ± {reference.half_width:g}" if reference.half_width else ""
+            text = f"{reference.formula} ({reference.kind}; {reference.source})"
+            values.setdefault(text, []).append(f"{run.variant.name} {reference.value:.7g}{width}")
+        return [(", ".join(own), text) for text, own in values.items()]
+
+    @property
     def reasons(self) -> list[str]:
         """Why the bands are what they are, each once, for the finest mesh run of each variant."""
         texts: dict[str, str] = {}

@@ -1,0 +1,116 @@
+"""Every case builds, is told about, and holds for the exact backend; refinement behaves."""
+
+from math import log
+
+import pytest
+
+import lacore as la
+from verification.case import Allowed, allowed_values
+from verification.catalogue import catalogue, find
+from verification.harness import PASS, Run, execute
+
+CASES = list(catalogue().values())
+VARIANTS = [(case, variant) for case in CASES for variant in case.variants]
+
+
+def outcome_of(case, variant, mesh):
+    (outcome,) = execute([Run(case, variant, mesh, "clarabel")], lambda _: None, lambda _: None)
+    return outcome
+
+
+def load_factor(case_id, variant_name, mesh):
+    case, (variant,) = find(f"{case_id}:{variant_name}")
+    return la.solve(case.problem(variant, mesh), throw=True).load_factor
+
+
+def test_catalogue_holds_the_cases_of_first_light():
+    assert {
+        "deformable-block",
+        "platens-coulomb",
+        "platens-square",
+        "prandtl-punch",
+        "shear-patch",
+        "thick-cylinder",
+    } <= set(catalogue())
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_case_explains_itself(case):
+    assert any(line.startswith("   ") for line in case.explanation.splitlines()), "no sketch"
+    assert max(map(len, case.hand_calculation.splitlines())) <= 72
+    names = [variant.name for variant in case.variants]
+    assert len(set(names)) == len(names)
+    for variant in case.variants:
+        assert set(variant.meshes) <= set(case.meshes)
+        reference = case.reference(**variant.parameters)
+        assert reference.value > 0
+        assert reference.formula
+        assert reference.source
+        assert case.band(1000, **variant.parameters).reason
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_meshes_have_their_sizes(case):
+    variant = case.variants[0]
+    sizes = {
+        name: next(iter(case.problem(variant, name).bodies.values())).mesh.nelements
+        for name in case.meshes
+    }
+    assert sizes["coarse"] <= 80
+    assert 900 <= sizes["medium"] <= 1100
+    assert 4500 <= sizes["fine"] <= 5000
+
+
+@pytest.mark.parametrize(
+    ("case", "variant"), VARIANTS, ids=[f"{case.id}:{variant.name}" for case, variant in VARIANTS]
+)
+def test_exact_backend_passes_on_coarse(case, variant):
+    outcome = outcome_of(case, variant, "coarse")
+    assert outcome.row.verdict == PASS, outcome.row.why
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("case", "variant"), VARIANTS, ids=[f"{case.id}:{variant.name}" for case, variant in VARIANTS]
+)
+def test_exact_backend_passes_on_medium_and_fine(case, variant):
+    for mesh in ("medium", "fine"):
+        outcome = outcome_of(case, variant, mesh)
+        assert outcome.row.verdict == PASS, outcome.row.why
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("variant", "allowed", "order"), [("smooth", 0.002, 0.9), ("rough", 0.008, 0.55)]
+)
+def test_punch_converges_from_above(variant, allowed, order):
+    case, _ = find("prandtl-punch")
+    reference = case.reference(rough=True).value
+    errors = [load_factor("prandtl-punch", variant, mesh) / reference - 1 for mesh in case.meshes]
+    assert min(errors) >= 0
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] <= allowed
+    assert log(errors[1] / errors[2]) / log(4800 / 968) >= order
+
+
+@pytest.mark.slow
+def test_cylinder_converges_at_order_one():
+    case, _ = find("thick-cylinder")
+    reference = case.reference().value
+    errors = [load_factor(case.id, "burst", mesh) / reference - 1 for mesh in case.meshes]
+    assert errors[0] > errors[1] > errors[2]
+    assert log(errors[1] / errors[2]) / log(4784 / 960) == pytest.approx(1.0, abs=0.15)
+
+
+def test_allowed_values_widen_by_half_width_and_band():
+    case, (variant,) = find("platens-coulomb:mu-0.1")
+    reference = case.reference(**variant.parameters)
+    band = case.band(1000, **variant.parameters)
+    allowed = allowed_values(reference, band)
+    assert allowed.low == pytest.approx(2.194 * (1 - band.below))
+    assert allowed.high == pytest.approx(2.200 * (1 + band.above))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 0.9, 1.2])
+def test_nothing_outside_is_allowed(value):
+    assert not Allowed(1.0, 1.1).holds(value)

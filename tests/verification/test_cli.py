@@ -1,0 +1,136 @@
+"""The commands as a user meets them."""
+
+import json
+import re
+
+import pytest
+from click.testing import CliRunner
+
+import verification.cli as cli
+from tests.verification.test_harness import VARIANT, wrong_case
+from verification.catalogue import catalogue
+from verification.harness import Run
+
+# Every case, but not every variant: pictures take time.
+RUN = [
+    *(f"{case.id}:{case.variants[0].name}" for case in catalogue().values()),
+    "deformable-block:crushing",
+    "deformable-block:mu-0.7",
+]
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli.main, list(arguments))
+
+
+def strict_json(text):
+    def refuse(name):
+        raise AssertionError(f"{name} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    out = tmp_path_factory.mktemp("compare")
+    options = ("--backends", "clarabel", "--meshes", "coarse", "--out", str(out))
+    return run("compare", *RUN, *options), out
+
+
+def test_compare_prints_a_table_that_fits(compared):
+    result, _ = compared
+    assert result.exit_code == 0, result.output
+    assert "prandtl-punch:smooth" in result.stdout
+    assert re.search(r"coarse +clarabel +3\.000000 +3\.000000 .* pass", result.stdout)
+    assert max(map(len, result.stdout.split("Results:")[0].splitlines())) <= 108
+
+
+def test_compare_writes_rows_pictures_and_page(compared):
+    _, out = compared
+    assert (out / "results.csv").read_text().count("\n") == 1 + len(RUN)
+    assert (out / "pictures" / "prandtl-punch-smooth.png").read_bytes().startswith(b"\x89PNG")
+    assert (out / "pictures" / "deformable-block-sweep.png").is_file()
+
+
+def test_page_has_every_case_and_loads_nothing(compared):
+    _, out = compared
+    page = (out / "index.html").read_text(encoding="utf-8")
+    for case in catalogue().values():
+        assert f'id="{case.id}"' in page
+    for link in re.findall(r"""(?:src|href|action|data)\s*=\s*["']([^"']*)""", page):
+        assert link.startswith(("data:", "#")), link
+    assert "://" not in page
+    assert "@import" not in page
+    assert "url(" not in page
+    assert "default-src 'none'" in page
+
+
+def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
+    case = wrong_case()
+    object.__setattr__(case, "title", "<script>planted</script>")
+    monkeypatch.setattr(cli, "plan", lambda *_: [Run(case, VARIANT, "coarse", "clarabel")])
+    assert run("compare", "--out", str(tmp_path)).exit_code == 1
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "<script>planted" not in page
+    assert "&lt;script&gt;planted" in page
+
+
+def test_wrong_result_is_exit_code_1(tmp_path, monkeypatch):
+    runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
+    monkeypatch.setattr(cli, "plan", lambda *_: runs)
+    result = run("compare", "--out", str(tmp_path))
+    assert result.exit_code == 1
+    assert "1 FAIL" in result.stdout
+
+
+def test_json_is_one_strict_document(tmp_path):
+    result = run(
+        "compare", "shear-patch", "--backends", "clarabel", "--meshes", "coarse",
+        "--out", str(tmp_path), "--json",
+    )  # fmt: skip
+    document = strict_json(result.stdout)
+    assert document["summary"] == {"passed": 2, "failed": 0, "skipped": 0}
+    (first, _) = document["rows"]
+    assert first["alpha_reg"] is None
+    assert first["load_factor"] == pytest.approx(0.32)
+
+
+def test_lists_are_json_too():
+    assert {entry["id"] for entry in strict_json(run("cases", "--json").stdout)} == set(catalogue())
+    assert "clarabel" in {entry["name"] for entry in strict_json(run("backends", "--json").stdout)}
+
+
+def test_infinity_is_strict_json():
+    assert cli._strict({"a": [float("nan"), float("inf")]}) == {"a": [None, "inf"]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "mend"),
+    [
+        (["prandl-punch"], "did you mean 'prandtl-punch'?"),
+        (["prandtl-punch:smoth"], "did you mean 'smooth'?"),
+        (["--backends", "clarbel"], "did you mean 'clarabel'?"),
+        (["shear-patch", "--meshes", "corse"], "did you mean 'coarse'?"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, mend):
+    result = run("compare", *arguments, "--out", str(tmp_path / "new"))
+    assert result.exit_code == 2
+    assert mend in result.stderr
+    assert "Traceback" not in result.output
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "new").exists()
+
+
+def test_unwritable_folder_is_exit_code_2(tmp_path):
+    (tmp_path / "file").write_text("")
+    result = run("compare", "shear-patch", "--out", str(tmp_path / "file" / "below"))
+    assert result.exit_code == 2
+    assert "cannot write there" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["compare", "cases", "backends"])
+def test_help_says_what_a_command_does(command):
+    result = run(command, "--help")
+    assert result.exit_code == 0
+    assert "--json" in result.stdout

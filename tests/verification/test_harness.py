@@ -1,0 +1,156 @@
+"""Verdicts, rows and the file that they are written to."""
+
+import csv
+from dataclasses import replace
+
+import pytest
+
+import lacore as la
+import verification.harness as harness
+from lacore.regularization import RegularisedValues
+from verification.case import Band, Reference
+from verification.catalogue import find
+from verification.compare import plan, run_all, tally
+from verification.harness import FAIL, PASS, SKIPPED, Run, execute, judge
+
+CASE, (VARIANT,) = find("shear-patch:yielding")
+NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")
+
+
+def wrong_case():
+    def reference(**parameters):
+        return Reference(0.61, "planted", "wrong", "exact")
+
+    return replace(CASE, reference=reference)
+
+
+@pytest.fixture(scope="module")
+def state():
+    return la.solve(CASE.problem(VARIANT, "coarse"))
+
+
+def regularised(state, value, energy):
+    values = RegularisedValues(value - 2 * energy, value - energy, value, value)
+    return replace(state, load_factor=value, regularised=values)
+
+
+@pytest.mark.parametrize(
+    ("value", "energy", "verdict"),
+    [
+        (0.6, 0.0, PASS),
+        (0.595, 0.006, PASS),  # from below, by less than C
+        (0.595, 0.004, FAIL),  # by more than C
+        (0.601, 0.006, FAIL),  # from above
+        (0.6, 0.04, FAIL),  # C above 5 %
+        (float("nan"), 0.0, FAIL),
+    ],
+)
+def test_verdict_on_regularised_values(state, value, energy, verdict):
+    reference = Reference(0.6, "", "", "exact")
+    found, why = judge(regularised(state, value, energy), reference, NEXT_TO_NOTHING)
+    assert found == verdict
+    assert why
+
+
+def test_verdict_needs_a_solved_status(state):
+    unsolved = replace(state, status=la.Status.STALLED)
+    verdict, why = judge(unsolved, Reference(0.6, "", "", "exact"), NEXT_TO_NOTHING)
+    assert verdict == FAIL
+    assert "not solved" in why
+
+
+def test_planted_wrong_reference_fails(tmp_path):
+    runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
+    (outcome,) = run_all(runs, tmp_path / "results.csv")
+    assert outcome.row.verdict == FAIL
+    assert "not in" in outcome.row.why
+
+
+def read(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_rows_are_on_disk_as_they_finish(tmp_path):
+    path = tmp_path / "new" / "results.csv"
+    seen = []
+    run_all(
+        plan(["shear-patch"], ["clarabel"], ["coarse"]),
+        path,
+        on_finish=lambda _: seen.append(len(read(path))),
+    )
+    assert seen == [1, 2]
+    first, _ = read(path)
+    assert (first["case"], first["variant"], first["verdict"]) == ("shear-patch", "sliding", PASS)
+    assert float(first["load_factor"]) == pytest.approx(0.32)
+    assert first["alpha_reg"] == first["upper"] == ""
+    assert float(first["param_mu"]) == 0.2
+
+
+def test_upper_bound_is_filled_only_where_rigor_says_so():
+    case, variants = find("prandtl-punch")
+    runs = [Run(case, variant, "coarse", "clarabel") for variant in variants]
+    for outcome in execute(runs, lambda _: None, lambda _: None):
+        assert outcome.row.upper == outcome.row.load_factor
+        assert outcome.row.record()["lower"] != outcome.row.record()["lower"]  # NaN
+
+
+def test_a_backend_that_breaks_is_a_failed_row_and_the_run_goes_on(monkeypatch):
+    solve = la.solve
+
+    def breaks(problem, backend, **options):
+        if backend == "broken":
+            raise ZeroDivisionError("planted")
+        return solve(problem, backend, **options)
+
+    monkeypatch.setattr(harness.la, "solve", breaks)
+    runs = [Run(CASE, VARIANT, "coarse", name) for name in ("broken", "clarabel")]
+    first, second = execute(runs, lambda _: None, lambda _: None)
+    assert (first.row.status, first.row.verdict) == ("failed", FAIL)
+    assert first.row.message == "ZeroDivisionError: planted"
+    assert second.row.verdict == PASS
+
+
+def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
+    def cannot(problem, **options):
+        raise la.CapabilityError("too big: take a coarser mesh")
+
+    monkeypatch.setattr(harness.la, "solve", cannot)
+    outcomes = list(
+        execute([Run(CASE, VARIANT, "coarse", "small")], lambda _: None, lambda _: None)
+    )
+    assert outcomes[0].row.verdict == SKIPPED
+    assert outcomes[0].row.message == "too big: take a coarser mesh"
+    assert tally(outcomes).skipped == 1
+
+
+def test_a_case_that_does_not_build_is_a_failed_row():
+    def build(**parameters):
+        raise la.InputError("mesh", None, "planted", "mend it")
+
+    runs = [Run(replace(CASE, build=build), VARIANT, "coarse", "clarabel")]
+    (outcome,) = execute(runs, lambda _: None, lambda _: None)
+    assert (outcome.row.verdict, outcome.state) == (FAIL, None)
+
+
+def test_backends_share_the_discretisation(monkeypatch):
+    calls = []
+    discretise = la.discretise
+    monkeypatch.setattr(
+        harness.la, "discretise", lambda problem: calls.append(1) or discretise(problem)
+    )
+    runs = [Run(CASE, VARIANT, "coarse", "clarabel")] * 2
+    first, second = execute(runs, lambda _: None, lambda _: None)
+    assert len(calls) == 1
+    assert first.row.build_time == second.row.build_time > 0
+
+
+def test_plan_takes_each_variant_once_and_keeps_their_order():
+    runs = plan(["shear-patch:yielding", "shear-patch"], ["clarabel"], ["coarse"])
+    assert [run.variant.name for run in runs] == ["sliding", "yielding"]
+
+
+def test_default_plan_has_every_case_and_backend():
+    runs = plan()
+    assert {run.backend for run in runs} == set(la.backend_names())
+    assert {run.mesh for run in runs} == {"coarse", "medium"}
