@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize
 from scipy.sparse import diags_array
+from threadpoolctl import threadpool_limits
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
@@ -48,7 +49,8 @@ class SlsqpOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation in r, 0 < reduction < 1.
-        tolerance: SLSQP's, on the change of the objective.
+        tolerance: SLSQP's, on the change of the objective; near its round-off, because nodal forces
+            balance only to the root of it.
         max_iterations: of one continuation step.
         time_limit: s, one inner solve.
     """
@@ -59,7 +61,7 @@ class SlsqpOptions:
     normal: float | None = None
     tangential: float | None = None
     reduction: float = 0.1
-    tolerance: float = 1e-14
+    tolerance: float = 1e-18
     max_iterations: int = 2000
     time_limit: float = 600.0
 
@@ -108,7 +110,9 @@ class SlsqpSolver:
             steps = self._target.continuation(self._options.reduction)
         iterations = 0
         for penalty in steps:
-            answer = self._step(contact, penalty, load, deadline)
+            # More BLAS threads than idle cores make these small dense steps ten times slower.
+            with threadpool_limits(1, user_api="blas"):
+                answer = self._step(contact, penalty, load, deadline)
             self._start = np.asarray(answer.x)
             iterations += int(answer.nit)
             if answer.status == _STOPPED:
