@@ -56,7 +56,7 @@ def test_meshes_have_their_sizes(case):
         name: next(iter(case.problem(variant, name).bodies.values())).mesh.nelements
         for name in case.meshes
     }
-    assert sizes["coarse"] <= 80
+    assert sizes["coarse"] <= 40
     assert 900 <= sizes["medium"] <= 1100
     assert 4500 <= sizes["fine"] <= 5000
 

@@ -66,9 +66,12 @@ from above:  platens close at rate 2 v, four cuts of length
              D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v
              power of F is 2 v F   ->   F/w = 2 k
 """,
-    meshes={"coarse": {"n": 4}, "medium": {"n": 16}, "fine": {"n": 34}},
+    meshes={"coarse": {"n": 3}, "medium": {"n": 16}, "fine": {"n": 34}},
     build=build,
     reference=reference,
     band=band,
-    variants=tuple(Variant(f"mu-{mu:g}", {"mu": mu}) for mu in (0.1, 0.5)),
+    variants=(
+        Variant("mu-0.1", {"mu": 0.1}, meshes=("coarse",)),
+        Variant("mu-0.5", {"mu": 0.5}),
+    ),
 )

@@ -84,7 +84,7 @@ active wedge 1:   sigma_y = -(p1 + k)
                   alpha = (2 + pi) k = 5.141593 k
 """,
     meshes={
-        "coarse": {"nx": 5, "ny": 3, "ratio_x": 30.0, "ratio_y": 10.0},
+        "coarse": {"nx": 4, "ny": 2, "ratio_x": 12.0, "ratio_y": 4.0},
         "medium": {"nx": 22, "ny": 11, "ratio_x": 100.0, "ratio_y": 30.0},
         "fine": {"nx": 48, "ny": 25, "ratio_x": 300.0, "ratio_y": 100.0},
     },

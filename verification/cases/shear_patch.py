@@ -71,7 +71,7 @@ yield:           (p0/2)^2 + alpha^2 = k^2   (Mohr's circle)
 p0 = 1.6 k:      alpha = min(1.6 mu, 0.6) k, crossing at mu = 0.375
 """,
     meshes={
-        "coarse": {"nx": 3, "ny": 4},
+        "coarse": {"nx": 2, "ny": 3},
         "medium": {"nx": 12, "ny": 20},
         "fine": {"nx": 28, "ny": 42},
     },

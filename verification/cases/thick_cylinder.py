@@ -64,7 +64,7 @@ integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)
 b/a = 2:      alpha = 0.800377 s0
 """,
     meshes={
-        "coarse": {"n_radial": 3, "n_angular": 6},
+        "coarse": {"n_radial": 2, "n_angular": 4},
         "medium": {"n_radial": 12, "n_angular": 20},
         "fine": {"n_radial": 26, "n_angular": 46},
     },
