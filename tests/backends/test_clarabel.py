@@ -1,0 +1,348 @@
+"""Clarabel on programs solved by hand: value, velocity and every dual with its sign (T35)."""
+
+import clarabel
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+
+import lacore as la
+from backends import clarabel_socp
+from lacore.backend import find_backend
+from lacore.certificate import certify
+from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.status import Status
+
+# The default tolerance is 1e-9 on scaled residuals; numbers here are of order one to ten.
+BAR = 1e-7
+
+
+def group(rows, volumetric, weight, bound):
+    rows = np.atleast_2d(rows)
+    return DissipationGroup(
+        name="body",
+        rows=csr_matrix(rows, dtype=float),
+        dim=rows.shape[0],
+        weights=np.array([weight]),
+        bound=np.array([bound]),
+        volumetric=csr_matrix(np.atleast_2d(volumetric), dtype=float),
+        volumetric_factor=1.0,
+    )
+
+
+def contact(normal, tangential, weights):
+    """Rows (points, n); laws are given by what the test freezes."""
+    normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
+    zero = np.zeros(len(weights))
+    return ContactRows(
+        normal=csr_matrix(normal, dtype=float),
+        tangential=csr_matrix(tangential, dtype=float),
+        tangent_dim=1,
+        weights=np.array(weights, dtype=float),
+        coefficient=zero,
+        limit=zero,
+        dilatancy=zero,
+        interface=zero.astype(int),
+    )
+
+
+def no_contact(n):
+    return contact(np.zeros((0, n)), np.zeros((0, n)), [])
+
+
+def program(groups, rows, reference, dead=None):
+    reference = np.array(reference, dtype=float)
+    dead = np.zeros(reference.size) if dead is None else np.array(dead, dtype=float)
+    return KinematicProgram(tuple(groups), rows, reference, dead)
+
+
+def frozen(bound=(), dilatancy=0.0, shift=0.0):
+    bound = np.array(bound, dtype=float)
+    return FrozenContact(bound, np.zeros(bound.size) + dilatancy, np.zeros(bound.size) + shift)
+
+
+def prepared(stated, **options):
+    backend = find_backend("clarabel")
+    return backend.prepare(stated, backend.Options(**options))
+
+
+def solve(stated, held=None, **options):
+    return prepared(stated, **options).solve(held or frozen())
+
+
+# One cone, by hand.
+
+
+def test_stress_follows_the_strain_rate():
+    """min 2 * 3 ||U||, (0.6, 0.8).U = 1: U = F0, alpha = 6, w s = alpha F0."""
+    answer = solve(program([group(np.eye(2), [0, 0], 2.0, 3.0)], no_contact(2), [0.6, 0.8]))
+    assert (answer.status, answer.native_status) == (Status.SOLVED, "Solved")
+    assert answer.iterations > 0
+    assert answer.solve_time > 0
+    point = answer.point
+    assert point.velocity == pytest.approx([0.6, 0.8], abs=BAR)
+    assert point.load_factor == pytest.approx(6, abs=10 * BAR)
+    assert point.stress[0][0] == pytest.approx([1.8, 2.4], abs=10 * BAR)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_mean_stress_is_positive_in_tension(sense):
+    """U = (1, 1) by theta = sense (u_0 - u_1) = 0; w s + w p theta = alpha F0."""
+    stated = program([group(np.eye(2), [sense, -sense], 2.0, 3.0)], no_contact(2), [1.0, 0.0])
+    point = solve(stated).point
+    assert point.velocity == pytest.approx([1, 1], abs=BAR)
+    assert point.load_factor == pytest.approx(6 * np.sqrt(2), abs=10 * BAR)
+    assert point.stress[0][0] == pytest.approx([3 / np.sqrt(2)] * 2, abs=10 * BAR)
+    assert point.mean_stress[0] == pytest.approx([sense * 3 / np.sqrt(2)], abs=10 * BAR)
+
+
+# One contact point under a weight W = 5: unknowns (u_n, u_t), length 2.
+
+W, LENGTH = 5.0, 2.0
+
+
+def point_of_contact(reference=(0.0, 1.0), dead=(-W, 0.0)):
+    return program([], contact([1, 0], [0, 1], [LENGTH]), reference, dead)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_frozen_friction(sense):
+    """alpha = L g; compression t_n = W/L; t_t = g against the slip."""
+    point = solve(point_of_contact((0.0, sense)), frozen([0.7])).point
+    assert point.load_factor == pytest.approx(LENGTH * 0.7, abs=BAR)
+    assert point.velocity == pytest.approx([0, sense], abs=BAR)
+    assert point.normal_reaction == pytest.approx([W / LENGTH], abs=BAR)
+    assert point.tangential_reaction[0] == pytest.approx([-sense * 0.7], abs=BAR)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_dilatancy(sense):
+    """u_n = d |u_t|: alpha = W d, and t_t = d t_n against the slip."""
+    point = solve(point_of_contact((0.0, sense)), frozen([0.0], dilatancy=0.4)).point
+    assert point.load_factor == pytest.approx(W * 0.4, abs=BAR)
+    assert point.velocity == pytest.approx([0.4, sense], abs=BAR)
+    assert point.normal_reaction == pytest.approx([W / LENGTH], abs=BAR)
+    assert point.tangential_reaction[0] == pytest.approx([-sense * 0.4 * W / LENGTH], abs=BAR)
+
+
+@pytest.mark.parametrize(("dilatancy", "u_n"), [(0.0, -0.3), (0.4, 0.1)])
+def test_shift(dilatancy, u_n):
+    """u_n + 0.3 >= d |u_t|; the multiplier of F0.U = 1 does not count the shift (T10)."""
+    held = frozen([0.0], dilatancy, shift=0.3)
+    point = solve(point_of_contact(), held).point
+    assert point.velocity == pytest.approx([u_n, 1], abs=BAR)
+    assert point.load_factor == pytest.approx(W * dilatancy, abs=BAR)
+    assert point.normal_reaction == pytest.approx([W / LENGTH], abs=BAR)
+
+
+def test_stick():
+    """Pulled up and along: held along, so only what lifts does power."""
+    point = solve(point_of_contact((1.0, 3.0)), frozen([np.inf])).point
+    assert point.velocity == pytest.approx([1, 0], abs=BAR)
+    assert point.load_factor == pytest.approx(W, abs=BAR)
+    assert point.tangential_reaction[0] == pytest.approx([-3 * W / LENGTH], abs=BAR)
+    assert point.normal_reaction == pytest.approx([0], abs=BAR)
+
+
+def test_opening():
+    """Lifted: no reaction, alpha = W; friction of the same sense as nothing."""
+    point = solve(point_of_contact((1.0, 0.0)), frozen([0.7])).point
+    assert point.load_factor == pytest.approx(W, abs=BAR)
+    assert point.normal_reaction == pytest.approx([0], abs=BAR)
+
+
+def test_a_dead_load_that_drives_makes_the_load_factor_negative():
+    point = solve(point_of_contact(dead=(-W, 3.0)), frozen([0.7])).point
+    assert point.load_factor == pytest.approx(LENGTH * 0.7 - 3.0, abs=BAR)
+
+
+# Programs of random numbers.
+
+
+def random_program(rng, points=4):
+    n, cones = 12, 5
+    body = DissipationGroup(
+        name="body",
+        rows=csr_matrix(rng.uniform(-1, 1, (2 * cones, n))),
+        dim=2,
+        weights=10 ** rng.uniform(-2, 0, cones),
+        bound=rng.uniform(0.5, 2, cones),
+        volumetric=csr_matrix(rng.uniform(-1, 1, (cones, n))),
+        volumetric_factor=1.0,
+    )
+    rows = contact(
+        rng.uniform(-1, 1, (points, n)),
+        rng.uniform(-1, 1, (points, n)),
+        rng.uniform(0.1, 1, points),
+    )
+    return program([body], rows, rng.uniform(-1, 1, n), 1e-3 * rng.uniform(-1, 1, n))
+
+
+@given(seed=st.integers(0, 10**6))
+def test_all_kinds_of_contact_in_one_program(seed):
+    """Whatever the mixture, the answer satisfies every law, and equilibrium with its signs."""
+    rng = np.random.default_rng(seed)
+    stated = random_program(rng)
+    bound = rng.choice([0.0, 0.3, np.inf], 4)
+    dilatancy = np.where(bound == 0, rng.choice([0.0, 0.5], 4), 0.0)
+    held = FrozenContact(bound, dilatancy, np.zeros(4))
+    answer = solve(stated, held)
+    assert answer.status is Status.SOLVED
+    # The tolerance of 1e-9 on scaled rows, weights from 0.01: two digits of margin.
+    certificate = certify(stated, answer.point, held)
+    assert certificate.holds(1e-6), certificate
+
+
+# Repeated solves.
+
+
+@pytest.fixture
+def built(monkeypatch):
+    """How often a solver was built."""
+    count = []
+
+    build = clarabel.DefaultSolver
+
+    def counted(*given):
+        count.append(1)
+        return build(*given)
+
+    monkeypatch.setattr(clarabel_socp.clarabel, "DefaultSolver", counted)
+    return count
+
+
+def same(one, other):
+    """The same numbers to what two solves of one strictly convex value agree to."""
+    assert one.status is other.status
+    assert one.point.load_factor == pytest.approx(other.point.load_factor, abs=BAR)
+    assert one.point.velocity == pytest.approx(other.point.velocity, abs=1e-4)
+    assert one.point.normal_reaction == pytest.approx(other.point.normal_reaction, abs=1e-4)
+
+
+SEQUENCE = [
+    frozen([0.3, 0.2, 0.1, 0.4]),
+    frozen([0.1, 0.5, 0.6, 0.2]),  # costs only
+    frozen([0.1, 0.5, 0.6, 0.2], shift=[0.1, 0.0, 0.2, 0.0]),  # and offsets
+    frozen([0.0, 0.5, np.inf, 0.2]),  # other rows
+    frozen([0.0] * 4, dilatancy=[0.3, 0.0, 0.2, 0.1]),
+    frozen([0.0] * 4, dilatancy=[0.3, 0.0, 0.2, 0.1], shift=[0.3, 0.3, 0.0, 0.0]),
+    frozen([0.0] * 4, dilatancy=[0.5, 0.0, 0.2, 0.1]),
+    frozen([0.3, 0.2, 0.1, 0.4]),
+]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_repeated_solves_are_fresh_solves(seed):
+    stated = random_program(np.random.default_rng(seed))
+    solver = prepared(stated)
+    for held in SEQUENCE:
+        same(solver.solve(held), solve(stated, held))
+
+
+def test_a_change_of_costs_builds_nothing(built):
+    solver = prepared(random_program(np.random.default_rng(0)))
+    for held in SEQUENCE[:3]:
+        assert solver.solve(held).status is Status.SOLVED
+    assert len(built) == 1
+    solver.solve(SEQUENCE[3])
+    assert len(built) == 2
+
+
+def test_a_failed_solve_spoils_nothing():
+    """Infeasible bounds in the middle of a loop, then sound ones again."""
+    stated = point_of_contact(reference=(1.0, 0.0), dead=(-W, 3.0))
+    solver = prepared(stated)
+    first = solver.solve(frozen([2.0]))
+    assert first.status is Status.SOLVED
+    assert solver.solve(frozen([1.0])).status is Status.UNSAFE  # 2 g < 3
+    same(solver.solve(frozen([2.0])), first)
+
+
+# Statuses.
+
+
+def test_infeasible_is_locked():
+    """u_n >= 0 and F0.U = -u_n = 1."""
+    answer = solve(point_of_contact((-1.0, 0.0)), frozen([0.5]))
+    assert answer.status is Status.LOCKED
+    assert answer.point is None
+
+
+def test_locked_by_stick():
+    assert solve(point_of_contact((0.0, 1.0)), frozen([np.inf])).status is Status.LOCKED
+
+
+def test_locked_by_incompressibility():
+    stated = program([group([1.0, 0.0], [0.0, 1.0], 1.0, 1.0)], no_contact(2), [0.0, 1.0])
+    assert solve(stated).status is Status.LOCKED
+
+
+def test_unbounded_is_unsafe():
+    """A dead load of 3 along a frozen friction of L g = 1.4."""
+    answer = solve(point_of_contact((1.0, 0.0), (-W, 3.0)), frozen([0.7]))
+    assert answer.status is Status.UNSAFE
+    assert answer.point is None
+
+
+@pytest.mark.parametrize(
+    ("options", "status"),
+    [
+        ({"max_iterations": 1}, Status.ITERATION_LIMIT),
+        ({"time_limit": 1e-9}, Status.TIME_LIMIT),
+    ],
+)
+def test_limits_leave_a_point(options, status):
+    answer = solve(random_program(np.random.default_rng(0)), SEQUENCE[0], **options)
+    assert answer.status is status
+    assert np.all(np.isfinite(answer.point.velocity))
+
+
+def test_every_native_status_has_a_meaning():
+    native = {name for name in dir(clarabel.SolverStatus) if name[0].isupper()}
+    assert len(native) > 8
+    assert native == set(clarabel_socp.STATUS_MAP)
+
+
+# The plug.
+
+
+def test_registered():
+    assert "clarabel" in la.backend_names()
+    backend = find_backend("clarabel")
+    assert backend.name == "clarabel"
+    assert backend.unavailable() == ""
+    assert not backend.capabilities.regularised
+    assert backend.capabilities.max_unknowns is None
+    assert backend.title
+    assert backend.source
+
+
+@pytest.mark.parametrize("name", ["tolerance", "max_iterations", "time_limit"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_options_refuse(name, value):
+    backend = find_backend("clarabel")
+    with pytest.raises(la.InputError, match=f"clarabel.{name} = .*> 0"):
+        backend.Options(**{name: value})
+
+
+def test_tolerance_is_that_of_the_answer():
+    """Tighter is closer, on a value known by hand."""
+    stated = program([group(np.eye(2), [0, 0], 2.0, 3.0)], no_contact(2), [0.6, 0.8])
+    errors = [
+        abs(solve(stated, tolerance=tolerance).point.load_factor - 6) for tolerance in (1e-3, 1e-10)
+    ]
+    assert errors[1] < 1e-8
+    assert errors[1] <= errors[0]
+
+
+def test_weights_do_not_touch_the_stress():
+    """Rows are multiplied by their weight, so that duals are stresses on any grading (T34)."""
+    point = {
+        weight: solve(
+            program([group(np.eye(2), [1, -1], weight, 3.0)], no_contact(2), [1.0, 0.0])
+        ).point
+        for weight in (1e-4, 1.0)
+    }
+    assert point[1e-4].stress[0] == pytest.approx(point[1.0].stress[0], abs=1e-5)
+    assert point[1e-4].load_factor * 1e4 == pytest.approx(point[1.0].load_factor, rel=1e-4)
