@@ -1,13 +1,13 @@
 """A block twice as wide as high is pressed between two rigid platens with Coulomb friction mu.
 
-                 alpha                              platen, at rest
-            v   v   v   v   v             ///////////////// mu //////
-          +-------------------+           o-----------------------+
-          |         :         |     u_x=0 o                       |  free
-          | - - - - : - - - - |           o     quarter model     |
-          |         :         |           o-----------------------+
-          +-------------------+             ^   ^   ^   ^   ^   ^
-            ^   ^   ^   ^   ^               smooth footing, moves up
+           alpha                        platen, at rest
+        v  v  v  v  v                ///////// mu /////////
+      +---------------+              +--------------------+
+      |       :       |        u_x=0 o                    |  free
+      | - - - : - - - |              o   quarter model    |
+      |       :       |              +--------------------+
+      +---------------+                ^  ^  ^  ^  ^  ^  ^
+        ^  ^  ^  ^  ^                smooth footing, moves up
 
 By symmetry a quarter is modelled, and seen by an observer on the platen: the platen is the rigid
 obstacle at rest and the mid-plane is pushed up against it, flat and smooth. Without friction the

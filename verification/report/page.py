@@ -57,12 +57,12 @@ class Section:
             reference = self.case.reference(**run.variant.parameters)
             width = f" ± {reference.half_width:g}" if reference.half_width else ""
             text = f"{reference.formula} ({reference.kind}; {reference.source})"
-            values.setdefault(text, []).append(f"{run.variant.name} {reference.value:.7g}{width}")
+            values.setdefault(text, []).append(f"{run.variant.name}: {reference.value:.7g}{width}")
         return [(", ".join(own), text) for text, own in values.items()]
 
     @property
-    def reasons(self) -> list[str]:
-        """Why the bands are what they are, each once, for the finest mesh run of each variant."""
+    def reasons(self) -> list[tuple[str, str]]:
+        """Variants, and why their band on the finest mesh run is what it is."""
         texts: dict[str, str] = {}
         sizes: dict[str, float] = {}
         for outcome in self.outcomes:
@@ -70,7 +70,10 @@ class Section:
             if isfinite(elements) and elements > sizes.get(name, 0):
                 band = self.case.band(int(elements), **outcome.run.variant.parameters)
                 texts[name], sizes[name] = band.reason, elements
-        return list(dict.fromkeys(texts.values()))
+        names: dict[str, list[str]] = {}
+        for name, text in texts.items():
+            names.setdefault(text, []).append(name)
+        return [(", ".join(own), text) for text, own in names.items()]
 
     @property
     def residuals(self) -> list[tuple[Outcome, dict[str, float]]]:
