@@ -67,7 +67,7 @@ crushing:  sigma_y = -p, yield in plane strain: sigma_x = -(p + 2 k)
 together:  alpha = min(4 mu, 3)
            crossing at mu = (p + 2 k) h/(p b) = 0.75
 """,
-    meshes={"coarse": {"n": 1}, "medium": {"n": 8}, "fine": {"n": 17}},
+    meshes={"coarse": {"n": 1}, "medium": {"n": 6}, "fine": {"n": 17}},
     build=build,
     reference=reference,
     band=band,

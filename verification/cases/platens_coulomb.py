@@ -91,7 +91,7 @@ in between:   slab method, an estimate for little friction:
 """,
     meshes={
         "coarse": {"nx": 4, "ny": 2, "ratio": 4.0},
-        "medium": {"nx": 22, "ny": 11, "ratio": 20.0},
+        "medium": {"nx": 18, "ny": 8, "ratio": 16.0},
         "fine": {"nx": 48, "ny": 25, "ratio": 60.0},
     },
     build=build,

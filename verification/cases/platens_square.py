@@ -66,7 +66,7 @@ from above:  platens close at rate 2 v, four cuts of length
              D = 4 k (w/sqrt2) (sqrt2 v) = 4 k w v
              power of F is 2 v F   ->   F/w = 2 k
 """,
-    meshes={"coarse": {"n": 3}, "medium": {"n": 16}, "fine": {"n": 34}},
+    meshes={"coarse": {"n": 3}, "medium": {"n": 12}, "fine": {"n": 34}},
     build=build,
     reference=reference,
     band=band,

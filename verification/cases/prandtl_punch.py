@@ -85,7 +85,7 @@ active wedge 1:   sigma_y = -(p1 + k)
 """,
     meshes={
         "coarse": {"nx": 4, "ny": 2, "ratio_x": 12.0, "ratio_y": 4.0},
-        "medium": {"nx": 22, "ny": 11, "ratio_x": 100.0, "ratio_y": 30.0},
+        "medium": {"nx": 16, "ny": 9, "ratio_x": 75.0, "ratio_y": 24.0},
         "fine": {"nx": 48, "ny": 25, "ratio_x": 300.0, "ratio_y": 100.0},
     },
     build=build,

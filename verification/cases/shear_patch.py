@@ -72,7 +72,7 @@ p0 = 1.6 k:      alpha = min(1.6 mu, 0.6) k, crossing at mu = 0.375
 """,
     meshes={
         "coarse": {"nx": 2, "ny": 3},
-        "medium": {"nx": 12, "ny": 20},
+        "medium": {"nx": 10, "ny": 15},
         "fine": {"nx": 28, "ny": 42},
     },
     build=build,

@@ -65,7 +65,7 @@ b/a = 2:      alpha = 0.800377 s0
 """,
     meshes={
         "coarse": {"n_radial": 2, "n_angular": 4},
-        "medium": {"n_radial": 12, "n_angular": 20},
+        "medium": {"n_radial": 9, "n_angular": 16},
         "fine": {"n_radial": 26, "n_angular": 46},
     },
     build=build,
