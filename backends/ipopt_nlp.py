@@ -247,6 +247,9 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
                 "max_wall_time": options.time_limit,
                 "acceptable_iter": 0,
                 "jac_c_constant": "yes",
+                # Newton steps on Huber functions overshoot by 10 to 1000: measured on punches,
+                # platens and blocks, 0.2 needs half the iterations of the default 0.5.
+                "alpha_red_factor": 0.2,
                 "nlp_scaling_method": "none",
             },
         },
