@@ -217,6 +217,20 @@ def test_contact_rows_are_bernstein_control_values(seed, angle):
 
 
 @given(seed=st.integers(0, 10**6))
+def test_contact_weights_integrate_quadratic_fields_on_graded_edges(seed):
+    """The integral of a quadratic is L/3 times the sum of its Bernstein coefficients."""
+    rng = np.random.default_rng(seed)
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 4, 1, grade_x=(0.3, 8.0))
+    d = discretised(mesh, interfaces=[obstacle()])
+    c = rng.uniform(-1, 1, (2, 3))
+    u = interpolated(d, lambda x: c @ np.stack([np.ones_like(x[0]), x[0], x[0] ** 2]))
+    along, across = c @ [1, 1 / 2, 1 / 3]
+    rows = d.full.contact
+    assert rows.weights @ rows.slip(u)[:, 0] == pytest.approx(-along, abs=ROUND_OFF)
+    assert rows.weights @ rows.opening(u) == pytest.approx(across, abs=ROUND_OFF)
+
+
+@given(seed=st.integers(0, 10**6))
 def test_no_penetration_at_control_values_is_none_along_the_edge(seed):
     """And the frozen friction dissipation is over-estimated, never under-estimated."""
     rng = np.random.default_rng(seed)
