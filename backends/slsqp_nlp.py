@@ -55,7 +55,7 @@ class SlsqpOptions:
         time_limit: s, one inner solve.
     """
 
-    r: float = 0.1
+    r: float = 0.03
     eta: float | None = None
     bulk: float | None = None
     normal: float | None = None

@@ -17,7 +17,14 @@ from lacore.elimination import NodeConditions, free_basis, held, join
 from lacore.errors import InputError
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem, vertex_at
-from lacore.program import DissipationGroup, KinematicProgram, Scales, reduced
+from lacore.program import (
+    ContactRows,
+    DissipationGroup,
+    KinematicProgram,
+    Scales,
+    kept_points,
+    reduced,
+)
 
 _LOAD_ORDER = 2  # a uniform load on a P2 velocity is a polynomial of degree 2: exact
 
@@ -77,6 +84,9 @@ def discretise(problem: Problem) -> Discretisation:
     )
     basis = free_basis(conditions, node_dofs, [f"{f.body}: {f.where}" for f in footings])
     program = reduced(full, basis)
+    kept = _movable(program.contact, points, problem)
+    full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
+    points = ContactPoints(position=points.position[kept], normal=points.normal[kept])
     size = _load_size(full.reference_load, node_dofs)
     # Round-off of the nodal sums; a load that can do power keeps at least one whole nodal force.
     if np.sum(np.abs(program.reference_load)) <= 1e-12 * size:
@@ -100,6 +110,29 @@ def discretise(problem: Problem) -> Discretisation:
             velocity=1 / size,
         ),
     )
+
+
+def _movable(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
+    """Contact points that no support holds altogether, shape (m,).
+
+    A held point carries what the support carries: its reaction is undetermined and its slip zero.
+
+    Raises:
+        InputError: a point that slides with friction, while a support takes its normal force: any
+            friction would be as good as any other.
+    """
+    held = np.diff(contact.normal.indptr) == 0
+    slides = np.diff(contact.tangential.indptr).reshape(-1, contact.tangent_dim).any(axis=1)
+    loose = np.flatnonzero(held & slides & contact.coulomb)
+    if loose.size:
+        raise InputError(
+            "Problem.interfaces",
+            problem.interfaces[int(contact.interface[loose[0]])].name,
+            f"a support holds the normal velocity at {points.position[loose[0]]}, where friction"
+            " needs the normal reaction",
+            "let the support end beside the interface, or hold both components",
+        )
+    return np.asarray(~(held & ~slides))
 
 
 def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:

@@ -272,7 +272,8 @@ def reaction_loop(
         point = iterate.inner.point
         if iterate.inner.status is Status.UNSAFE:  # at these bounds only: it proves nothing (T12)
             return run.end(Status.NOT_CONVERGED)
-        if point is None or run.proven(iterate) or run.free(iterate):
+        out_of_budget = iterate.inner.status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+        if point is None or out_of_budget or run.proven(iterate) or run.free(iterate):
             return run.judged(iterate)
         reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)
     inner = run.iterates[-1].inner.status

@@ -1,12 +1,12 @@
 """Yield criteria (T1): what a strain rate costs, as rows of a cone. They know no solver."""
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, require_known
+from lacore.errors import InputError, is_number, require_known
 
 KINEMATICS = ("plane_strain",)
 
@@ -62,7 +62,7 @@ class VonMises:
                 "give VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa",
             )
         for name, value in given.items():
-            if not (isfinite(value) and value > 0):
+            if not (is_number(value) and value > 0):
                 raise InputError(
                     f"VonMises.{name}", value, "not a positive number", "give a strength > 0 in Pa"
                 )

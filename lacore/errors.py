@@ -1,8 +1,11 @@
 """Errors that name the field, the value and the mend."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from math import isfinite
+from numbers import Real
+
+import numpy as np
 
 
 class LacoreError(Exception):
@@ -49,7 +52,19 @@ def require_known(field: str, name: str, known: Iterable[str]) -> None:
         raise InputError(field, name, "unknown name", suggest(str(name), names))
 
 
+def is_number(value: object) -> bool:
+    """Whether a value is a finite real number (True and False are not)."""
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_) and isfinite(value)
+
+
+def is_plane_vector(value: object) -> bool:
+    """Whether a value is two finite real numbers."""
+    return (
+        isinstance(value, Sequence | np.ndarray) and len(value) == 2 and all(map(is_number, value))
+    )
+
+
 def require_positive(field: str, value: float) -> None:
     """Raise `InputError` unless `value` is a positive finite number."""
-    if not (isfinite(value) and value > 0):
+    if not (is_number(value) and value > 0):
         raise InputError(field, value, "not a positive number", "give a finite value > 0")

@@ -6,12 +6,12 @@ slave, ``t_n >= 0`` is compression.
 """
 
 from dataclasses import dataclass
-from math import inf, isfinite, isnan
+from math import inf
 
 import numpy as np
 
 from lacore.boundaries import Where
-from lacore.errors import InputError
+from lacore.errors import InputError, is_number, is_plane_vector
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Coulomb:
     associated: bool = False
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.mu) and self.mu >= 0):
+        if not (is_number(self.mu) and self.mu >= 0):
             raise InputError(
                 "friction",
                 self.mu,
@@ -58,7 +58,7 @@ class Tresca:
     limit: float
 
     def __post_init__(self) -> None:
-        if isnan(self.limit) or self.limit < 0:
+        if not (is_number(self.limit) or self.limit == inf) or self.limit < 0:
             raise InputError(
                 "Tresca.limit", self.limit, "not a friction stress", "give a stress >= 0 in Pa"
             )
@@ -91,15 +91,14 @@ class RigidObstacle:
                 "RigidObstacle", None, "a plane needs both point and normal", "give both or none"
             )
         if self.point is not None and self.normal is not None:
-            values = np.array([*self.point, *self.normal], dtype=float)
-            if values.shape != (4,) or not np.all(np.isfinite(values)):
+            if not (is_plane_vector(self.point) and is_plane_vector(self.normal)):
                 raise InputError(
                     "RigidObstacle",
                     (self.point, self.normal),
                     "not two plane vectors",
                     "give point=(x, y), normal=(nx, ny)",
                 )
-            if not np.any(values[2:]):
+            if not np.any(self.normal):
                 raise InputError(
                     "RigidObstacle.normal", self.normal, "has no direction", "give a vector != 0"
                 )
@@ -149,7 +148,7 @@ class Interface:
         """The friction law, a bare coefficient read as Coulomb friction."""
         if isinstance(self.friction, Coulomb | Tresca):
             return self.friction
-        return Coulomb(float(self.friction))
+        return Coulomb(self.friction)
 
     @property
     def name(self) -> str:

@@ -2,26 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
 from lacore.boundaries import Where
-from lacore.errors import InputError, require_known
+from lacore.errors import InputError, is_number, is_plane_vector, require_known
 
 COMPONENTS = ("x", "y", "xy", "normal", "tangential")
 
 
 def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
-    values = np.asarray(vector, dtype=float)
-    if values.shape != (2,) or not np.all(np.isfinite(values)):
+    if not is_plane_vector(vector):
         raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
-    if not np.any(values):
+    if not np.any(vector):
         raise InputError(field, vector, "is zero: a load without power", "give a vector != 0")
 
 
 def _check_size(field: str, value: float, unit: str) -> None:
-    if not (isfinite(value) and value):
+    if not (is_number(value) and value):
         raise InputError(
             field, value, "not a number other than zero", f"give a finite value != 0 in {unit}"
         )
@@ -90,7 +88,7 @@ class PointForce:
 
     def __post_init__(self) -> None:
         _check_vector("PointForce.vector", self.vector, "N/m")
-        if np.shape(self.at) != (2,) or not np.all(np.isfinite(self.at)):
+        if not is_plane_vector(self.at):
             raise InputError("PointForce.at", self.at, "not a point", "give (x, y)")
 
 

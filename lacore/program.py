@@ -179,6 +179,19 @@ class KinematicProgram:
         return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
 
 
+def kept_points(contact: ContactRows, kept: Bools) -> ContactRows:
+    """The contact points of a mask of shape (m,)."""
+    return replace(
+        contact,
+        normal=contact.normal[kept],
+        tangential=contact.tangential[np.repeat(kept, contact.tangent_dim)],
+        **{
+            name: getattr(contact, name)[kept]
+            for name in ("weights", "coefficient", "limit", "dilatancy", "interface")
+        },
+    )
+
+
 def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
     """The program for the unknowns q of ``U = basis q``, basis of shape (n, n_free)."""
 

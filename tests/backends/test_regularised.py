@@ -6,7 +6,6 @@ import pytest
 import lacore as la
 from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.ipopt_nlp import Ipopt, IpoptOptions
-from backends.slsqp_nlp import Slsqp, SlsqpOptions
 from lacore.program import dimensionless, reaction_contact
 from tests.lacore.models import deformable_block, punch
 from verification.catalogue import catalogue
@@ -181,8 +180,3 @@ def test_every_ipopt_status_is_mapped():
     from backends.ipopt_nlp import STATUS_MAP
 
     assert len(STATUS_MAP) == 20
-
-
-def test_slsqp_options_reject_unknown_values():
-    assert SlsqpOptions().r == pytest.approx(0.1)
-    assert Slsqp().unavailable() == ""

@@ -244,3 +244,45 @@ def test_input_error_is_a_value_error_with_its_parts():
     assert (caught.value.field, caught.value.value) == ("friction", -1.0)
     assert isinstance(caught.value, la.LacoreError)
     assert CRITERION.k == 1
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: la.VonMises(shear_strength="1"),
+        lambda: la.VonMises(yield_stress=True),
+        lambda: la.Coulomb("rough"),
+        lambda: la.Tresca("1"),
+        lambda: la.Pressure("block", "top", "1"),
+        lambda: la.Traction("block", "top", ("a", 1)),
+        lambda: la.Traction("block", "top", 5),
+        lambda: la.PointForce("block", 3, (1, 2)),
+        lambda: la.RigidObstacle((0,), (1, 2)),
+        lambda: la.Interface(("block", "top"), la.RigidObstacle(), True),
+    ],
+)
+def test_what_is_not_a_number_is_an_input_error(make):
+    with pytest.raises(la.InputError, match="; "):
+        make()
+
+
+def _guided(components):
+    return la.Problem(
+        bodies={"block": square(3)},
+        supports=[la.Fix("block", "right", components)],
+        interfaces=[obstacle()],
+        reference_loads=[la.Traction("block", "left", (1, 0))],
+        dead_loads=[la.Pressure("block", "top", 0.5)],
+    )
+
+
+def test_friction_where_a_support_takes_the_normal_force():
+    """The contact reaction would be anything, and the load factor with it."""
+    named = r"'block.bottom': a support holds .*\[1. 0.\].*beside the interface"
+    with pytest.raises(la.InputError, match=named):
+        la.discretise(_guided("y"))
+
+
+def test_contact_points_that_a_support_holds_are_left_out():
+    """Nothing there moves, so it is the support that carries; 7 control values less one."""
+    assert len(la.solve(_guided("xy"), throw=True).reactions) == 6
