@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare test test-all lint bench clean
+.PHONY: help compare test test-all lint bench readme clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
@@ -12,6 +12,7 @@ help:
 	@echo "make test-all  run all tests"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json"
+	@echo "make readme    write the table and the picture of the README afresh"
 	@echo "make clean     remove the environment and all generated reports"
 
 $(READY): pyproject.toml constraints.txt
@@ -36,6 +37,9 @@ lint: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only --benchmark-json=reports/benchmarks.json
+
+readme: $(READY)
+	$(BIN)/python docs/refresh.py
 
 clean:
 	git clean -fdX reports

@@ -34,10 +34,11 @@ def values(program, contact, r):
     return Ipopt().prepare(program, IpoptOptions(r=r)).solve(contact).regularised
 
 
+@pytest.mark.parametrize("mesh", ["coarse", pytest.param("medium", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("case", "variant"), VARIANTS)
-def test_three_values_bound_the_exact_one_from_below(case, variant):
+def test_three_values_bound_the_exact_one_from_below(case, variant, mesh):
     """T19 at r = 1e-3: P <= alpha_reg <= lambda <= alpha*, and lambda within 1e-3."""
-    program, contact, exact = frozen(case.build(**case.meshes["coarse"], **variant.parameters))
+    program, contact, exact = frozen(case.problem(variant, mesh))
     found = values(program, contact, 1e-3)
     assert found.plastic <= found.alpha_reg <= found.load_factor <= exact * (1 + SOLVER)
     assert found.load_factor >= exact * (1 - 1e-3)

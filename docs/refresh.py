@@ -1,0 +1,64 @@
+"""Write the comparison table and the picture of the README afresh: ``make readme``.
+
+Numbers there are computed, never typed.
+"""
+
+import re
+import tempfile
+from pathlib import Path
+
+import lacore as la
+from verification.catalogue import find
+from verification.compare import plan, run_all
+from verification.harness import PASS, Outcome
+
+ROOT = Path(__file__).parent.parent
+SHOWN = [
+    "prandtl-punch:smooth",
+    "deformable-block:sliding",
+    "deformable-block:crushing",
+    "platens-coulomb:mu-0.1",
+    "shear-patch:yielding",
+    "thick-cylinder:burst",
+]
+PICTURE = "deformable-block:crushing"
+
+
+def table(outcomes: list[Outcome]) -> str:
+    """Markdown: one line a run."""
+    lines = [
+        "| case | backend | load factor | reference | error | rigor | solve |",
+        "|---|---|--:|--:|--:|---|--:|",
+    ]
+    for outcome in outcomes:
+        row = outcome.row
+        if row.verdict != PASS:
+            raise SystemExit(f"{outcome.run.label}: {row.verdict}: {row.why}")
+        lines.append(
+            f"| {row.case}:{row.variant} | {row.backend} | {row.load_factor:.6f} |"
+            f" {row.reference:.6f} | {100 * row.error:+.4f} % | {row.rigor} |"
+            f" {row.solve_time:.2f} s |"
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Solve, draw, and replace what stands between the marks."""
+    with tempfile.TemporaryDirectory() as folder:
+        runs = plan(SHOWN, ["clarabel", "ipopt"], ["medium"])
+        outcomes = run_all(runs, Path(folder) / "results.csv")
+    readme = ROOT / "README.md"
+    text = re.sub(
+        r"(<!-- comparison -->\n).*?(<!-- end -->)",
+        lambda marks: f"{marks[1]}{table(outcomes)}\n{marks[2]}",
+        readme.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    readme.write_text(text, encoding="utf-8")
+    case, (variant,) = find(PICTURE)
+    state = la.solve(case.problem(variant, "medium"), throw=True)
+    state.plot().savefig(ROOT / "docs" / "mechanism.png", dpi=80)
+
+
+if __name__ == "__main__":
+    main()
