@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver
 from lacore.certificate import Certificate, certify
@@ -27,7 +28,6 @@ from lacore.status import Status
 
 STARTS = ("associated", "zero")
 _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
-_INDEPENDENT = 1e-8  # singular values below this share of the largest carry no direction
 _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
 
 
@@ -196,34 +196,6 @@ class _Run:
         return all(value <= self.options.tolerance for value in admissible) and all(
             abs(value) <= _NO_POWER for value in powers
         )
-
-
-@dataclass
-class Anderson:
-    """Damped fixed-point iteration with Anderson acceleration (Walker & Ni 2011, type II).
-
-    Attributes:
-        depth: number of earlier steps used; 0 is plain damping.
-        damping: share w of the image in the next argument.
-    """
-
-    depth: int
-    damping: float
-    _arguments: list[Floats] = field(default_factory=list)
-    _residuals: list[Floats] = field(default_factory=list)
-
-    def step(self, argument: Floats, image: Floats) -> Floats:
-        """Next argument, given the last one and its image."""
-        residual = image - argument
-        self._arguments = [*self._arguments, argument][-(self.depth + 1) :]
-        self._residuals = [*self._residuals, residual][-(self.depth + 1) :]
-        plain = argument + self.damping * residual
-        if len(self._residuals) < 2:
-            return plain
-        changes = np.diff(np.stack(self._residuals, axis=1), axis=1)
-        moves = np.diff(np.stack(self._arguments, axis=1), axis=1)
-        weights = np.linalg.lstsq(changes, residual, rcond=_INDEPENDENT)[0]
-        return np.asarray(plain - (moves + self.damping * changes) @ weights)
 
 
 def associated(

@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.anderson import Anderson
 from lacore.backend import InnerSolution
-from lacore.coupling import Anderson, CouplingOptions, reaction_loop
+from lacore.coupling import CouplingOptions, reaction_loop
 from lacore.status import Status
 from tests.lacore.models import cantilever, deformable_block, obstacle, square
 from tests.lacore.random_programs import random_program
