@@ -36,7 +36,7 @@ def solve(
     *,
     start: str = "associated",
     damping: float = 0.7,
-    anderson: int = 3,
+    anderson: int = 10,
     tolerance: float = 1e-6,
     max_iterations: int = 100,
     options: Mapping[str, Any] | None = None,
