@@ -15,7 +15,7 @@ from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import require_positive
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -191,8 +191,9 @@ class _ConicForm:
         )
         blocks.append(
             self._widened(
-                -_interleaved(
+                -interleaved(
                     normal[self._dilatant],
+                    1,
                     _take(dilated, self._dilatant, rows.tangent_dim),
                     rows.tangent_dim,
                 )
@@ -223,7 +224,7 @@ class _ConicForm:
         bound = csr_matrix(
             (np.ones(count), (np.arange(count), first + np.arange(count))), (count, self._columns)
         )
-        return -_interleaved(bound, self._widened(rows), dim)
+        return -interleaved(bound, 1, self._widened(rows), dim)
 
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
@@ -281,13 +282,3 @@ def _weighted(rows: Sparse, weights: Floats, dim: int) -> Sparse:
 
 def _take(rows: Sparse, mask: Bools, dim: int) -> Sparse:
     return csr_matrix(rows[np.repeat(mask, dim)])
-
-
-def _interleaved(first: Sparse, rest: Sparse, dim: int) -> Sparse:
-    """Rows ``first_0, rest_0 (dim rows), first_1, ...``."""
-    count = first.shape[0]
-    index = np.arange(count * (1 + dim)).reshape(count, 1 + dim)
-    order = np.empty(count * (1 + dim), dtype=np.int64)
-    order[index[:, 0]] = np.arange(count)
-    order[index[:, 1:].ravel()] = count + np.arange(count * dim)
-    return csr_matrix(csr_matrix(vstack([first, rest], format="csr"))[order])

@@ -12,12 +12,12 @@ from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, vstack
+from scipy.sparse import csc_matrix
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, require_positive
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
 from lacore.status import Status
 
@@ -202,7 +202,7 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
     hessian = ca.MX(program.n, program.n)
     for group in program.groups:
         count = group.weights.size
-        rows = _interleave(group.rows, group.dim, group.volumetric, 1)
+        rows = interleaved(group.rows, group.dim, group.volumetric, 1)
         law = _plastic_law(group.dim, group.volumetric_factor)
         constants = ca.DM(np.stack([group.weights, group.bound]))
         part = _terms(
@@ -212,7 +212,7 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
             a + b for a, b in zip((value, gradient, hessian), part, strict=True)
         )
     if program.contact.count:
-        rows = _interleave(
+        rows = interleaved(
             program.contact.normal, 1, program.contact.tangential, program.contact.tangent_dim
         )
         law = _contact_law(program.contact.tangent_dim)
@@ -328,19 +328,6 @@ def _contact_law(tangent_dim: int) -> Any:
     energy = weight * ca.if_else(dilatancy > 0, dilatant, frozen)
     stiffness, force = ca.hessian(energy, local)
     return ca.Function("contact", [local, constants, p], [energy, force, ca.densify(stiffness)])
-
-
-def _interleave(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
-    """Rows of both by point: first_dim rows of the first, second_dim of the second."""
-    count = first.shape[0] // first_dim
-    order = np.concatenate(
-        [
-            np.arange(first.shape[0]).reshape(count, first_dim),
-            first.shape[0] + np.arange(second.shape[0]).reshape(count, second_dim),
-        ],
-        axis=1,
-    ).ravel()
-    return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order])
 
 
 def _to_casadi(matrix: Sparse) -> Any:

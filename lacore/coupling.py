@@ -184,7 +184,8 @@ class _Run:
         values = iterate.inner.regularised
         if values is not None:
             dissipated = values.plastic + float(self.program.dead_load @ point.velocity)
-            return max(abs(values.load_factor), abs(dissipated)) <= _NO_POWER
+            still = max(abs(values.load_factor), abs(dissipated)) <= _NO_POWER
+            return still and certificate.normalisation <= self.options.tolerance
         admissible = (certificate.penetration, certificate.divergence, certificate.normalisation)
         bound = reaction_contact(self.program.contact, point.normal_reaction).bound
         powers = (

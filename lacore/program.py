@@ -9,7 +9,7 @@ with g_j, d_j, s_j frozen by the coupling loop for one inner solve (`FrozenConta
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 
@@ -177,6 +177,19 @@ class KinematicProgram:
         finite = np.isfinite(bound)
         slip = np.linalg.norm(self.contact.slip(velocity), axis=1)
         return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
+
+
+def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
+    """Rows of both by point: `first_dim` rows of the first, then `second_dim` of the second."""
+    count = first.shape[0] // first_dim
+    order = np.concatenate(
+        [
+            np.arange(first.shape[0]).reshape(count, first_dim),
+            first.shape[0] + np.arange(second.shape[0]).reshape(count, second_dim),
+        ],
+        axis=1,
+    )
+    return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order.ravel()])
 
 
 def kept_points(contact: ContactRows, kept: Bools) -> ContactRows:

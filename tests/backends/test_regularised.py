@@ -7,7 +7,7 @@ import lacore as la
 from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.ipopt_nlp import Ipopt, IpoptOptions
 from lacore.program import dimensionless, reaction_contact
-from tests.lacore.models import deformable_block, punch
+from tests.lacore.models import deformable_block, punch, square
 from verification.catalogue import catalogue
 
 # Two interior-point solutions, each to a relative gap of 1e-11, on values of order one.
@@ -122,7 +122,27 @@ def test_ipopt_and_slsqp_are_one_program(friction):
     assert a.load_factor == pytest.approx(b.load_factor, rel=1e-5)
 
 
-def test_all_three_backends_agree():
+@pytest.mark.parametrize("coupling", ["associated", "reaction"])
+@pytest.mark.parametrize(("case", "variant"), VARIANTS)
+def test_newton_and_ipopt_are_one_program(case, variant, coupling):
+    """At equal r the three values of T19 agree; both leave at most 1e-8 of the load unbalanced."""
+    discretisation = la.discretise(case.problem(variant, "coarse"))
+    a, b = (
+        la.solve(discretisation, name, coupling, options={"r": 1e-3}, throw=True).regularised
+        for name in ("newton", "ipopt")
+    )
+    for name in ("plastic", "alpha_reg", "load_factor"):
+        assert getattr(a, name) == pytest.approx(getattr(b, name), rel=1e-6), name
+
+
+@pytest.mark.parametrize("r", [1e-1, 1e-3, 1e-5])
+def test_newton_converges_from_a_cold_start(r):
+    """T21: no continuation, a number of iterations that hardly depends on r."""
+    state = la.solve(punch(12, 8), "newton", options={"r": r}, throw=True)
+    assert state.history.inner_iterations.iloc[0] <= 40
+
+
+def test_all_backends_agree():
     """Value, power and total normal reaction on one mesh, to what T19 allows.
 
     lambda misses the exact value by less than C; the reaction resultant is fixed by the dead load.
@@ -151,15 +171,20 @@ def test_slsqp_refuses_large_problems():
     [
         ({"r": -1.0}, "r = -1.0: not a positive number"),
         ({"eta": float("nan")}, "eta = nan"),
-        ({"reduction": 2.0}, "reduction = 2.0: outside"),
         ({"max_iterations": 0}, "max_iterations"),
         ({"tolerence": 1e-3}, "did you mean 'tolerance'"),
     ],
 )
-@pytest.mark.parametrize("backend", ["ipopt", "slsqp"])
+@pytest.mark.parametrize("backend", ["ipopt", "newton", "slsqp"])
 def test_bad_options_are_named(backend, options, text):
     with pytest.raises(la.InputError, match=text):
         la.solve(deformable_block(0.3), backend, options=options)
+
+
+@pytest.mark.parametrize("backend", ["ipopt", "slsqp"])
+def test_a_continuation_that_does_not_end_is_refused(backend):
+    with pytest.raises(la.InputError, match=r"reduction = 2\.0: outside"):
+        la.solve(deformable_block(0.3), backend, options={"reduction": 2.0})
 
 
 def test_iteration_and_time_limits_are_statuses():
@@ -167,6 +192,8 @@ def test_iteration_and_time_limits_are_statuses():
     for backend, options, status in (
         ("ipopt", {"max_iterations": 3}, la.Status.ITERATION_LIMIT),
         ("ipopt", {"time_limit": 1e-9}, la.Status.TIME_LIMIT),
+        ("newton", {"max_iterations": 3}, la.Status.ITERATION_LIMIT),
+        ("newton", {"time_limit": 1e-9}, la.Status.TIME_LIMIT),
         ("slsqp", {"max_iterations": 3}, la.Status.ITERATION_LIMIT),
         ("slsqp", {"time_limit": 1e-9}, la.Status.TIME_LIMIT),
     ):
@@ -181,3 +208,49 @@ def test_every_ipopt_status_is_mapped():
     from backends.ipopt_nlp import STATUS_MAP
 
     assert len(STATUS_MAP) == 20
+
+
+def _held(**parts):
+    return la.Problem({"block": square()}, **parts)
+
+
+CORNERED = (
+    la.Fix("block", "left", "x"),
+    la.Fix("block", "right", "x"),
+    la.Fix("block", "bottom", "y"),
+)
+NAMED = [
+    pytest.param(
+        _held(reference_loads=[la.Pressure("block", "top")], supports=CORNERED),
+        la.Status.LOCKED,
+        id="confined",
+    ),
+    pytest.param(
+        _held(
+            reference_loads=[la.Traction("block", "right", (1, 0))],
+            supports=[la.Fix("block", "bottom")],
+            dead_loads=[la.Traction("block", "top", (0, -5.0))],
+        ),
+        la.Status.UNSAFE,
+        id="crushed by dead load",
+    ),
+    pytest.param(
+        _held(
+            reference_loads=[la.Traction("block", "right", (1, 0))],
+            supports=[la.Fix("block", "bottom", "y")],
+            dead_loads=[la.Pressure("block", "top", 1.0)],
+        ),
+        la.Status.FREE,
+        id="on rollers",
+    ),
+]
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "ipopt", "newton", "slsqp"])
+@pytest.mark.parametrize(("problem", "status"), NAMED)
+def test_what_has_no_limit_load_has_a_name(problem, status, backend):
+    """T13, with penalties too: they make every program feasible, and hide what is not."""
+    state = la.solve(problem, backend)
+    assert state.status is status
+    assert state.rigor is la.Rigor.NOT_CERTIFIED
+    assert np.isinf(state.load_factor) == (status is la.Status.LOCKED)
