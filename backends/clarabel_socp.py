@@ -14,7 +14,7 @@ from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_positive
+from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -52,7 +52,7 @@ class ClarabelOptions:
 
     def __post_init__(self) -> None:
         require_positive("clarabel.tolerance", self.tolerance)
-        require_positive("clarabel.max_iterations", self.max_iterations)
+        require_count("clarabel.max_iterations", self.max_iterations)
         require_positive("clarabel.time_limit", self.time_limit)
 
 

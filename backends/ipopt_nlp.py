@@ -16,7 +16,7 @@ from scipy.sparse import csc_matrix
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
 from lacore.status import Status
@@ -75,9 +75,10 @@ class IpoptOptions:
     time_limit: float = 3600.0
 
     def __post_init__(self) -> None:
-        for name in ("tolerance", "max_iterations", "time_limit"):
+        require_count("ipopt.max_iterations", self.max_iterations)
+        for name in ("tolerance", "time_limit"):
             require_positive(f"ipopt.{name}", getattr(self, name))
-        if not 0 <= self.rescue < 1:
+        if not (is_number(self.rescue) and 0 <= self.rescue < 1):
             raise InputError("ipopt.rescue", self.rescue, "outside [0, 1)", "give e.g. 0.95")
 
 

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_positive
+from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import (
     Penalties,
@@ -73,7 +73,8 @@ class NewtonOptions:
     time_limit: float = 3600.0
 
     def __post_init__(self) -> None:
-        for name in ("tolerance", "max_iterations", "time_limit"):
+        require_count("newton.max_iterations", self.max_iterations)
+        for name in ("tolerance", "time_limit"):
             require_positive(f"newton.{name}", getattr(self, name))
 
 

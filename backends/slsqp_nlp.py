@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
-from lacore.errors import require_positive
+from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import Penalties, evaluate, judged_status, penalties
 from lacore.status import Status
@@ -66,7 +66,8 @@ class SlsqpOptions:
     time_limit: float = 600.0
 
     def __post_init__(self) -> None:
-        for name in ("tolerance", "max_iterations", "time_limit"):
+        require_count("slsqp.max_iterations", self.max_iterations)
+        for name in ("tolerance", "time_limit"):
             require_positive(f"slsqp.{name}", getattr(self, name))
 
 

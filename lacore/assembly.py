@@ -26,6 +26,8 @@ from lacore.program import (
     reduced,
 )
 
+_STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
+_CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
 _LOAD_ORDER = 2  # a uniform load on a P2 velocity is a polynomial of degree 2: exact
 
 
@@ -41,6 +43,8 @@ class Discretisation:
         held_nodes: which nodes a support or a footing acts on, shape (nodes of all bodies,).
         bodies: by name.
         points: geometry of the contact points.
+        shared_corners: contact points with friction at corners that are in contact on both sides:
+            the reactions there, and with them the load factor, may not be unique, shape (m,).
         natural: scales in which the quantities of the answer are of order one (T20).
     """
 
@@ -51,6 +55,7 @@ class Discretisation:
     held_nodes: Bools
     bodies: Mapping[str, BodyDofs]
     points: ContactPoints
+    shared_corners: Bools
     natural: Scales
 
 
@@ -82,18 +87,19 @@ def discretise(problem: Problem) -> Discretisation:
             ),
         ]
     )
-    basis = free_basis(conditions, node_dofs, [f"{f.body}: {f.where}" for f in footings])
+    basis = free_basis(conditions, node_dofs, [f.name for f in footings])
     program = reduced(full, basis)
     kept = _movable(program.contact, points, problem)
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
     points = ContactPoints(position=points.position[kept], normal=points.normal[kept])
+    corners = _shared_corners(program.contact, points, problem)
     size = _load_size(full.reference_load, node_dofs)
     # Round-off of the nodal sums; a load that can do power keeps at least one whole nodal force.
     if np.sum(np.abs(program.reference_load)) <= 1e-12 * size:
         raise InputError(
             "Problem.reference_loads",
             None,
-            "they do no power (F0 = 0): all of them act where supports hold the body",
+            "they do no power (F0 = 0): they cancel, or act where supports hold the body",
             "load a boundary that can move, or release the support",
         )
     return Discretisation(
@@ -104,12 +110,40 @@ def discretise(problem: Problem) -> Discretisation:
         held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
         bodies=MappingProxyType(bodies),
         points=points,
+        shared_corners=corners,
         natural=Scales(
             length=sqrt(sum(float(group.weights.sum()) for group in full.groups)),
             stress=sqrt(3) * max(float(group.bound.max()) for group in full.groups),
             velocity=1 / size,
         ),
     )
+
+
+def _shared_corners(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
+    """Coulomb points at corners, with a contact point of another direction, shape (m,).
+
+    Raises:
+        InputError: the other one sticks by law, and so takes an unknown part of the normal force.
+    """
+    bodies = list(problem.bodies)
+    owner = [bodies.index(interface.slave[0]) for interface in problem.interfaces]
+    place = np.column_stack([np.array(owner, dtype=float)[contact.interface], points.position])
+    _, node, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
+    node = node.ravel()
+    resultant = np.zeros((count.size, 2))
+    np.add.at(resultant, node, points.normal)
+    turns = (np.linalg.norm(resultant, axis=1) < count * _STRAIGHT)[node]
+    sticking = np.bincount(node, np.isinf(contact.limit), minlength=count.size)[node] > 0
+    wrong = np.flatnonzero(contact.coulomb & turns & sticking)
+    if wrong.size:
+        raise InputError(
+            "Problem.interfaces",
+            problem.interfaces[int(contact.interface[wrong[0]])].name,
+            f"meets an interface that sticks at {points.position[wrong[0]]}, which holds the normal"
+            " velocity where friction needs the normal reaction",
+            "end one of the two beside the corner, or give the other a friction coefficient",
+        )
+    return np.asarray(contact.coulomb & turns)
 
 
 def _movable(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
@@ -229,7 +263,10 @@ def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
 
 
 def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
-    nodes, outward = _boundary_nodes(dofs, _facets(dofs, support))
+    facets = _facets(dofs, support)
+    if support.components in ("normal", "tangential"):
+        _require_straight(support, dofs, facets)
+    nodes, outward = _boundary_nodes(dofs, facets)
     along = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
     directions = {
         "x": [np.broadcast_to([1.0, 0.0], outward.shape)],
@@ -239,6 +276,24 @@ def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
         "tangential": [along],
     }[support.components]
     return join([held(nodes, direction) for direction in directions])
+
+
+def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
+    """Refuse polygons in place of arcs: two normals at each vertex would pin it."""
+    _, _, outward = facet_geometry(dofs.body, facets)
+    start, _, end = dofs.facet_nodes(facets)
+    nodes, normals = np.concatenate([start, end]), np.tile(outward, 2).T
+    order = np.argsort(nodes, kind="stable")
+    same = nodes[order][1:] == nodes[order][:-1]
+    cosine = np.sum(normals[order][1:] * normals[order][:-1], axis=1)[same]
+    if np.any((cosine < _STRAIGHT) & (cosine > _CORNER)):
+        raise InputError(
+            "Fix.components",
+            support.components,
+            "its boundary turns by small angles, like a polygon in place of an arc: with two"
+            " normals at a vertex, no velocity would be left there",
+            "fix straight parts one by one, or the components x and y",
+        )
 
 
 def _footing_conditions(footing: RigidFooting, dofs: BodyDofs, number: int) -> NodeConditions:

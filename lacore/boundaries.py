@@ -14,6 +14,14 @@ Where = str | Callable[[Floats], Bools]
 _SAMPLES = np.array([1e-3, *np.linspace(0.0, 1.0, 17)[1:-1], 1 - 1e-3])
 
 
+def where_name(where: Where) -> str:
+    """A name for messages and tables: that of the boundary, or of the function."""
+    if isinstance(where, str):
+        return where
+    name = getattr(where, "__name__", "")
+    return name if name.isidentifier() else "part"
+
+
 def boundary_facets(body: Body, where: Where, field: str) -> Ints:
     """Facets of the part `where` of the boundary of `body`, sorted.
 

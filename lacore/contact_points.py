@@ -8,6 +8,7 @@ direction share are one point.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, vstack
@@ -18,6 +19,7 @@ from lacore.dofs import BodyDofs
 from lacore.interfaces import Interface
 from lacore.program import ContactRows
 
+_UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
 
 
@@ -64,11 +66,23 @@ def contact_rows(
         tangent_dim=1,
         weights=np.concatenate([np.zeros(0), *(part.weights for part in parts)]),
         coefficient=np.repeat([law.coefficient for law in laws], sizes),
-        limit=np.repeat([law.limit for law in laws], sizes),
+        limit=np.repeat(
+            [
+                _attainable(law.limit, bodies[interface.slave[0]])
+                for law, interface in zip(laws, interfaces, strict=True)
+            ],
+            sizes,
+        ),
         dilatancy=np.repeat([law.dilatancy for law in laws], sizes),
         interface=np.repeat(np.arange(len(parts)), sizes),
     )
     return rows, ContactPoints(position=position, normal=normal)
+
+
+def _attainable(limit: float, dofs: BodyDofs) -> float:
+    """A friction limit, infinite where it is far beyond any shear stress the body can carry."""
+    strength = dofs.body.criterion.k
+    return limit if limit <= _UNATTAINABLE * strength else inf
 
 
 def _control_values(interface: Interface, dofs: BodyDofs, n: int) -> _ControlValues:

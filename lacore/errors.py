@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from math import isfinite
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -62,6 +62,12 @@ def is_plane_vector(value: object) -> bool:
     return (
         isinstance(value, Sequence | np.ndarray) and len(value) == 2 and all(map(is_number, value))
     )
+
+
+def require_count(field: str, value: int) -> None:
+    """Raise `InputError` unless `value` is a positive whole number."""
+    if not (isinstance(value, Integral) and not isinstance(value, bool) and value > 0):
+        raise InputError(field, value, "not a positive whole number", "give a whole number > 0")
 
 
 def require_positive(field: str, value: float) -> None:

@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from lacore.boundaries import Where
+from lacore.boundaries import Where, where_name
 from lacore.errors import InputError, is_number, is_plane_vector
 
 
@@ -28,7 +28,7 @@ class Coulomb:
     """Unilateral Coulomb friction ``||t_t|| <= mu t_n`` (T2).
 
     Attributes:
-        mu: friction coefficient, >= 0. For infinite friction use `STICK`.
+        mu: friction coefficient, >= 0.
         associated: sliding dilates, ``u_n >= mu ||u_t||``, and dissipates nothing (T4).
     """
 
@@ -41,7 +41,7 @@ class Coulomb:
                 "friction",
                 self.mu,
                 "not a friction coefficient",
-                "give a finite mu >= 0 (0 or lacore.SMOOTH: none; lacore.STICK: infinite)",
+                "give a finite mu >= 0 (0 or lacore.SMOOTH: none; lacore.STICK: no slip at all)",
             )
 
     def terms(self) -> FrictionTerms:
@@ -53,7 +53,10 @@ class Coulomb:
 
 @dataclass(frozen=True)
 class Tresca:
-    """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa."""
+    """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa.
+
+    The bound holds wherever the body is, also where it lifts off.
+    """
 
     limit: float
 
@@ -112,7 +115,8 @@ class Interface:
         slave: ``(body name, where)``, see `lacore.boundaries.boundary_facets`.
         master: a `RigidObstacle`.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
-            STICK is Coulomb friction in the limit mu -> infinity: opening is free, slip is not.
+            STICK forbids slip wherever the body is, also where it lifts off, and opening is
+            free: the limit mu -> infinity of associated friction, not of Coulomb friction.
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.
@@ -154,4 +158,4 @@ class Interface:
     def name(self) -> str:
         """Name in tables: ``block.bottom``."""
         body, where = self.slave
-        return f"{body}.{where if isinstance(where, str) else getattr(where, '__name__', 'part')}"
+        return f"{body}.{where_name(where)}"

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
-from lacore.boundaries import Where
+from lacore.boundaries import Where, where_name
 from lacore.errors import InputError, is_number, is_plane_vector, require_known
 
 COMPONENTS = ("x", "y", "xy", "normal", "tangential")
@@ -117,7 +118,13 @@ class RigidFooting:
         _check_vector("RigidFooting.direction", self.direction, "any unit")
         _check_size("RigidFooting.pressure", self.pressure, "Pa")
         # Footings are told apart by value, so a direction given as a list has to be hashable.
-        object.__setattr__(self, "direction", tuple(float(c) for c in self.direction))
+        length = hypot(*self.direction)
+        object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
+
+    @property
+    def name(self) -> str:
+        """For messages: ``soil: footing``."""
+        return f"{self.body}: {where_name(self.where)}"
 
 
 Load = Traction | Pressure | BodyForce | PointForce | RigidFooting

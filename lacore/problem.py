@@ -38,9 +38,12 @@ class Problem:
     dead_loads: Sequence[Load] = field(default=())
 
     def __post_init__(self) -> None:
-        if not self.bodies:
+        if not isinstance(self.bodies, Mapping) or not self.bodies:
             raise InputError(
-                "Problem.bodies", None, "there is none", "give bodies={'name': Body(...)}"
+                "Problem.bodies",
+                None,
+                "there is none with a name",
+                "give bodies={'name': Body(...)}",
             )
         for name, body in self.bodies.items():
             if not isinstance(body, Body):
@@ -49,7 +52,10 @@ class Problem:
                 )
         object.__setattr__(self, "bodies", MappingProxyType(dict(self.bodies)))
         for attribute in ("reference_loads", "supports", "interfaces", "dead_loads"):
-            object.__setattr__(self, attribute, tuple(getattr(self, attribute)))
+            given = getattr(self, attribute)
+            if not isinstance(given, Sequence):
+                raise InputError(f"Problem.{attribute}", given, "not a list", "put it in [ ]")
+            object.__setattr__(self, attribute, tuple(given))
         if not self.reference_loads:
             raise InputError(
                 "Problem.reference_loads",
@@ -71,7 +77,7 @@ class Problem:
         self._check_interfaces()
 
     def _body(self, name: str, where: str) -> Body:
-        if name not in self.bodies:
+        if not isinstance(name, str) or name not in self.bodies:
             raise InputError(f"{where}.body", name, "no such body", suggest(str(name), self.bodies))
         return self.bodies[name]
 

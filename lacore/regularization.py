@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError, is_number, require_positive
 from lacore.program import FrozenContact, KinematicProgram, Scales
 from lacore.state import ProgramState
 from lacore.status import Status
 
 _ESCAPED = 1e8  # dimensionless velocity at F0.U = 1: that of a mechanism is 1 to 1000
+_SMALLEST_R = 1e-8
 _LOCKED_SHARE = 0.8  # of the power; about 0.04 for a mechanism at r = 0.1, 1 for a locked body
 _LOCKED_POWER = 1.0  # dimensionless: below it the load is small, whatever carries it
 
@@ -51,7 +52,7 @@ class Penalties:
         Raises:
             InputError: reduction outside (0, 1).
         """
-        if not 0 < reduction < 1:
+        if not (is_number(reduction) and 0 < reduction < 1):
             raise InputError("reduction", reduction, "outside (0, 1)", "give e.g. 0.1")
         steps = max(math.ceil(math.log(self.eta) / -math.log(reduction) - 1e-9), 0)
         return [self.softened(reduction**step) for step in range(steps, -1, -1)]
@@ -88,6 +89,13 @@ def penalties(
     }.items():
         if value is not None:
             require_positive(name, value)
+    if not _SMALLEST_R <= r <= 1:
+        raise InputError(
+            "r",
+            r,
+            f"outside [{_SMALLEST_R:g}, 1]",
+            "above 1 nothing of the plasticity is left, below, nothing of the precision",
+        )
     viscosity = scales.stress * scales.length / scales.velocity
     spring = scales.stress / scales.velocity
     eta_program = 1 / r if eta is None else eta / viscosity

@@ -118,6 +118,13 @@ def _limit_state(
     history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
     history["load_factor"] *= scales.load_factor
     message = f"{coupled.status.label}: {coupled.status.value}"
+    if inner.message:
+        message += f" ({inner.message})"
+    if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
+        message += (
+            "; contact points with friction meet at a corner, where reactions, and with them the"
+            " load factor, may not be unique"
+        )
     return LimitState(
         status=coupled.status,
         load_factor=float(load_factor),
@@ -129,7 +136,7 @@ def _limit_state(
         history=history,
         build_time=build_time,
         solve_time=solve_time,
-        message=f"{message} ({inner.message})" if inner.message else message,
+        message=message,
         discretisation=discretisation,
         point=None if point is None else _point_in_si(discretisation, point, scales),
     )

@@ -255,9 +255,9 @@ def test_no_penetration_at_control_values_is_none_along_the_edge(seed):
 def test_contact_laws_become_coefficients():
     laws = {
         "left": 0.4,
-        "right": la.Coulomb(0.2, associated=True),
+        "right": la.STICK,  # not beside the Coulomb side: refused there
         "bottom": la.Tresca(3.0),
-        "top": la.STICK,
+        "top": la.Coulomb(0.2, associated=True),
     }
     d = discretised(
         la.meshes.rectangle((0, 1), (0, 1), 1, 1),
@@ -279,9 +279,9 @@ def test_contact_laws_become_coefficients():
     }
     assert got == {
         "left": {(0.4, 0.0, 0.0)},
-        "right": {(0.0, 0.0, 0.2)},
+        "right": {(0.0, np.inf, 0.0)},
         "bottom": {(0.0, 3.0, 0.0)},
-        "top": {(0.0, np.inf, 0.0)},
+        "top": {(0.0, 0.0, 0.2)},
     }
     # A corner belongs to two interfaces with two normals: two points.
     assert rows.count == 12

@@ -114,7 +114,7 @@ def test_obstacle_that_touches():
     [
         (lambda: la.Coulomb(-0.1), ("friction = -0.1", "mu >= 0")),
         (lambda: la.Coulomb(np.nan), ("friction = nan", "not a friction coefficient")),
-        (lambda: la.Coulomb(np.inf), ("friction = inf", "lacore.STICK: infinite")),
+        (lambda: la.Coulomb(np.inf), ("friction = inf", "lacore.STICK: no slip")),
         (lambda: obstacle(friction=-1), ("friction = -1", "mu >= 0")),
         (lambda: obstacle(friction=np.nan), ("friction = nan",)),
         (lambda: obstacle(friction="0.3"), ("Interface.friction = '0.3'", "lacore.Coulomb")),
@@ -196,7 +196,7 @@ def test_footing_that_a_support_holds():
         ),
         "RigidFooting = 'block: top'",
         "keeps it from moving",
-        "end the support beside the footing",
+        "end the other beside it",
     )
 
 
