@@ -17,8 +17,8 @@ from lacore.state import ProgramState, out_of_balance
 class Certificate:
     """Residuals, each >= 0 up to round-off and 0 for an exact Coulomb limit state.
 
-    Of a regularised state divergence, penetration, flow, slip and gap stay as large as its penalties
-    let them; `lacore.coupling` says what it is judged by.
+    Of a regularised state divergence, penetration, flow, slip and gap stay as large as its
+    penalties let them; `lacore.coupling` says what it is judged by.
 
     Scales are global: the total load for forces, the largest nodal velocity for velocities, the
     largest strain rate (or velocity over body length, when the mechanism is rigid) for strain
