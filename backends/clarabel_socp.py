@@ -46,7 +46,7 @@ class ClarabelOptions:
         time_limit: s, one inner solve.
     """
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-10
     max_iterations: int = 200
     time_limit: float = 3600.0
 
