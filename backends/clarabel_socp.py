@@ -5,6 +5,7 @@ their integration weight, so that costs are stress bounds and duals are stresses
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -63,11 +64,16 @@ class Clarabel:
     title: ClassVar[str] = "Clarabel, exact second-order cone program"
     source: ClassVar[str] = "Goulart & Chen, Clarabel: an interior-point solver, 2024"
     capabilities: ClassVar[Capabilities] = Capabilities(regularised=False)
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelOptions
 
     def unavailable(self) -> str:
         """Always there once imported."""
         return ""
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return f"Clarabel {clarabel.__version__}"
 
     def prepare(self, program: KinematicProgram, options: ClarabelOptions) -> "ClarabelSolver":
         """Keep the parts of the conic form that no frozen contact changes."""
@@ -133,6 +139,9 @@ class ClarabelSolver:
             if status.has_point
             else None,
         )
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def _start(self, cost: Floats, offset: Floats, careful: bool) -> Any:
         """A solver for the current form: fast first; where that fails, careful.

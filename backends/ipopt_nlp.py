@@ -7,7 +7,9 @@ regularisation is continued from r = 1 downwards, each step warm-started.
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -88,7 +90,8 @@ class Ipopt:
     name: ClassVar[str] = "ipopt"
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, warm_start=True)
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptOptions
 
     def unavailable(self) -> str:
@@ -96,6 +99,10 @@ class Ipopt:
         if ca.has_nlpsol("ipopt"):
             return ""
         return "this CasADi was built without IPOPT; install it from PyPI (pip install casadi)"
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return f"IPOPT, CasADi {version('casadi')}"
 
     def prepare(self, program: KinematicProgram, options: IpoptOptions) -> "IpoptSolver":
         """Penalties and point functions, shared by all frozen contacts."""
@@ -154,6 +161,9 @@ class IpoptSolver:
             point=point.state if status.has_point else None,
             regularised=point.values,
         )
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def _step(
         self, contact: FrozenContact, penalty: Penalties, damping: float, start: "_Step"

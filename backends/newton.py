@@ -9,10 +9,12 @@ solution. No continuation in r is needed.
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+import scipy
 from scipy.sparse import bsr_array, csc_array, csr_array, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
@@ -84,12 +86,17 @@ class Newton:
     name: ClassVar[str] = "newton"
     title: ClassVar[str] = "Primal-dual Newton, regularised program, sparse direct solver"
     source: ClassVar[str] = "Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, warm_start=True)
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = NewtonOptions
 
     def unavailable(self) -> str:
         """Always there: scipy is a dependency."""
         return ""
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return f"SuperLU, SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: NewtonOptions) -> "NewtonSolver":
         """Penalties and the rows of all laws, shared by all frozen contacts."""
@@ -198,6 +205,9 @@ class NewtonSolver:
             point=point.state if status.has_point else None,
             regularised=point.values,
         )
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def _iterate(
         self, contact: FrozenContact, penalty: Penalties, start: Floats | None, deadline: float

@@ -6,10 +6,12 @@ gradients only. Unknowns are preconditioned with the Cholesky factor of the line
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+import scipy
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize
 from scipy.sparse import diags_array
@@ -77,12 +79,19 @@ class Slsqp:
     name: ClassVar[str] = "slsqp"
     title: ClassVar[str] = "SLSQP (scipy), regularised program, small meshes"
     source: ClassVar[str] = "Kraft, DFVLR-FB 88-28, 1988"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, max_unknowns=1200)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=True, max_unknowns=1200, warm_start=True, isolated=True
+    )
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = SlsqpOptions
 
     def unavailable(self) -> str:
         """Always there: scipy is a dependency."""
         return ""
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return f"SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: SlsqpOptions) -> "SlsqpSolver":
         """Penalties and the preconditioner, shared by all frozen contacts."""
@@ -134,6 +143,9 @@ class SlsqpSolver:
             point=point.state if status.has_point else None,
             regularised=point.values,
         )
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def _step(
         self, contact: FrozenContact, penalty: Penalties, load: Floats, deadline: float

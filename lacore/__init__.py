@@ -8,6 +8,7 @@ from lacore.certificate import Certificate
 from lacore.criteria import VonMises
 from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
+from lacore.isolation import SolverProcess
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem
 from lacore.result import LimitState
@@ -35,6 +36,7 @@ __all__ = [
     "RigidObstacle",
     "Rigor",
     "SolveError",
+    "SolverProcess",
     "Status",
     "Traction",
     "Tresca",

@@ -2,16 +2,16 @@
 
 A backend prepares a dimensionless `KinematicProgram` once and then solves it for each
 `FrozenContact` that the coupling loop gives it. It is registered under its name in the entry-point
-group ``lacore.backends`` and written about nowhere else.
+group ``lacore.backends`` and written about nowhere else; docs/backends.md shows how to write one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from importlib.metadata import entry_points
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol, runtime_checkable
 
-from lacore.errors import CapabilityError, require_known
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.errors import CapabilityError, InputError, require_known
+from lacore.program import FrozenContact, KinematicProgram, require_finite
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -21,15 +21,22 @@ GROUP = "lacore.backends"
 
 @dataclass(frozen=True)
 class Capabilities:
-    """What a backend can do.
+    """What a backend can do. Duals are no choice: certificates and contact live on them.
 
     Attributes:
         regularised: it solves the regularised program (T17-T20), not the exact one.
-        max_unknowns: largest number of velocity unknowns it takes; None: no limit.
+        max_unknowns: largest number of velocity unknowns that it takes; None: no limit.
+        max_cone: most rows that one of its cones may have; 1 is a linear program, None: no limit.
+        warm_start: a solve starts from the answer of the one before.
+        isolated: it may hang where its time limit does not reach, so that it runs in a process of
+            its own, which can be stopped.
     """
 
     regularised: bool
     max_unknowns: int | None = None
+    max_cone: int | None = None
+    warm_start: bool = False
+    isolated: bool = False
 
 
 @dataclass(frozen=True)
@@ -40,10 +47,11 @@ class InnerSolution:
         status: outcome.
         native_status: the solver's own word for it.
         iterations: of the solver.
-        solve_time: s, wall clock, inside the solver.
+        solve_time: s, wall clock, inside the backend.
         point: the velocity and its duals; None where the solver has none to give.
         regularised: the three values of T19 (regularised backends).
         message: anything else worth knowing.
+        peak_memory: MB, resident, of the backend's own process; NaN where it has none.
     """
 
     status: Status
@@ -53,29 +61,71 @@ class InnerSolution:
     point: ProgramState | None
     regularised: RegularisedValues | None = None
     message: str = ""
+    peak_memory: float = float("nan")
 
 
 class PreparedSolver(Protocol):
     """A backend at work on one program."""
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve for a frozen contact; may start from the previous answer."""
+        """Solve for a frozen contact; may start from the previous answer.
+
+        Whatever becomes of it is an `InnerSolution`; no later than ``options.time_limit``.
+        """
+
+    def close(self) -> None:
+        """Give back what the solver holds (licences, processes, files); nothing is asked after."""
 
 
 class Backend(Protocol):
-    """A solver that can be plugged in. `Options` is a frozen dataclass with a default a field."""
+    """A solver that can be plugged in; what is a property here may be a class attribute."""
 
-    name: ClassVar[str]
-    title: ClassVar[str]
-    source: ClassVar[str]
-    capabilities: ClassVar[Capabilities]
-    Options: ClassVar[type]
+    @property
+    def name(self) -> str:
+        """As registered."""
+
+    @property
+    def title(self) -> str:
+        """A line for tables."""
+
+    @property
+    def source(self) -> str:
+        """The paper of the method."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """What it can do."""
+
+    @property
+    def statuses(self) -> Mapping[Any, Status]:
+        """Every native status of the solver, and what it means here."""
+
+    @property
+    def Options(self) -> type:  # noqa: N802  # it is a class
+        """A frozen dataclass, every field with a default; raises `InputError` on bad values.
+
+        ``time_limit`` (s, one inner solve) is always among them.
+        """
 
     def unavailable(self) -> str:
         """Why it cannot run here and how to get it; empty where it can."""
 
+    def version(self) -> str:
+        """The solver and its version: ``Clarabel 0.11.1``."""
+
     def prepare(self, program: KinematicProgram, options: Any) -> PreparedSolver:
         """Everything that repeated solves share."""
+
+
+@runtime_checkable
+class Family(Protocol):
+    """A backend that stands for several solvers, asked for as ``name:variant``."""
+
+    def variants(self) -> Sequence[str]:
+        """Those that can run here."""
+
+    def variant(self, name: str) -> Backend:
+        """The backend of one of them."""
 
 
 def backend_names() -> list[str]:
@@ -84,30 +134,54 @@ def backend_names() -> list[str]:
 
 
 def find_backend(name: str) -> Backend:
-    """The backend registered under a name.
+    """The backend registered under a name, or ``name:variant`` of a family (``cvxpy:SCS``).
 
     Raises:
         InputError: no such name.
         CapabilityError: it is registered, but cannot be loaded or run here.
     """
-    require_known("backend", name, backend_names())
-    (entry, *_) = entry_points(group=GROUP, name=name)
-    try:
-        backend: Backend = entry.load()()
-    except ImportError as error:
-        raise CapabilityError(f"backend {name!r} cannot be loaded: {error}") from error
+    backend = load_backend(name)
     if reason := backend.unavailable():
         raise CapabilityError(f"backend {name!r} is not available: {reason}")
     return backend
 
 
+def load_backend(name: str) -> Backend:
+    """As `find_backend`, but one that cannot run here is returned too, to be asked why."""
+    first, colon, variant = name.partition(":")
+    require_known("backend", first, backend_names())
+    (entry, *_) = entry_points(group=GROUP, name=first)
+    try:
+        backend: Backend = entry.load()()
+    except ImportError as error:
+        raise CapabilityError(f"backend {first!r} cannot be loaded: {error}") from error
+    if not colon:
+        return backend
+    if not isinstance(backend, Family):
+        raise InputError("backend", name, "has no variants", f"give {first!r}")
+    require_known(f"variant of backend {first!r}", variant, backend.variants())
+    return backend.variant(variant)
+
+
 def check_capable(backend: Backend, program: KinematicProgram) -> None:
-    """Raise `CapabilityError` where a backend cannot take a program."""
-    limit = backend.capabilities.max_unknowns
-    if limit is not None and program.n > limit:
+    """Raise where a backend cannot take a program.
+
+    Raises:
+        CapabilityError: too large, or cones that the backend does not have.
+        InputError: the program holds NaN or infinite numbers.
+    """
+    require_finite(program)
+    can = backend.capabilities
+    if can.max_unknowns is not None and program.n > can.max_unknowns:
         raise CapabilityError(
-            f"backend {backend.name!r} takes at most {limit} velocity unknowns, this problem has"
-            f" {program.n}: take a coarser mesh, or a sparse backend such as 'clarabel'"
+            f"backend {backend.name!r} takes at most {can.max_unknowns} velocity unknowns, this"
+            f" problem has {program.n}: take a coarser mesh, or a sparse backend such as 'clarabel'"
+        )
+    if can.max_cone is not None and program.largest_cone > can.max_cone:
+        takes = "linear programs" if can.max_cone == 1 else f"cones of up to {can.max_cone} rows"
+        raise CapabilityError(
+            f"backend {backend.name!r} takes {takes}, this problem has cones of"
+            f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
 
 

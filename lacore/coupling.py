@@ -107,6 +107,7 @@ class Iterate:
             "native_status": self.inner.native_status,
             "inner_iterations": self.inner.iterations,
             "solve_time": self.inner.solve_time,
+            "peak_memory": self.inner.peak_memory,
         }
 
 
@@ -164,16 +165,19 @@ class _Run:
         # Equilibrium with the load factor P + 2 C proves a minimiser (T19); what the penalties let
         # through (divergence, penetration, flow, gap) is reported and not judged, but their energy
         # C, which bounds the error, must be small: a large dead load can fill it.
-        judged = (
+        values = iterate.inner.regularised
+        assert values is not None
+        dissipated = values.plastic + float(self.program.dead_load @ iterate.inner.point.velocity)
+        largest = max(abs(values.load_factor), dissipated)
+        judged = [
             certificate.equilibrium,
             certificate.yield_violation,
             certificate.normalisation,
             iterate.mismatch,
-        )
-        values = iterate.inner.regularised
-        assert values is not None
-        dissipated = values.plastic + float(self.program.dead_load @ iterate.inner.point.velocity)
-        meaningful = values.energy <= _PENALTY_SHARE * max(abs(values.load_factor), dissipated)
+        ]
+        if not np.isnan(values.multiplier):  # what the solver found is P + 2 C at a minimiser (T19)
+            judged.append(abs(values.multiplier - values.load_factor) / max(largest, _NO_POWER))
+        meaningful = values.energy <= _PENALTY_SHARE * largest
         return meaningful and all(value <= tolerance for value in judged)
 
     def end(self, status: Status) -> Coupled:

@@ -23,6 +23,10 @@ class InputError(LacoreError, ValueError):
         shown = "" if value is None else f" = {value!r}"
         super().__init__(f"{field}{shown}: {why}; {mend}")
 
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Pickle by the arguments: the message alone would not build it again."""
+        return InputError, (self.field, self.value, self.why, self.mend)
+
 
 class CapabilityError(LacoreError):
     """A backend that cannot take a program; the message says why and the way out."""

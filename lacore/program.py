@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -168,6 +169,12 @@ class KinematicProgram:
         """Number of velocity unknowns."""
         return int(self.reference_load.size)
 
+    @property
+    def largest_cone(self) -> int:
+        """Most rows in a cone that carries a norm: 1 is a linear program."""
+        dims = [group.dim for group in self.groups if group.weights.size]
+        return max([*dims, self.contact.tangent_dim if self.contact.count else 0])
+
     def plastic_dissipation(self, velocity: Floats) -> float:
         """Dissipation of all groups at a velocity."""
         return float(sum(group.dissipation(velocity).sum() for group in self.groups))
@@ -177,6 +184,41 @@ class KinematicProgram:
         finite = np.isfinite(bound)
         slip = np.linalg.norm(self.contact.slip(velocity), axis=1)
         return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
+
+
+def require_finite(program: KinematicProgram) -> None:
+    """Raise `InputError` where a program holds NaN or infinity (a limit of inf is stick)."""
+    contact = program.contact
+    arrays = {
+        "reference_load": program.reference_load,
+        "dead_load": program.dead_load,
+        "contact.normal": contact.normal.data,
+        "contact.tangential": contact.tangential.data,
+        "contact.limit": np.where(np.isposinf(contact.limit), 0.0, contact.limit),
+        **{
+            f"contact.{name}": getattr(contact, name)
+            for name in ("weights", "coefficient", "dilatancy")
+        },
+    }
+    for group in program.groups:
+        arrays |= {
+            f"group {group.name!r} {name}": values
+            for name, values in {
+                "rows": group.rows.data,
+                "weights": group.weights,
+                "bound": group.bound,
+                "volumetric": group.volumetric.data,
+            }.items()
+        }
+    for name, values in arrays.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise InputError(
+                f"program {name}",
+                float(values[bad[0]]),
+                f"{bad.size} of {values.size} numbers are not finite",
+                "look at the mesh, the strengths and the loads that it was assembled from",
+            )
 
 
 def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:

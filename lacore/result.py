@@ -66,6 +66,11 @@ class LimitState:
         return len(self.history)
 
     @property
+    def peak_memory(self) -> float:
+        """Largest resident memory of the backend's process, MB; NaN where it had none."""
+        return float(self.history["peak_memory"].max())
+
+    @property
     def velocity(self) -> dict[str, Floats]:
         """Velocity at the P2 nodes (vertices, then edge midpoints) by body, shape (2, nodes), m/s.
 

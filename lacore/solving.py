@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from lacore.backend import check_capable, find_backend, read_options
 from lacore.certificate import certify
 from lacore.coupling import COUPLINGS, Coupled, CouplingOptions, Iterate
 from lacore.errors import SolveError, require_known
+from lacore.isolation import SolverProcess
 from lacore.problem import Problem
 from lacore.program import (
     FrozenContact,
@@ -42,6 +44,7 @@ def solve(
     options: Mapping[str, Any] | None = None,
     on_iterate: Callable[[Iterate], None] | None = None,
     throw: bool = False,
+    process: SolverProcess | None = None,
 ) -> LimitState:
     """Collapse load and mechanism of a problem.
 
@@ -55,6 +58,9 @@ def solve(
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
             status.
+        process: let the backend work in this process, which survives neither hanging nor crashing
+            of it, but everything else does. Without it, a backend that asks for isolation gets a
+            process for this one solve, and any other works here.
 
     Raises:
         InputError: an unknown name or an option out of range, before any solve.
@@ -72,13 +78,18 @@ def solve(
     built = time.perf_counter()
     check_capable(engine, program)
     regularised = engine.capabilities.regularised
-    coupled = COUPLINGS[coupling](
-        program,
-        engine.prepare(program, engine_options),
-        regularised,
-        coupling_options,
-        on_iterate or (lambda _: None),
-    )
+    with ExitStack() as stack:
+        if process is None and engine.capabilities.isolated:
+            process = stack.enter_context(SolverProcess())
+        solver = (
+            engine.prepare(program, engine_options)
+            if process is None
+            else process.prepare(engine, program, engine_options)
+        )
+        stack.callback(solver.close)
+        coupled = COUPLINGS[coupling](
+            program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
+        )
     state = _limit_state(
         problem,
         program,
@@ -118,6 +129,8 @@ def _limit_state(
     history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
     history["load_factor"] *= scales.load_factor
     message = f"{coupled.status.label}: {coupled.status.value}"
+    if coupled.status is Status.SOLVED and inner.status is not Status.SOLVED:
+        message += f"; the solver itself says {inner.native_status!r}, the residuals prove more"
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.SOLVED and discretisation.shared_corners.any():

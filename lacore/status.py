@@ -42,7 +42,7 @@ class Status(Enum):
 
     @property
     def has_point(self) -> bool:
-        """Whether a velocity and a load factor come with this status, to be judged by residuals."""
+        """Whether a velocity and a load factor may come with this status; residuals judge them."""
         return self in _WITH_POINT
 
     @property

@@ -13,7 +13,7 @@ import click
 import lacore as la
 from verification import terminal
 from verification.catalogue import catalogue
-from verification.compare import plan, run_all, tally
+from verification.compare import TIME_LIMIT, plan, run_all, tally
 from verification.machine import describe
 from verification.report.page import write
 
@@ -66,6 +66,14 @@ _json_option = click.option(
     show_default=True,
     help="Folder for results.csv, pictures and the page index.html.",
 )
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Of each inner solve; a backend that does not keep it is stopped.",
+)
 @_json_option
 @click.pass_context
 def compare(
@@ -74,6 +82,7 @@ def compare(
     backends: list[str],
     meshes: list[str],
     out: Path,
+    time_limit: float,
     as_json: bool,
 ) -> None:
     """Compare backends with each other and with reference collapse loads.
@@ -90,7 +99,9 @@ def compare(
     """  # noqa: D301  # click reads the backspace
     runs = plan(cases, backends, meshes)
     with terminal.watching(len(runs)) as watch:
-        outcomes = run_all(runs, out / "results.csv", watch.start, watch.iterate, watch.finish)
+        outcomes = run_all(
+            runs, out / "results.csv", watch.start, watch.iterate, watch.finish, time_limit
+        )
     about = describe()
     with terminal.status("drawing pictures, writing the page"):
         page = write(out, outcomes, about)

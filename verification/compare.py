@@ -11,6 +11,8 @@ from verification.catalogue import catalogue, find
 from verification.harness import COLUMNS, FAIL, PASS, SKIPPED, Outcome, Run, execute
 from verification.store import ResultFile
 
+TIME_LIMIT = 600.0  # s, of one inner solve: ten times what the largest default run needs
+
 
 def plan(
     names: Sequence[str] = (),
@@ -72,16 +74,23 @@ def run_all(
     on_start: Callable[[Run], None] = lambda _: None,
     on_iterate: Callable[[Iterate], None] = lambda _: None,
     on_finish: Callable[[Outcome], None] = lambda _: None,
+    time_limit: float = TIME_LIMIT,
 ) -> list[Outcome]:
     """Run, and write each row to the CSV file `results` as soon as it is finished.
+
+    Backends work in a process of their own, so that one that hangs for longer than `time_limit`
+    (s, one inner solve), or crashes, costs its own row and no other.
 
     Raises:
         InputError: the file cannot be written.
     """
     parameters = {f"param_{name}": None for run in runs for name in run.variant.parameters}
     outcomes = []
-    with ResultFile(results, [*COLUMNS, *parameters]) as file:
-        for outcome in execute(runs, on_start, on_iterate):
+    with (
+        ResultFile(results, [*COLUMNS, *parameters]) as file,
+        la.SolverProcess() as process,
+    ):
+        for outcome in execute(runs, on_start, on_iterate, process, time_limit):
             file.append(outcome.row.record())
             outcomes.append(outcome)
             on_finish(outcome)

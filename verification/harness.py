@@ -1,7 +1,7 @@
 """Run one case variant on one mesh with one backend, and judge it: one row a run."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from math import nan
 from typing import Any
@@ -29,6 +29,7 @@ class Row:
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
+        peak_memory_mb: largest resident memory of the backend's process; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
         verdict: ``pass``, ``FAIL`` or ``skipped``; `why` says why.
         why: the rule that gave the verdict, with its numbers.
@@ -55,6 +56,7 @@ class Row:
     gap: float = nan
     build_time: float = nan
     solve_time: float = nan
+    peak_memory_mb: float = nan
     message: str = ""
     verdict: str = FAIL
     why: str = ""
@@ -134,9 +136,17 @@ def judge(state: la.LimitState, reference: Reference, band: Band) -> tuple[str, 
 
 
 def execute(
-    runs: Iterable[Run], on_start: Callable[[Run], None], on_iterate: Callable[[Iterate], None]
+    runs: Iterable[Run],
+    on_start: Callable[[Run], None],
+    on_iterate: Callable[[Iterate], None],
+    process: la.SolverProcess | None = None,
+    time_limit: float | None = None,
 ) -> Iterator[Outcome]:
-    """Run one after the other; neighbours of one variant and mesh share their discretisation."""
+    """Run one after the other; neighbours of one variant and mesh share their discretisation.
+
+    Backends work in `process` where there is one; `time_limit`: s, of each inner solve.
+    """
+    options = {} if time_limit is None else {"time_limit": time_limit}
     shared: tuple[Case, Variant, str] | None = None
     assembled: _Assembled | Exception = RuntimeError("nothing assembled")
     for run in runs:
@@ -148,7 +158,7 @@ def execute(
                 assembled = _assemble(run)
             except Exception as error:  # the other cases go on
                 assembled = error
-        yield run_one(run, assembled, on_iterate)
+        yield run_one(run, assembled, on_iterate, process, options)
 
 
 @dataclass(frozen=True)
@@ -164,7 +174,11 @@ def _assemble(run: Run) -> _Assembled:
 
 
 def run_one(
-    run: Run, assembled: _Assembled | Exception, on_iterate: Callable[[Iterate], None]
+    run: Run,
+    assembled: _Assembled | Exception,
+    on_iterate: Callable[[Iterate], None],
+    process: la.SolverProcess | None,
+    options: Mapping[str, Any],
 ) -> Outcome:
     """One row, whatever happens."""
     names: dict[str, Any] = {
@@ -188,7 +202,12 @@ def run_one(
         names["reference"] = reference.value
         band = run.case.band(names["n_elements"], **run.variant.parameters)
         state = la.solve(
-            discretisation, backend=run.backend, coupling=COUPLING, on_iterate=on_iterate
+            discretisation,
+            backend=run.backend,
+            coupling=COUPLING,
+            options=options,
+            on_iterate=on_iterate,
+            process=process,
         )
     except la.CapabilityError as error:
         row = Row(**names, status="skipped", message=str(error), verdict=SKIPPED, why=str(error))
@@ -218,6 +237,7 @@ def _row(
         outer_iterations=state.outer_iterations,
         gap=state.certificate.gap if state.certificate else nan,
         solve_time=state.solve_time,
+        peak_memory_mb=state.peak_memory,
         message=state.message,
         verdict=verdict,
         why=why,
