@@ -6,9 +6,11 @@ group ``lacore.backends`` and written about nowhere else; docs/backends.md shows
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
 
 from lacore.errors import CapabilityError, InputError, require_known
 from lacore.program import FrozenContact, KinematicProgram, require_finite
@@ -71,6 +73,7 @@ class PreparedSolver(Protocol):
         """Solve for a frozen contact; may start from the previous answer.
 
         Whatever becomes of it is an `InnerSolution`; no later than ``options.time_limit``.
+        `checked_answer` looks at it before anyone else does.
         """
 
     def close(self) -> None:
@@ -183,6 +186,56 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
             f"backend {backend.name!r} takes {takes}, this problem has cones of"
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
+
+
+def checked_answer(program: KinematicProgram, regularised: bool, answer: object) -> InnerSolution:
+    """The answer of a backend, without its point where that is none that can be judged.
+
+    A point of wrong shapes or of NaN says nothing whatever status comes with it; "solved" with
+    such a point, or with none, is FAILED.
+    """
+    if not isinstance(answer, InnerSolution):
+        message = f"the backend answered {str(answer)[:60]!r} instead of an InnerSolution"
+        return InnerSolution(Status.FAILED, "no answer", 0, 0.0, None, message=message)
+    fault = _fault(program, regularised, answer)
+    if not fault:
+        return answer
+    claims = answer.status in (Status.SOLVED, Status.ALMOST_SOLVED)
+    return replace(
+        answer,
+        status=Status.FAILED if claims else answer.status,
+        point=None,
+        regularised=None,
+        message="; ".join(filter(None, [answer.message, f"the backend's answer has {fault}"])),
+    )
+
+
+def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) -> str:
+    """What is wrong with an answer; empty where nothing is."""
+    point, groups, contact = answer.point, program.groups, program.contact
+    if point is None:
+        claims = answer.status in (Status.SOLVED, Status.ALMOST_SOLVED)
+        return f"no point with status {answer.status.name}" if claims else ""
+    if regularised and answer.regularised is None:
+        return "no regularised values (T19)"
+    if not len(point.stress) == len(point.mean_stress) == len(groups):
+        return f"stresses for {len(point.stress)} of {len(groups)} groups"
+    parts: list[tuple[str, object, tuple[int, ...]]] = [
+        ("velocity", point.velocity, (program.n,)),
+        ("load_factor", point.load_factor, ()),
+        ("normal_reaction", point.normal_reaction, (contact.count,)),
+        ("tangential_reaction", point.tangential_reaction, (contact.count, contact.tangent_dim)),
+    ]
+    for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True):
+        parts.append((f"stress of {group.name!r}", stress, (group.weights.size, group.dim)))
+        parts.append((f"mean_stress of {group.name!r}", mean, (group.weights.size,)))
+    for name, values, shape in parts:
+        array = np.asarray(values)
+        if array.shape != shape:
+            return f"a {name} of shape {array.shape} instead of {shape}"
+        if array.dtype.kind not in "fiu" or not np.isfinite(array).all():
+            return f"a {name} with NaN, infinity or no numbers at all"
+    return ""
 
 
 def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 
 from lacore.anderson import Anderson
 from lacore.arrays import Floats
-from lacore.backend import InnerSolution, PreparedSolver
+from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
 from lacore.errors import (
     InputError,
@@ -137,7 +137,7 @@ class _Run:
 
     def solve(self, kind: str, contact: FrozenContact, laws: FrozenContact | None) -> Iterate:
         """Solve for a frozen contact and judge the answer by `laws` (None: the true ones)."""
-        inner = self.solver.solve(contact)
+        inner = checked_answer(self.program, self.regularised, self.solver.solve(contact))
         certificate, mismatch = None, np.nan
         if inner.point is not None:
             certificate = certify(self.program, inner.point, laws)
