@@ -19,6 +19,7 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 GROUP = "lacore.backends"
+_LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,7 @@ def checked_answer(program: KinematicProgram, regularised: bool, answer: object)
     if not isinstance(answer, InnerSolution):
         message = f"the backend answered {str(answer)[:60]!r} instead of an InnerSolution"
         return InnerSolution(Status.FAILED, "no answer", 0, 0.0, None, message=message)
+    answer = replace(answer, message=str(answer.message)[:_LONGEST_MESSAGE])
     fault = _fault(program, regularised, answer)
     if not fault:
         return answer

@@ -116,6 +116,9 @@ class SolverProcess:
     def _lost(self, late: bool, limit: float) -> _LostError:
         assert self._process is not None
         process = self._process
+        if not late:  # one that ends in good order closes its pipes before
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(GRACE)
         self.close()
         if late:
             return _LostError(

@@ -1,0 +1,156 @@
+"""A backend that hangs, dies or answers nonsense costs its own row and no other."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+from math import isnan
+from pathlib import Path
+
+import pytest
+
+import lacore.isolation
+from tests.broken_backends import BACKENDS, plant
+from tests.processes import alive, marked, wait_for
+from verification.compare import plan, run_all
+from verification.harness import FAIL, PASS
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+ROOT = Path(__file__).parents[2]
+GOOD = ["Works", "Talks", "AnswersAtLength", "TakesMemory", "SleepsInClose"]
+BROKEN = {
+    "SleepsInPrepare": ("time limit", r"had not come back after 1 s and was stopped"),
+    "Sleeps": ("time limit", r"had not come back"),
+    "HoldsTheInterpreter": ("time limit", r"had not come back"),
+    "IgnoresSignals": ("time limit", r"had not come back"),
+    "StartsAProgram": ("time limit", r"had not come back"),
+    "Exits": ("failed", r"ended by itself \(exit code 3\)"),
+    "ExitsInPrepare": ("failed", r"ended by itself \(exit code 4\)"),
+    "Segfaults": ("failed", r"ended by itself \(signal 11, Segmentation fault\)"),
+    "Raises": ("failed", r"ZeroDivisionError: planted"),
+    "RaisesOddly": ("failed", r"OddError: this and that"),
+    "RunsOutOfMemory": ("failed", r"MemoryError: Unable to allocate"),
+    "AnswersNone": ("failed", r"answered 'None' instead of an InnerSolution"),
+    "AnswersALambda": ("failed", r"lambda"),
+    "AnswersNoPoint": ("failed", r"no point with status SOLVED"),
+    "AnswersNaN": ("failed", r"a velocity with NaN"),
+    "AnswersWrongShapes": ("failed", r"a velocity of shape \(117,\) instead of \(118,\)"),
+    "AnswersWrongStress": ("not converged", r"did not reach a Coulomb state"),
+}
+
+
+def read(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """Every broken backend, each followed by one that works, in one run."""
+    folder = tmp_path_factory.mktemp("broken")
+    plant(folder)
+    names = [name for kind in BACKENDS for name in (kind.__name__, "clarabel")]
+    with marked() as mark, pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(folder))
+        patch.setattr(lacore.isolation, "GRACE", 0.5)
+        by_name = {run.backend: run for run in plan(["shear-patch:sliding"], names, ["coarse"])}
+        outcomes = run_all(
+            [by_name[name] for name in names], folder / "results.csv", time_limit=0.5
+        )
+        left = alive(mark)
+    return outcomes, read(folder / "results.csv"), left
+
+
+def test_every_planted_backend_is_expected():
+    assert {kind.__name__ for kind in BACKENDS} == {*GOOD, *BROKEN}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_backend_is_a_row_that_says_how(compared, name):
+    (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
+    status, why = BROKEN[name]
+    assert (row.status, row.verdict) == (status, FAIL)
+    assert re.search(why, row.message)
+    assert isnan(row.load_factor)
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_noise_and_size_break_nothing(compared, name):
+    (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
+    assert (row.status, row.verdict) == ("solved", PASS), row.message
+
+
+def test_the_next_backend_is_none_the_worse(compared):
+    rows = [outcome.row for outcome in compared[0] if outcome.row.backend == "clarabel"]
+    assert len(rows) == len(BACKENDS)
+    assert {row.verdict for row in rows} == {PASS}
+    assert len({row.load_factor for row in rows}) == 1
+
+
+def test_every_row_is_in_the_file(compared):
+    outcomes, rows, _ = compared
+    assert [row["backend"] for row in rows] == [outcome.row.backend for outcome in outcomes]
+
+
+def test_peak_memory_is_that_of_the_backend(compared):
+    peak = {outcome.row.backend: outcome.row.peak_memory_mb for outcome in compared[0]}
+    assert 30 < peak["Works"] < 1000
+    assert peak["TakesMemory"] > peak["Works"] + 150
+    assert isnan(peak["SleepsInPrepare"])
+
+
+def test_no_process_is_left(compared):
+    assert compared[2] == []
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Start `lacore compare` with a backend that hangs after one that works; see to its end."""
+    plant(tmp_path)
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    results = tmp_path / "out" / "results.csv"
+
+    def start(backend, time_limit):
+        command = [sys.executable, "-m", "verification", "compare", "shear-patch:sliding"]
+        command += ["--backends", f"clarabel,{backend}", "--meshes", "coarse"]
+        command += ["--time-limit", str(time_limit), "--out", str(results.parent)]
+        process = subprocess.Popen(
+            command,
+            env=os.environ | {"PYTHONPATH": path},
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        wait_for(lambda: results.exists() and len(read(results)) == 1)
+        return process, results
+
+    return start
+
+
+@pytest.mark.parametrize("backend", ["Sleeps", "HoldsTheInterpreter"])
+def test_kill_9_keeps_the_finished_rows_and_leaves_no_process(started, backend):
+    """Where the solver holds the interpreter, its process ends when its time limit is over."""
+    with marked() as mark:
+        process, results = started(backend, time_limit=1)
+        assert len(alive(mark)) == 2
+        process.kill()
+        process.communicate()
+    wait_for(lambda: not alive(mark))
+    (row,) = read(results)
+    assert (row["backend"], row["verdict"]) == ("clarabel", PASS)
+
+
+def test_ctrl_c_stops_at_once_and_keeps_the_finished_rows(started):
+    with marked() as mark:
+        process, results = started("IgnoresSignals", time_limit=600)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        assert process.returncode == 1
+        assert not alive(mark)
+    assert "Aborted!" in err
+    assert "Traceback" not in out + err
+    (row,) = read(results)
+    assert (row["backend"], row["verdict"]) == ("clarabel", PASS)
