@@ -98,8 +98,10 @@ def certify(
     )
     area = sum(float(group.weights.sum()) for group in program.groups)
     strain = max(
-        velocity / np.sqrt(_nonzero(area)),
-        *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
+        [
+            velocity / np.sqrt(_nonzero(area)),
+            *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
+        ]
     )
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
