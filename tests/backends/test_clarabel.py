@@ -208,7 +208,7 @@ def built(monkeypatch):
         count.append(1)
         return build(*given)
 
-    monkeypatch.setattr(clarabel_socp.clarabel, "DefaultSolver", counted)
+    monkeypatch.setattr(clarabel, "DefaultSolver", counted)
     return count
 
 
