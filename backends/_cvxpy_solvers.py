@@ -1,0 +1,145 @@
+"""The solvers of cvxpy that the `cvxpy` backend knows: what they call our options."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+from lacore.errors import require_count, require_positive
+
+
+@dataclass(frozen=True)
+class OwnDefaults:
+    """Options of a solver whose keywords are not known here: it runs with its own.
+
+    Attributes:
+        time_limit: s, one inner solve.
+    """
+
+    time_limit: float = 3600.0
+
+    def __post_init__(self) -> None:
+        require_positive("cvxpy.time_limit", self.time_limit)
+
+
+@dataclass(frozen=True)
+class InteriorPointOptions(OwnDefaults):
+    """Options of interior-point and simplex solvers, exact to about their tolerance.
+
+    Attributes:
+        tolerance: relative tolerance on gap and feasibility.
+        max_iterations: of the solver.
+        time_limit: s, one inner solve.
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 200
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_positive("cvxpy.tolerance", self.tolerance)
+        require_count("cvxpy.max_iterations", self.max_iterations)
+
+
+@dataclass(frozen=True)
+class SimplexOptions(InteriorPointOptions):
+    """As `InteriorPointOptions`, for solvers of many short iterations."""
+
+    max_iterations: int = 1_000_000
+
+
+@dataclass(frozen=True)
+class FirstOrderOptions(InteriorPointOptions):
+    """Options of first-order solvers.
+
+    They promise residuals of `tolerance` relative to the largest number in the program: load
+    factors and certificates are good to about ten times that where a program is well scaled, and
+    to less where a mesh is graded. The certificate is the judge.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 100_000
+
+
+@dataclass(frozen=True)
+class Solver:
+    """What a solver calls our options. Without a keyword for time it has no time limit."""
+
+    package: str
+    options: type
+    tolerance: tuple[str, ...] = ()
+    iterations: str = ""
+    time: str = ""
+    within: str = ""  # the keyword of a dictionary that takes them all
+    always: Mapping[str, Any] = field(default_factory=dict)
+    warm_start: bool = False
+
+    def settings(self, options: Any) -> dict[str, Any]:
+        """Keywords of `cvxpy.Problem.solve`."""
+        given: dict[str, Any] = {}
+        if self.iterations:
+            given |= dict.fromkeys(self.tolerance, options.tolerance)
+            given[self.iterations] = options.max_iterations
+        if self.time:
+            given[self.time] = options.time_limit
+        return {self.within: given} if self.within else given | dict(self.always)
+
+
+_MOSEK = "MSK_DPAR_INTPNT_CO_TOL_"
+SOLVERS = {
+    "CLARABEL": Solver(
+        "clarabel",
+        InteriorPointOptions,
+        ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
+        "max_iter",
+        "time_limit",
+        always={"accept_unknown": True},  # "insufficient progress" keeps its point
+    ),
+    "ECOS": Solver("ecos", InteriorPointOptions, ("abstol", "reltol", "feastol"), "max_iters"),
+    "HIGHS": Solver(
+        "highspy",
+        SimplexOptions,
+        ("primal_feasibility_tolerance", "dual_feasibility_tolerance"),
+        "simplex_iteration_limit",
+        "time_limit",
+    ),
+    "MOSEK": Solver(
+        "mosek",
+        InteriorPointOptions,
+        (f"{_MOSEK}PFEAS", f"{_MOSEK}DFEAS", f"{_MOSEK}REL_GAP"),
+        "MSK_IPAR_INTPNT_MAX_ITERATIONS",
+        "MSK_DPAR_OPTIMIZER_MAX_TIME",
+        within="mosek_params",
+    ),
+    "OSQP": Solver(
+        "osqp", FirstOrderOptions, ("eps_abs", "eps_rel"), "max_iter", "time_limit", warm_start=True
+    ),
+    # Looks for no proof that a program is infeasible or unbounded: it fails or, with "optimal",
+    # returns the point it has run away to, which no certificate holds for.
+    "QOCO": Solver("qoco", InteriorPointOptions, ("abstol", "reltol"), "max_iters"),
+    "SCS": Solver(
+        "scs",
+        FirstOrderOptions,
+        ("eps_abs", "eps_rel"),
+        "max_iters",
+        "time_limit_secs",
+        warm_start=True,
+    ),
+}
+
+
+def known_solver(name: str) -> Solver:
+    """What is known here of a solver of cvxpy; of any other, that it has its own defaults."""
+    return SOLVERS.get(name, Solver(name.lower(), OwnDefaults))
+
+
+def no_mosek_licence() -> str:
+    """What MOSEK says where it has no licence; empty where it has one."""
+    mosek = import_module("mosek")
+    try:
+        with mosek.Env() as environment:
+            environment.checkoutlicense(mosek.feature.pton)
+    except mosek.Error as error:
+        said = str(error).rstrip(": ")
+        return f"MOSEK has no licence here ({said}): put one at ~/mosek/mosek.lic, see mosek.com"
+    return ""
