@@ -4,6 +4,7 @@ Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
 """
 
 import json
+from collections import Counter
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 import click
 
 import lacore as la
-from verification import terminal
+from verification import conformance, doctor, terminal
 from verification.catalogue import catalogue
 from verification.compare import TIME_LIMIT, plan, run_all, tally
 from verification.machine import describe
@@ -138,23 +139,73 @@ def list_cases(as_json: bool) -> None:
 @main.command("backends")
 @_json_option
 def list_backends(as_json: bool) -> None:
-    """List the backends: what they solve, their limits, and why one cannot run here."""
-    _show([_backend_record(name) for name in la.backend_names()], as_json)
+    """List the backends: what they solve, their limits, and why one cannot run here.
+
+    Solvers that a family of backends offers are asked for as NAME:SOLVER.
+    """
+    records = [doctor.backend_record(*entry) for entry in doctor.all_backends()]
+    if as_json:
+        _print_json(records)
+    else:
+        terminal.show_backends(terminal.table_console(), records)
 
 
-def _backend_record(name: str) -> dict[str, Any]:
-    try:
-        backend = la.find_backend(name)
-    except la.CapabilityError as error:
-        return {"name": name, "title": "", "solves": "", "takes": "", "state": str(error)}
-    limit = backend.capabilities.max_unknowns
-    return {
-        "name": name,
-        "title": backend.title,
-        "solves": "regularised program" if backend.capabilities.regularised else "exact program",
-        "takes": "any size" if limit is None else f"up to {limit} unknowns",
-        "state": "ready",
-    }
+@main.command("conformance")
+@click.argument("backends", nargs=-1, metavar="[BACKEND]...")
+@_json_option
+@click.pass_context
+def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool) -> None:
+    """Check backends on small programs that were solved by hand.
+
+    BACKEND is a name from `lacore backends`; without any, all that can run here are checked. Each
+    must find the known load factor, velocity, stresses and reactions, tell what has no answer,
+    keep its limits and refuse bad numbers.
+
+    \b
+    Examples:
+      lacore conformance
+      lacore conformance clarabel cvxpy:SCS
+    """  # noqa: D301  # click reads the backspace
+    ready = [name for name, _, missing in doctor.all_backends() if not missing]
+    rows: list[dict[str, Any]] = []
+    for name in dict.fromkeys(backends or ready):
+        findings = conformance.run(name)
+        rows += [{"backend": name} | row for row in conformance.records(findings)]
+        if not as_json:
+            terminal.show_conformance(
+                terminal.table_console(),
+                name,
+                conformance.by_program(findings),
+                conformance.failures(findings),
+            )
+    failed = [row for row in rows if row["verdict"] == conformance.FAIL]
+    if as_json:
+        counted = Counter(row["verdict"] for row in rows)
+        summary = {
+            "passed": counted[conformance.PASS],
+            "failed": counted[conformance.FAIL],
+            "skipped": counted[conformance.SKIPPED],
+        }
+        _print_json({"summary": summary, "rows": rows})
+    ctx.exit(1 if failed else 0)
+
+
+@main.command("doctor")
+@_json_option
+@click.pass_context
+def run_doctor(ctx: click.Context, as_json: bool) -> None:
+    """Check the installation: packages, BLAS threads, a self-test of every backend.
+
+    Says what is missing and how to get it. Exit code 1 when something has to be mended.
+    """
+    entries = sum(1 for _ in doctor.all_backends())
+    with terminal.patiently("self-test", entries) as on_start:
+        found = doctor.examine(on_start)
+    if as_json:
+        _print_json(found)
+    else:
+        terminal.show_health(terminal.table_console(), found)
+    ctx.exit(0 if found["healthy"] else 1)
 
 
 def _show(records: list[dict[str, Any]], as_json: bool) -> None:

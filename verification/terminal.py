@@ -1,7 +1,8 @@
 """What the commands show on a terminal: progress on stderr, tables on stdout."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from math import isfinite
 from typing import Any
 
@@ -163,3 +164,89 @@ def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
 
 def _text(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def _say(console: Console, text: str, style: str = "") -> None:
+    """One line, neither cut nor wrapped."""
+    console.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
+
+
+def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
+    """A line a backend, below it its title, or why it cannot run here."""
+
+    def say(text: str, style: str = "") -> None:
+        _say(console, text, style)
+
+    line = "{:21} {:34} {:12} {:24} {:11} {}".format
+    say(line("name", "version", "solves", "takes", "warm start", "state"), "bold")
+    for record in records:
+        keys = ("name", "version", "solves", "takes", "warm_start")
+        ready = record["state"] == "ready"
+        say(line(*(record[key] for key in keys), "ready" if ready else "missing"))
+        if ":" not in record["name"]:
+            say(f"  {record['title']}", "dim")
+        if not ready:
+            say(f"  {record['state']}", "yellow")
+
+
+def show_conformance(
+    console: Console, name: str, records: Sequence[dict[str, Any]], failures: Sequence[str]
+) -> None:
+    """One line a program with the error that came closest to what is allowed; then what failed."""
+
+    def say(text: str, style: str = "") -> None:
+        _say(console, text, style)
+
+    line = "  {:31} {:8} {:>7} {:24} {:>9} {:>9}".format
+    say(name, "cyan")
+    say(line("program", "verdict", "checks", "closest to its limit", "error", "allowed"), "bold")
+    for record in records:
+        cells = (
+            *(record[key] for key in ("program", "verdict", "checks", "closest")),
+            *(_number(record[key], ".1e") for key in ("value", "allowed")),
+        )
+        say(line(*cells), _STYLES.get(record["verdict"], "dim"))
+    for reason in dict.fromkeys(r["message"] for r in records if r["verdict"] == SKIPPED):
+        say(f"skipped: {reason}", "dim")
+    for text in failures:
+        say(f"FAIL {text}", "red")
+    count = [sum(record["verdict"] == kind for record in records) for kind in (PASS, FAIL, SKIPPED)]
+    say("{} programs pass, {} FAIL, {} skipped\n".format(*count))
+
+
+def show_health(console: Console, found: dict[str, Any]) -> None:
+    """What `verification.doctor` found, section by section."""
+    for key, text in found["environment"].items():
+        console.print(f"{key:9} {text}", highlight=False, markup=False)
+    for section in ("packages", "libraries", "backends"):
+        console.print()
+        show_records(console, found[section])
+    verdict = "all is well" if found["healthy"] else "something has to be mended: see the remedies"
+    console.print(f"\n{verdict}", style="" if found["healthy"] else "bold red", highlight=False)
+
+
+@contextmanager
+def patiently(title: str, total: int, after: float = 2.0) -> Iterator[Callable[[str], None]]:
+    """Progress on stderr for what is usually quick: shown only after `after` seconds."""
+    begin = time.monotonic()
+    with ExitStack() as stack:
+        progress = Progress(
+            SpinnerColumn(),
+            BarColumn(bar_width=20),
+            MofNCompleteColumn(),
+            TextColumn("{task.description}", markup=False),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        task = progress.add_task(title, total=total)
+        done, shown = 0, False
+
+        def start(what: str) -> None:
+            nonlocal done, shown
+            if not shown and time.monotonic() - begin > after:
+                stack.enter_context(progress)
+                shown = True
+            progress.update(task, completed=done, description=f"{title}: {what}")
+            done += 1
+
+        yield start

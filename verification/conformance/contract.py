@@ -1,0 +1,312 @@
+"""What a backend promises beside its numbers: limits, bad data, repeated solves, its own papers."""
+
+import pickle
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import lacore as la
+from lacore.backend import (
+    Capabilities,
+    InnerSolution,
+    PreparedSolver,
+    check_capable,
+    checked_answer,
+    read_options,
+)
+from lacore.errors import InputError
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.status import Status
+from verification.conformance.judge import FAIL, SKIPPED, Finding, R, Subject, judge, said
+from verification.conformance.programs import (
+    LENGTH,
+    WORKED,
+    Worked,
+    cones,
+    frozen,
+    many_cones,
+    nowhere,
+    program,
+    sequence,
+    slope,
+)
+
+_PATIENCE = 10.0  # s that a solve of a program of a few unknowns may take before it is stopped
+_NO_HOPE = 1.0  # s for one that has no answer
+_AT_ONCE = 1e-9  # s
+_CLAIMS = (Status.SOLVED, Status.ALMOST_SOLVED, Status.LOCKED, Status.UNSAFE, Status.FREE)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Where a backend is put to work: in `process`, if there is one."""
+
+    subject: Subject
+    process: la.SolverProcess | None
+
+    def prepare(self, given: KinematicProgram, **options: Any) -> PreparedSolver:
+        """The backend at work on a program.
+
+        Raises:
+            CapabilityError: it cannot take it.
+        """
+        backend = self.subject.backend
+        check_capable(backend, given)
+        asked: dict[str, Any] = {"time_limit": _PATIENCE}
+        if self.subject.regularised:
+            asked["r"] = R
+        read = read_options(backend, asked | self.subject.options | options)
+        if self.process is None:
+            return backend.prepare(given, read)
+        return self.process.prepare(backend, given, read)
+
+    def answer(self, given: KinematicProgram, contact: FrozenContact, **options: Any) -> Any:
+        """The answer of a solver that does nothing else."""
+        solver = self.prepare(given, **options)
+        answer = solved(solver, contact)
+        solver.close()
+        return answer
+
+
+def solved(solver: PreparedSolver, contact: FrozenContact) -> Any:
+    """The answer, without what it warns of: a number that overflows on the way proves nothing."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        return solver.solve(contact)
+
+
+def worked_exercise(worked: Worked) -> Callable[[Bench], Iterator[Finding]]:
+    """One program of the table."""
+
+    def exercise(bench: Bench) -> Iterator[Finding]:
+        if bench.subject.regularised and worked.unsoftened:
+            raise la.CapabilityError(worked.unsoftened)
+        yield from judge(bench.subject, worked, bench.answer(worked.program, worked.contact))
+
+    return exercise
+
+
+def repeated_solves(bench: Bench) -> Iterator[Finding]:
+    """One solver asked again and again answers like one that is new."""
+    first = sequence()[0]
+    solver = bench.prepare(first.program)
+    for worked in sequence():
+        yield from judge(bench.subject, worked, solved(solver, worked.contact))
+    solver.close()
+
+
+def two_solvers(bench: Bench) -> Iterator[Finding]:
+    """Two solvers of one backend, asked in turn, after a third was closed unused."""
+    bench.prepare(_FRICTION.program).close()
+    steep, other = (
+        _friction(1.0, "two solvers: first"),
+        _friction(2.0, "two solvers: second"),
+    )
+    first = bench.prepare(steep.program)
+    yield from judge(bench.subject, steep, solved(first, steep.contact))
+    if bench.process is not None:  # it holds one solver at a time
+        first.close()
+    second = bench.prepare(other.program)
+    yield from judge(bench.subject, other, solved(second, other.contact))
+    if bench.process is None:
+        yield from judge(bench.subject, steep, solved(first, steep.contact))
+        first.close()
+    yield from judge(bench.subject, other, solved(second, other.contact))
+    second.close()
+
+
+def _friction(load: float, name: str) -> Worked:
+    """Pushed up the plane with `load` along x: alpha = (F + 3)/(0.8 load)."""
+    g = 0.7
+    return Worked(
+        name, "", slope([load, 0]), frozen([g]), load_factor=(LENGTH * g + 3) / (0.8 * load)
+    )
+
+
+def iteration_limit(bench: Bench) -> Iterator[Finding]:
+    """One iteration is not enough: say so, or prove the contrary."""
+    if not _has_option(bench, "max_iterations"):
+        raise la.CapabilityError("it has no option `max_iterations`")
+    yield from _limited(bench, Status.ITERATION_LIMIT, max_iterations=1)
+
+
+def time_limit(bench: Bench) -> Iterator[Finding]:
+    """A nanosecond is not enough: whoever looks at a clock once an iteration will know."""
+    yield from _limited(bench, Status.TIME_LIMIT, time_limit=_AT_ONCE)
+
+
+def _limited(bench: Bench, wanted: Status, **option: float) -> Iterator[Finding]:
+    """No clock is looked at here: but a solver does not iterate on without a look at its own."""
+    can = bench.subject.backend.capabilities
+    given = many_cones(1 if can.max_cone == 1 else 2)
+    raw = bench.answer(given, frozen(), **option)
+    answer = _checked(bench, given, raw)
+    # An isolated backend need not stop by itself: its process is stopped.
+    excused = answer.iterations <= 1 or (wanted is Status.TIME_LIMIT and can.isolated)
+    if answer.status is Status.SOLVED and excused:
+        yield from judge(bench.subject, Worked(wanted.label, "", given, frozen()), raw)
+        return
+    ((name, value),) = option.items()
+    came = f"{answer.status.label} ({answer.native_status}) after {answer.iterations} iterations"
+    text = f"{wanted.label} was expected of {name} = {value:g}, {came} came"
+    yield said(wanted.label, "status", answer.status is wanted, text)
+
+
+def nan_in_the_program(bench: Bench) -> Iterator[Finding]:
+    """Refused with the name of the array, before the backend sees it."""
+    name = "NaN in the program"
+    bad = np.array([0.6, np.nan])
+    for what, given in (
+        ("reference_load", program([cones([np.eye(2)], [2], [3])], nowhere(2), bad)),
+        ("bound", program([cones([np.eye(2)], [2], [np.nan])], nowhere(2), [0.6, 0.8])),
+        ("contact.normal", _with_nan_rows(slope([1, 0]))),
+    ):
+        try:
+            bench.prepare(given)
+        except InputError as error:
+            yield said(name, what, what in str(error), f"refused without naming it: {error}")
+        else:
+            yield said(name, what, False, f"a program with NaN in {what} was prepared")
+
+
+def _with_nan_rows(given: KinematicProgram) -> KinematicProgram:
+    return replace(given, contact=replace(given.contact, normal=given.contact.normal * np.nan))
+
+
+def nan_in_the_contact(bench: Bench) -> Iterator[Finding]:
+    """What comes of NaN is no number and no proof of anything."""
+    name, given = "NaN in the contact", slope([1, 0])
+    for what in ("bound", "dilatancy", "shift"):
+        try:
+            contact = replace(frozen([0.7]), **{what: np.array([np.nan])})
+            answer = _checked(bench, given, bench.answer(given, contact, time_limit=_NO_HOPE))
+        except ValueError:  # refused, in whatever words
+            yield said(name, what, True, "")
+            continue
+        came = f"{answer.status.label} ({answer.native_status})"
+        if answer.point is not None:
+            came += f" with load factor {answer.point.load_factor:.6g}"
+        silent = answer.status not in _CLAIMS and answer.point is None
+        yield said(name, what, silent, f"{came} came of NaN in the {what} of a contact point")
+
+
+def declaration(bench: Bench) -> Iterator[Finding]:
+    """What a backend says of itself is there, and of the right kind."""
+    name, backend = "declaration", bench.subject.backend
+    for what in ("name", "title", "source"):
+        text = getattr(backend, what)
+        yield said(name, what, isinstance(text, str) and text != "", f"it is {text!r}")
+    version = backend.version()
+    known = isinstance(version, str) and any(map(str.isdigit, version))
+    yield said(name, "version", known, f"{version!r} names no version")
+    yield said(
+        name,
+        "capabilities",
+        isinstance(backend.capabilities, Capabilities),
+        f"{backend.capabilities!r} is no Capabilities",
+    )
+    wrong = {key: value for key, value in backend.statuses.items() if type(value) is not Status}
+    yield said(name, "statuses", not wrong, f"no Status: {wrong}")
+    meant = set(backend.statuses.values())
+    yield said(name, "solved", Status.SOLVED in meant, "no native status means SOLVED")
+
+
+def options(bench: Bench) -> Iterator[Finding]:
+    """Options are a frozen dataclass with defaults that refuses nonsense by name."""
+    name, backend = "options", bench.subject.backend
+    if not is_dataclass(backend.Options):
+        yield said(name, "dataclass", False, f"{backend.Options!r} is no dataclass")
+        return
+    known = fields(backend.Options)
+    bare = [f.name for f in known if f.default is MISSING and f.default_factory is MISSING]
+    yield said(name, "defaults", not bare, f"no default: {bare}")
+    frozen_class = getattr(backend.Options, "__dataclass_params__").frozen  # noqa: B009
+    yield said(name, "frozen", bool(frozen_class), "a solver could change them under the others")
+    needed = ["time_limit", *(["r"] if bench.subject.regularised else [])]
+    for option in needed:
+        yield said(name, option, _has_option(bench, option), f"there is no option {option!r}")
+    for option in filter(lambda option: _has_option(bench, option), _POSITIVE):
+        for value in (0, -1, float("nan"), "much"):
+            yield _refused(bench, option, value)
+    for wrong, right in (("time_limt", "time_limit"),):
+        try:
+            read_options(backend, {wrong: 1.0})
+        except InputError as error:
+            hint = f"did you mean {right!r}" in str(error)
+            yield said(name, "unknown option", hint, f"no hint at {right!r}: {error}")
+        else:
+            yield said(name, "unknown option", False, f"{wrong!r} was taken")
+
+
+_POSITIVE = ("time_limit", "tolerance", "max_iterations", "r")
+
+
+def _refused(bench: Bench, option: str, value: object) -> Finding:
+    check = f"{option} = {value}"
+    try:
+        bench.prepare(_FRICTION.program, **{option: value}).close()
+    except InputError as error:
+        return said("options", check, option in str(error), f"refused without its name: {error}")
+    except Exception as error:
+        text = f"{type(error).__name__} instead of InputError: {error}"
+        return said("options", check, False, text)
+    return said("options", check, False, "was taken; InputError was expected")
+
+
+def pickles(bench: Bench) -> Iterator[Finding]:
+    """Backend, options and answers go to another process and back."""
+    name, backend = "pickle", bench.subject.backend
+    given = _FRICTION
+    answer = bench.answer(given.program, given.contact)
+    for what, thing in (("backend", backend), ("options", backend.Options()), ("answer", answer)):
+        try:
+            back = pickle.loads(pickle.dumps(thing))
+        except Exception as error:
+            yield said(name, what, False, f"{type(error).__name__}: {error}")
+            continue
+        same = type(back) is type(thing)
+        if what == "options":
+            same = back == thing
+        if isinstance(thing, InnerSolution):
+            same = repr(back) == repr(thing)
+        yield said(name, what, same, f"came back as {back!r}")
+
+
+_FRICTION = next(worked for worked in WORKED if worked.name == "friction")
+
+EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
+    **{worked.name: worked_exercise(worked) for worked in WORKED},
+    "repeated solves": repeated_solves,
+    "two solvers": two_solvers,
+    "iteration limit": iteration_limit,
+    "time limit": time_limit,
+    "NaN in the program": nan_in_the_program,
+    "NaN in the contact": nan_in_the_contact,
+    "declaration": declaration,
+    "options": options,
+    "pickle": pickles,
+}
+
+
+def _has_option(bench: Bench, option: str) -> bool:
+    return option in {field.name for field in fields(bench.subject.backend.Options)}
+
+
+def _checked(bench: Bench, given: KinematicProgram, raw: object) -> InnerSolution:
+    return checked_answer(given, bench.subject.regularised, raw)
+
+
+def examine(bench: Bench, exercise: str) -> list[Finding]:
+    """All findings of one exercise, whatever happens."""
+    found: list[Finding] = []
+    try:
+        found.extend(EXERCISES[exercise](bench))
+    except la.CapabilityError as error:
+        return [Finding(exercise, "capability", np.nan, np.nan, SKIPPED, str(error))]
+    except Exception as error:
+        text = f"{type(error).__name__} was raised: {error}"
+        found.append(Finding(exercise, "raised", np.nan, np.nan, FAIL, text))
+    return found

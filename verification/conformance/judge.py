@@ -1,0 +1,300 @@
+"""Judge one answer of a backend: against the numbers by hand, and by recomputed residuals.
+
+What a solver says of itself counts for nothing here but its status. Allowed errors:
+
+- Exact backends state how exact they are as the default of ``Options.tolerance``, relative on gap
+  and feasibility. An error of the value is at most that times ``1 + |alpha|`` and the sums of all
+  velocities and of all nodal forces, about 50 in these programs; a factor of 2 is for what solvers
+  scale on their own. So 100 tolerances, but no less than `EXACT`, which interior-point and simplex
+  methods must reach whatever they state.
+- Regularised backends are held to `REGULARISED`, the bar of the reaction loop, against their own
+  energy: at a velocity where its gradient is ``lambda F0`` a convex energy has its minimum, to the
+  square of that.
+- A point is found less exactly than its value where the minimum is round: to the root of it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import Backend, InnerSolution, checked_answer
+from lacore.certificate import certify
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.regularization import Penalties, evaluate, penalties
+from lacore.state import ProgramState
+from lacore.status import Status
+from verification.conformance.programs import Worked
+
+PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
+EXACT = 1e-7
+REGULARISED = 1e-6
+R = 1e-2  # one r for all regularised backends, so that their values can be compared
+_AMPLIFIED = 100
+_SHIFTED = ("penetration", "slip", "gap")
+_DONE = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check of one program.
+
+    Attributes:
+        program, check: what was looked at.
+        value: the error found; NaN where it is no number.
+        allowed: the largest that passes.
+        verdict: ``pass``, ``FAIL`` or ``skipped``.
+        message: what was expected and what came; why it was skipped.
+    """
+
+    program: str
+    check: str
+    value: float
+    allowed: float
+    verdict: str
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A backend under examination, and what is allowed to it."""
+
+    backend: Backend
+    options: dict[str, Any]
+
+    @property
+    def regularised(self) -> bool:
+        """Whether it solves the regularised program."""
+        return self.backend.capabilities.regularised
+
+    @property
+    def allowed(self) -> float:
+        """Largest error of a value, relative."""
+        if self.regularised:
+            return REGULARISED
+        stated = self.options.get("tolerance", getattr(self.backend.Options(), "tolerance", 0.0))
+        return max(EXACT, _AMPLIFIED * float(stated))
+
+
+def said(program: str, check: str, holds: bool, message: str) -> Finding:
+    """A finding without a number."""
+    nan = float("nan")
+    return Finding(program, check, nan, nan, PASS if holds else FAIL, "" if holds else message)
+
+
+def measured(program: str, check: str, value: float, allowed: float, message: str) -> Finding:
+    """A finding with a number; NaN fails."""
+    holds = bool(value <= allowed)
+    text = "" if holds else f"{message}: {value:.2g} off, {allowed:.2g} allowed"
+    return Finding(program, check, value, allowed, PASS if holds else FAIL, text)
+
+
+def judge(subject: Subject, worked: Worked, raw: object) -> Iterator[Finding]:
+    """All findings on the answer to one program."""
+    program, name = worked.program, worked.name
+    answer = checked_answer(program, subject.regularised, raw)
+    wanted = worked.status
+    agreed = answer.status is wanted or (wanted in _DONE and answer.status in _DONE)
+    came = f"{answer.status.label} ({answer.native_status}) {answer.message}".strip()
+    yield said(name, "status", agreed, f"{wanted.label} was expected, {came} came")
+    if not agreed:
+        return
+    point = answer.point
+    if wanted not in _DONE or point is None:
+        yield said(name, "no number", point is None, f"a point came with {answer.status.label}")
+        return
+    if subject.regularised:
+        yield from _regularised(worked, answer, point)
+    else:
+        yield from _exact(subject, worked, point)
+
+
+def _exact(subject: Subject, worked: Worked, point: ProgramState) -> Iterator[Finding]:
+    if worked.load_factor is not None:
+        yield _load_factor(worked, point.load_factor, subject.allowed)
+        yield from _point(worked, point, float(np.sqrt(subject.allowed)))
+    yield residuals(worked.name, worked.program, worked.contact, point, subject.allowed)
+
+
+def _load_factor(worked: Worked, value: float, allowed: float) -> Finding:
+    assert worked.load_factor is not None
+    error = abs(value - worked.load_factor) / abs(worked.load_factor)
+    text = f"load factor {worked.load_factor:.9g} was expected, {value:.9g} came"
+    return measured(worked.name, "load factor", error, allowed, text)
+
+
+def _point(
+    worked: Worked, point: ProgramState, allowed: float, velocity: bool = True
+) -> Iterator[Finding]:
+    """Whatever is unique, component by component, per its largest."""
+    pairs: list[tuple[str, Any, Any]] = [
+        ("velocity", worked.velocity if velocity else None, point.velocity),
+        ("normal reaction", worked.normal_reaction, point.normal_reaction),
+        ("tangential reaction", worked.tangential_reaction, point.tangential_reaction),
+    ]
+    for kind, known, found in (
+        ("stress", worked.stress, point.stress),
+        ("mean stress", worked.mean_stress, point.mean_stress),
+    ):
+        for group, one, other in zip(worked.program.groups, known or (), found, strict=False):
+            pairs.append((f"{kind} of {group.name}", one, other))
+    for check, one, other in pairs:
+        if one is None:
+            continue
+        expected, found_values = np.asarray(one, dtype=float), np.asarray(other)
+        scale = float(np.abs(expected).max(initial=0.0)) or 1.0
+        error = float(np.abs(found_values - expected).max(initial=0.0)) / scale
+        text = f"{check} {_shown(expected)} was expected, {_shown(found_values)} came"
+        yield measured(worked.name, check, error, allowed, text)
+
+
+def _shown(values: Floats) -> str:
+    return np.array2string(values.ravel(), precision=6, threshold=8, separator=", ")
+
+
+def residuals(
+    name: str,
+    program: KinematicProgram,
+    contact: FrozenContact,
+    point: ProgramState,
+    allowed: float,
+) -> Finding:
+    """The largest recomputed residual; of those that a shift does not enter, where there is one."""
+    found = asdict(certify(program, point, contact))
+    if np.any(contact.shift):  # the certificate knows none: velocities and values by hand must do
+        found = {check: value for check, value in found.items() if check not in _SHIFTED}
+    worst = max(found, key=lambda check: np.nan_to_num(found[check], nan=np.inf))
+    value = found[worst]
+    return measured(name, "residuals", value, allowed, f"the residual {worst!r} is too large")
+
+
+def _regularised(worked: Worked, answer: InnerSolution, point: ProgramState) -> Iterator[Finding]:
+    """Its velocity is the minimum of the energy at this r, and its numbers are those of it."""
+    program, contact, name = worked.program, worked.contact, worked.name
+    penalty = penalties(program.scales, R)
+    at = evaluate(program, contact, penalty, point.velocity)
+    values = answer.regularised
+    assert values is not None  # `checked_answer` has seen to it
+
+    normalisation = abs(float(program.reference_load @ point.velocity) - 1)
+    yield measured(name, "F0.U = 1", normalisation, REGULARISED, "the velocity is not normalised")
+    # Of the gradient, not of the answer: with a shift the multiplier is more than P + 2 C.
+    multiplier = float(at.gradient @ point.velocity)
+    forces = abs(multiplier) * float(np.abs(program.reference_load).sum())
+    forces += float(np.abs(program.dead_load).sum())
+    gradient = at.gradient - multiplier * program.reference_load
+    yield measured(
+        name,
+        "minimum",
+        float(np.abs(gradient).max()) / forces,
+        REGULARISED,
+        f"the gradient of the regularised energy at r = {R:g} is not lambda F0",
+    )
+    dissipated = at.values.plastic + float(program.dead_load @ point.velocity)
+    scale = max(abs(multiplier), dissipated)
+    for check, expected, found in (
+        ("lambda", multiplier, values.load_factor),
+        ("alpha_reg", at.values.alpha_reg, values.alpha_reg),
+        ("P", at.values.plastic, values.plastic),
+        ("load factor of the point", multiplier, point.load_factor),
+        ("multiplier", multiplier, values.multiplier),
+    ):
+        if check == "multiplier" and np.isnan(found):
+            continue  # it reports none
+        text = f"{check} {expected:.9g} was expected of its velocity, {found:.9g} came"
+        yield measured(name, check, abs(found - expected) / scale, REGULARISED, text)
+    yield measured(
+        name,
+        "stresses and reactions",
+        _apart(program, at.state, point) / forces,
+        REGULARISED,
+        "the stresses or reactions are not those of the velocity",
+    )
+    if worked.load_factor is not None:
+        triple = (values.plastic, values.alpha_reg, values.load_factor)
+        yield from _by_hand(worked, point, triple, penalty, scale)
+
+
+def _apart(program: KinematicProgram, one: ProgramState, other: ProgramState) -> float:
+    """Largest nodal force by which stresses and reactions of two states differ, none cancelling."""
+    apart = np.zeros(program.n)
+    for number, group in enumerate(program.groups):
+        stress = np.abs(one.stress[number] - other.stress[number])
+        mean = np.abs(one.mean_stress[number] - other.mean_stress[number])
+        apart += abs(group.rows).T @ (group.weights[:, None] * stress).ravel()
+        apart += abs(group.volumetric).T @ (group.weights * mean)
+    rows = program.contact
+    normal = np.abs(one.normal_reaction - other.normal_reaction)
+    tangential = np.abs(one.tangential_reaction - other.tangential_reaction)
+    apart += abs(rows.normal).T @ (rows.weights * normal)
+    apart += abs(rows.tangential).T @ (rows.weights[:, None] * tangential).ravel()
+    return float(apart.max(initial=0.0))
+
+
+def _by_hand(
+    worked: Worked,
+    point: ProgramState,
+    triple: tuple[float, float, float],
+    penalty: Penalties,
+    scale: float,
+) -> Iterator[Finding]:
+    """P <= alpha_reg <= lambda <= alpha*, and closed forms where equilibrium gives them."""
+    assert worked.load_factor is not None
+    contact = worked.contact
+    exact = worked.load_factor
+    shifted = 0.0
+    if worked.normal_reaction is not None:
+        reaction = np.asarray(worked.normal_reaction, dtype=float)
+        shifted = float(worked.program.contact.weights @ (contact.shift * reaction))
+    plastic, alpha_reg, load_factor = triple
+    chain = (plastic, alpha_reg, load_factor, exact)
+    drop = max(a - b for a, b in pairwise(chain))
+    text = "P <= alpha_reg <= lambda <= alpha* (T19) came as {:.9g}, {:.9g}, {:.9g}, {:.9g}"
+    yield measured(
+        worked.name, "order of T19", max(drop, 0.0) / scale, REGULARISED, text.format(*chain)
+    )
+    energy = _complementary_energy(worked, penalty)
+    if not worked.isostatic:
+        if energy is not None:  # weak duality: the exact stresses are admissible here too
+            least = exact - shifted - energy
+            text = f"alpha_reg {alpha_reg:.9g} is below alpha* less the energy of its stresses"
+            short = max(least - alpha_reg, 0.0) / scale
+            yield measured(worked.name, "alpha_reg from below", short, REGULARISED, text)
+        return
+    yield _load_factor(worked, load_factor, REGULARISED)
+    yield from _point(worked, point, float(np.sqrt(REGULARISED)), velocity=False)
+    if energy is not None:
+        for check, found, expected in (
+            ("P by hand", plastic, exact - shifted - 2 * energy),
+            ("alpha_reg by hand", alpha_reg, exact - shifted - energy),
+        ):
+            text = f"{check}: {expected:.9g} was expected, {found:.9g} came"
+            yield measured(worked.name, check, abs(found - expected) / scale, REGULARISED, text)
+
+
+def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:
+    """C at the exact stresses and reactions; None where they are not all known."""
+    program, energy = worked.program, 0.0
+    for number, group in enumerate(program.groups):
+        if not group.weights.size:
+            continue
+        stress = worked.stress and worked.stress[number]
+        mean = worked.mean_stress and worked.mean_stress[number]
+        if stress is None or (mean is None and group.volumetric.nnz):
+            return None
+        energy += float(group.weights @ np.sum(np.square(stress), axis=1)) / (2 * penalty.eta)
+        if mean is not None:
+            energy += float(group.weights @ np.square(mean)) / (2 * penalty.bulk)
+    if not program.contact.count:
+        return energy
+    if worked.normal_reaction is None or worked.tangential_reaction is None:
+        return None
+    weights = program.contact.weights
+    energy += float(weights @ np.square(worked.normal_reaction)) / (2 * penalty.normal)
+    energy += float(weights @ np.sum(np.square(worked.tangential_reaction), axis=1)) / (
+        2 * penalty.tangential
+    )
+    return energy
