@@ -157,8 +157,9 @@ def load_backend(name: str) -> Backend:
     (entry, *_) = entry_points(group=GROUP, name=first)
     try:
         backend: Backend = entry.load()()
-    except ImportError as error:
-        raise CapabilityError(f"backend {first!r} cannot be loaded: {error}") from error
+    except Exception as error:  # a broken package of others must not take the rest with it
+        text = f"backend {first!r} cannot be loaded: {type(error).__name__}: {error}"
+        raise CapabilityError(text) from error
     if not colon:
         return backend
     if not isinstance(backend, Family):

@@ -283,7 +283,7 @@ def reaction_loop(
     for _ in range(options.max_iterations):
         iterate = run.solve("reaction", reaction_contact(rows, reaction), None)
         point = iterate.inner.point
-        if iterate.inner.status is Status.UNSAFE:  # at these bounds only: it proves nothing (T12)
+        if iterate.inner.status is Status.UNSAFE:  # at these bounds only: it proves nothing (T13)
             return run.end(Status.NOT_CONVERGED)
         out_of_budget = iterate.inner.status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
         if point is None or out_of_budget or run.proven(iterate) or run.free(iterate):

@@ -1,5 +1,16 @@
-"""Hypothesis is derandomised: the same examples at each run, on each machine."""
+"""Hypothesis is derandomised: the same examples at each run, on each machine.
 
+And the example package, installed once for all tests.
+"""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
@@ -10,3 +21,34 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("lacore")
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session")
+def with_example(tmp_path_factory):
+    """Run a Python module where the example is installed, far from the repository."""
+    if importlib.util.find_spec("ecos") is None:
+        pytest.skip("ecos has no wheel for this Python")
+    folder = tmp_path_factory.mktemp("example")
+    source, target = folder / "source", folder / "site"
+    # A copy: a build leaves its artefacts beside its sources.
+    shutil.copytree(ROOT / "examples" / "lacore-ecos", source)
+    path = os.pathsep.join([str(target), str(ROOT)])
+    ours = {name: value for name, value in os.environ.items() if not name.startswith("PIP_")}
+    environment = ours | {"PYTHONPATH": path, "PIP_CONFIG_FILE": os.devnull}
+
+    def run(*command):
+        return subprocess.run(
+            [sys.executable, "-m", *command],
+            env=environment,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+        )
+
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir"]
+    installed = run("pip", "install", *options, "--target", str(target), str(source))
+    assert installed.returncode == 0, installed.stderr
+    return run
