@@ -148,7 +148,8 @@ def test_all_backends_agree():
     lambda misses the exact value by less than C; the reaction resultant is fixed by the dead load.
     """
     discretisation = la.discretise(deformable_block(0.5))
-    states = {name: la.solve(discretisation, name, throw=True) for name in la.backend_names()}
+    names = [name for name in la.backend_names() if not la.find_backend(name).capabilities.max_cone]
+    states = {name: la.solve(discretisation, name, throw=True) for name in names}
     exact = states["clarabel"]
     for name, state in states.items():
         energy = state.regularised.energy if state.regularised else 1e-6
