@@ -29,7 +29,7 @@ class _Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
-        except la.InputError as error:
+        except (la.InputError, la.CapabilityError) as error:
             raise _BadInput(str(error)) from error
 
 

@@ -113,16 +113,16 @@ def self_tests(on_start: Callable[[str], None]) -> list[dict[str, str]]:
 
 
 def _self_test(backend: Backend, process: la.SolverProcess) -> tuple[str, str]:
-    findings = conformance.run(
-        backend,
-        {"time_limit": LIMIT},
-        programs=list(SELF_TEST),
-        on_start=lambda _: None,
-        process=process,
-    )
-    wrong = conformance.failures(findings)
-    if wrong:
-        return "FAIL", f"{wrong[0]} (all of it: lacore conformance {backend.name})"
+    for program in SELF_TEST:
+        findings = conformance.run(
+            backend,
+            {"time_limit": LIMIT},
+            programs=[program],
+            on_start=lambda _: None,
+            process=process,
+        )
+        for wrong in conformance.failures(findings):  # one that hangs is not asked twice
+            return "FAIL", f"{wrong} (all of it: lacore conformance {backend.name})"
     return "pass", ""
 
 

@@ -6,8 +6,10 @@ import re
 import pytest
 from click.testing import CliRunner
 
+import lacore as la
 import verification.cli as cli
 from tests.verification.test_harness import VARIANT, wrong_case
+from verification import conformance, doctor
 from verification.catalogue import catalogue
 from verification.harness import Run
 
@@ -100,6 +102,81 @@ def test_lists_are_json_too():
     assert "clarabel" in {entry["name"] for entry in strict_json(run("backends", "--json").stdout)}
 
 
+def test_backends_and_their_variants():
+    records = {entry["name"]: entry for entry in strict_json(run("backends", "--json").stdout)}
+    assert records["clarabel"]["solves"] == "exact"
+    assert records["clarabel"]["version"].startswith("Clarabel ")
+    assert records["clarabel"]["state"] == "ready"
+    assert records["highs"]["takes"] == "linear programs"
+    assert records["newton"]["solves"] == "regularised"
+    assert "1200 unknowns" in records["slsqp"]["takes"]
+    assert records["cvxpy:SCS"]["warm_start"] == "yes"
+    table = run("backends").stdout
+    for name, record in records.items():
+        assert re.search(rf"^{name} .*(ready|missing)$", table, re.MULTILINE), name
+        assert record["state"] == "ready" or record["state"] in table
+
+
+def test_conformance_prints_a_line_a_program():
+    result = run("conformance", "highs")
+    assert result.exit_code in (0, 1)
+    assert re.search(r"^  friction +pass +6 [a-z ]+\S+ +(1.0e-07|3.2e-04)$", result.stdout, re.M)
+    assert "skipped: backend 'highs' takes linear programs" in result.stdout
+
+
+def found(*verdicts):
+    return (
+        conformance.run("clarabel", programs=["friction"])
+        .head(len(verdicts))
+        .assign(verdict=verdicts, message="said")
+    )
+
+
+@pytest.mark.parametrize(("verdict", "code"), [("pass", 0), ("skipped", 0), ("FAIL", 1)])
+def test_conformance_exit_code_and_json(monkeypatch, verdict, code):
+    findings = found("pass", verdict)
+    monkeypatch.setattr(conformance, "run", lambda name: findings)
+    result = run("conformance", "clarabel", "--json")
+    assert result.exit_code == code
+    document = strict_json(result.stdout)
+    assert sum(document["summary"].values()) == 2
+    assert [row["verdict"] for row in document["rows"]] == ["pass", verdict]
+    assert {"backend", "program", "check", "value", "allowed"} <= document["rows"][0].keys()
+    assert run("conformance", "clarabel").exit_code == code
+
+
+def test_conformance_of_an_unknown_backend():
+    result = run("conformance", "clarbel")
+    assert result.exit_code == 2
+    assert "did you mean 'clarabel'?" in result.stderr
+
+
+def test_conformance_of_a_backend_that_is_not_here(monkeypatch):
+    def missing(name):
+        raise la.CapabilityError(f"backend {name!r} is not available: no licence")
+
+    monkeypatch.setattr(conformance, "run", missing)
+    result = run("conformance", "cvxpy:MOSEK")
+    assert result.exit_code == 2
+    assert "no licence" in result.stderr
+    assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize("healthy", [True, False])
+def test_doctor(monkeypatch, healthy):
+    verdict = {"backend": "clarabel", "self_test": "pass" if healthy else "FAIL", "remedy": ""}
+    monkeypatch.setattr(doctor, "self_tests", lambda _: [verdict])
+    result = run("doctor", "--json")
+    document = strict_json(result.stdout)
+    assert document["healthy"] is healthy
+    assert "numpy" in {entry["package"] for entry in document["packages"]}
+    assert document["backends"] == [verdict]
+    assert result.exit_code == (0 if healthy else 1)
+    shown = run("doctor")
+    assert ("all is well" in shown.stdout) is healthy
+    assert "openblas" in shown.stdout or not document["libraries"]
+
+
 def test_infinity_is_strict_json():
     assert cli._strict({"a": [float("nan"), float("inf")]}) == {"a": [None, "inf"]}
 
@@ -129,7 +206,7 @@ def test_unwritable_folder_is_exit_code_2(tmp_path):
     assert "cannot write there" in result.stderr
 
 
-@pytest.mark.parametrize("command", ["compare", "cases", "backends"])
+@pytest.mark.parametrize("command", ["compare", "cases", "backends", "conformance", "doctor"])
 def test_help_says_what_a_command_does(command):
     result = run(command, "--help")
     assert result.exit_code == 0

@@ -33,7 +33,7 @@ PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
 EXACT = 1e-7
 REGULARISED = 1e-6
 R = 1e-2  # one r for all regularised backends, so that their values can be compared
-_AMPLIFIED = 100
+AMPLIFIED = 100
 _SHIFTED = ("penetration", "slip", "gap")
 _DONE = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
 
@@ -76,7 +76,7 @@ class Subject:
         if self.regularised:
             return REGULARISED
         stated = self.options.get("tolerance", getattr(self.backend.Options(), "tolerance", 0.0))
-        return max(EXACT, _AMPLIFIED * float(stated))
+        return max(EXACT, AMPLIFIED * float(stated))
 
 
 def said(program: str, check: str, holds: bool, message: str) -> Finding:
