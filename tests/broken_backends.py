@@ -222,10 +222,23 @@ class TakesMemory(Works):
 BACKENDS = [Works, *Works.__subclasses__()]
 
 
+class CannotStart:
+    def __init__(self):
+        raise FileNotFoundError("no licence")
+
+
+UNUSABLE = {  # class, and what is to be said of it
+    "CannotStart": ("CannotStart", "FileNotFoundError: no licence"),
+    "IsNotThere": ("Misspelt", "no attribute 'Misspelt'"),
+}
+
+
 def plant(folder):
     """Register all of them for processes that have the folder on ``sys.path``."""
     info = folder / "broken_backends-0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken-backends\nVersion: 0\n")
-    lines = [f"{kind.__name__} = {kind.__module__}:{kind.__name__}" for kind in BACKENDS]
+    classes = {kind.__name__: kind.__name__ for kind in BACKENDS}
+    classes |= {name: found for name, (found, _) in UNUSABLE.items()}
+    lines = [f"{name} = {__name__}:{found}" for name, found in classes.items()]
     (info / "entry_points.txt").write_text("\n".join(["[lacore.backends]", *lines, ""]))

@@ -79,15 +79,15 @@ def test_a_solver_does_not_answer_for_the_program_of_another(process, block, ans
 
 
 @pytest.mark.parametrize(
-    ("backend", "status", "native"),
-    [(Sleeps, "TIME_LIMIT", "killed"), (Exits, "FAILED", "process ended")],
+    ("backend", "limit", "status", "native"),
+    [(Sleeps, 0.1, "TIME_LIMIT", "killed"), (Exits, 60.0, "FAILED", "process ended")],
 )
 def test_a_lost_process_is_final_for_its_solver_only(
-    process, block, answer, monkeypatch, backend, status, native
+    process, block, answer, monkeypatch, backend, limit, status, native
 ):
     monkeypatch.setattr(lacore.isolation, "GRACE", 0.1)
     program, contact = block
-    solver = process.prepare(backend(), program, Options(time_limit=0.1))
+    solver = process.prepare(backend(), program, Options(time_limit=limit))
     lost = solver.solve(contact)
     assert (lost.status.name, lost.native_status, lost.point) == (status, native, None)
     assert lost.solve_time > 0
