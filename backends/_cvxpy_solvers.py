@@ -102,6 +102,7 @@ SOLVERS = {
         ("primal_feasibility_tolerance", "dual_feasibility_tolerance"),
         "simplex_iteration_limit",
         "time_limit",
+        always={"small_matrix_value": 1e-12},  # smaller entries would be dropped
     ),
     "MOSEK": Solver(
         "mosek",

@@ -120,6 +120,7 @@ class HighsSolver:
             "ipm_optimality_tolerance": options.tolerance,
             "simplex_iteration_limit": options.max_iterations,
             "ipm_iteration_limit": options.max_iterations,
+            "small_matrix_value": 1e-12,  # smaller entries, of tiny weights, would be dropped
         }.items():
             self._highs.setOptionValue(name, value)
 
