@@ -1,8 +1,11 @@
 """The example package is installed as a third party would install its own, and compared."""
 
 import csv
+import re
 
 import pytest
+
+from tests.conftest import ROOT
 
 
 def test_it_is_listed(with_example):
@@ -29,3 +32,8 @@ def test_it_conforms(with_example):
     """By its own test, one call."""
     tested = with_example("pytest", "-q", "-p", "no:cacheprovider", "source/tests")
     assert tested.returncode == 0, tested.stdout + tested.stderr
+
+
+def test_it_needs_no_backend_of_ours():
+    text = (ROOT / "examples" / "lacore-ecos" / "lacore_ecos.py").read_text(encoding="utf-8")
+    assert not re.search(r"^\s*(from|import) (backends|verification)", text, re.MULTILINE)
