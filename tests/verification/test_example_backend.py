@@ -1,4 +1,7 @@
-"""The example package is installed as a third party would install its own, and compared."""
+"""The example package is installed as a third party would install its own, and compared.
+
+That it is listed is in tests/test_docs.py, with the other commands of the page.
+"""
 
 import csv
 import re
@@ -6,13 +9,6 @@ import re
 import pytest
 
 from tests.conftest import ROOT
-
-
-def test_it_is_listed(with_example):
-    listed = with_example("verification", "backends", "--json")
-    assert listed.returncode == 0, listed.stderr
-    assert '"ecos"' in listed.stdout
-    assert "ECOS, exact second-order cone program" in listed.stdout
 
 
 def test_it_is_compared(with_example, tmp_path):
