@@ -183,8 +183,10 @@ def nan_in_the_contact(bench: Bench) -> Iterator[Finding]:
         try:
             contact = replace(frozen([0.7]), **{what: np.array([np.nan])})
             answer = _checked(bench, given, bench.answer(given, contact, time_limit=_NO_HOPE))
-        except ValueError:  # refused, in whatever words
-            yield said(name, what, True, "")
+        except Exception as error:
+            refused = isinstance(error, ValueError)  # in whatever words
+            text = f"{type(error).__name__} was raised of NaN in the {what}: {error}"
+            yield said(name, what, refused, text)
             continue
         came = f"{answer.status.label} ({answer.native_status})"
         if answer.point is not None:
