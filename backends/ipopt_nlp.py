@@ -9,42 +9,18 @@ regularisation is continued from r = 1 downwards, each step warm-started.
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix
 
+from backends._ipopt import STATUS_MAP, solver_version, to_casadi, unavailable
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
 from lacore.status import Status
-
-STATUS_MAP = {
-    "Solve_Succeeded": Status.SOLVED,
-    "Solved_To_Acceptable_Level": Status.ALMOST_SOLVED,
-    "Feasible_Point_Found": Status.ALMOST_SOLVED,
-    "Search_Direction_Becomes_Too_Small": Status.STALLED,
-    "Restoration_Failed": Status.STALLED,
-    "Error_In_Step_Computation": Status.STALLED,
-    "Maximum_Iterations_Exceeded": Status.ITERATION_LIMIT,
-    "Maximum_CpuTime_Exceeded": Status.TIME_LIMIT,
-    "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
-    "Diverging_Iterates": Status.UNSAFE,
-    "Infeasible_Problem_Detected": Status.LOCKED,
-    "User_Requested_Stop": Status.FAILED,
-    "Not_Enough_Degrees_Of_Freedom": Status.FAILED,
-    "Invalid_Problem_Definition": Status.FAILED,
-    "Invalid_Option": Status.FAILED,
-    "Invalid_Number_Detected": Status.FAILED,
-    "Unrecoverable_Exception": Status.FAILED,
-    "NonIpopt_Exception_Thrown": Status.FAILED,
-    "Insufficient_Memory": Status.FAILED,
-    "Internal_Error": Status.FAILED,
-}
 
 _STICK = 1e20  # a friction bound that nothing reaches: infinity has no place in the algebra
 
@@ -62,7 +38,7 @@ class IpoptOptions:
             fails, 0 <= rescue < 1.
         tolerance: IPOPT's.
         max_iterations: of one continuation step.
-        time_limit: s, one continuation step.
+        time_limit: s, one inner solve.
     """
 
     r: float = 1e-3
@@ -96,13 +72,11 @@ class Ipopt:
 
     def unavailable(self) -> str:
         """Why IPOPT cannot run here; empty where it can."""
-        if ca.has_nlpsol("ipopt"):
-            return ""
-        return "this CasADi was built without IPOPT; install it from PyPI (pip install casadi)"
+        return unavailable()
 
     def version(self) -> str:
         """The solver and its version."""
-        return f"IPOPT, CasADi {version('casadi')}"
+        return solver_version()
 
     def prepare(self, program: KinematicProgram, options: IpoptOptions) -> "IpoptSolver":
         """Penalties and point functions, shared by all frozen contacts."""
@@ -123,31 +97,32 @@ class IpoptSolver:
             options.tangential,
         )
         self._dilatancy: Floats | None = None
-        self._nlp: Any = None
+        self._form: tuple[dict[str, Any], dict[str, Any]] = {}, {}
         self._warm: _Step | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve; from the last answer when there is one, else by continuation in r."""
         begin = time.perf_counter()
+        deadline = begin + self._options.time_limit
         if self._dilatancy is None or not np.array_equal(self._dilatancy, contact.dilatancy):
-            self._nlp = _build(self._program, contact, self._options)
+            self._form = _build(self._program, contact)
             self._dilatancy = contact.dilatancy
         iterations = 0
         answer = self._warm
         if answer is not None:
-            answer = self._step(contact, self._target, 1.0, answer)
+            answer = self._step(contact, self._target, 1.0, answer, deadline)
             iterations = answer.iterations
-        if answer is None or STATUS_MAP[answer.native] is not Status.SOLVED:
+        if answer is None or not (answer.hopeless or STATUS_MAP[answer.native] is Status.SOLVED):
             load = self._program.reference_load
             answer = _Step("", 0, load / float(load @ load), 0.0)
             for penalty in self._target.continuation(self._options.reduction):
                 before = answer
-                answer = self._step(contact, penalty, 1.0, before)
+                answer = self._step(contact, penalty, 1.0, before, deadline)
                 iterations += answer.iterations
                 if answer.hopeless:
                     break
                 if STATUS_MAP[answer.native] is not Status.SOLVED:
-                    answer = self._step(contact, penalty, self._options.rescue, before)
+                    answer = self._step(contact, penalty, self._options.rescue, before, deadline)
                     iterations += answer.iterations
         self._warm = answer
         native = answer.native
@@ -166,17 +141,23 @@ class IpoptSolver:
         """Nothing is held."""
 
     def _step(
-        self, contact: FrozenContact, penalty: Penalties, damping: float, start: "_Step"
+        self,
+        contact: FrozenContact,
+        penalty: Penalties,
+        damping: float,
+        start: "_Step",
+        deadline: float,
     ) -> "_Step":
+        nlp = _solver(*self._form, self._options, max(deadline - time.perf_counter(), 1e-9))
         parameters = [penalty.eta, penalty.bulk, penalty.normal, penalty.tangential, damping]
-        answer = self._nlp(
+        answer = nlp(
             x0=start.velocity,
             lam_g0=-start.multiplier,
             lbg=1.0,
             ubg=1.0,
             p=np.concatenate([parameters, np.minimum(contact.bound, _STICK)]),
         )
-        stats = self._nlp.stats()
+        stats = nlp.stats()
         return _Step(
             native=str(stats["return_status"]),
             iterations=int(stats["iter_count"]),
@@ -201,8 +182,10 @@ class _Step:
         return out_of_time or escaped(self.velocity)
 
 
-def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOptions) -> Any:
-    """The nonlinear program as a CasADi solver.
+def _build(
+    program: KinematicProgram, contact: FrozenContact
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The nonlinear program and its derivatives, as `casadi.nlpsol` wants them.
 
     Parameters: four penalties, the damping of the Hessian, the friction bounds.
     """
@@ -236,41 +219,45 @@ def _build(program: KinematicProgram, contact: FrozenContact, options: IpoptOpti
     load = ca.DM(program.reference_load)
     power = ca.dot(load, u)
     factor, multiplier = ca.MX.sym("lam_f"), ca.MX.sym("lam_g")
-    return ca.nlpsol(
-        "regularised",
-        "ipopt",
-        {"x": u, "p": p, "f": value, "g": power},
-        {
-            "grad_f": ca.Function("grad_f", [u, p], [value, gradient]),
-            "jac_g": ca.Function("jac_g", [u, p], [power, load.T]),
-            "hess_lag": ca.Function(
-                "hess_lag", [u, p, factor, multiplier], [ca.triu(factor * hessian)]
-            ),
-            "print_time": False,
-            "error_on_fail": False,
-            "calc_lam_p": False,
-            "calc_lam_x": False,
-            "ipopt": {
-                "print_level": 0,
-                "sb": "yes",
-                "tol": options.tolerance,
-                "max_iter": options.max_iterations,
-                "max_wall_time": options.time_limit,
-                "acceptable_iter": 0,
-                "jac_c_constant": "yes",
-                # Newton steps on Huber functions overshoot by 10 to 1000: measured on punches,
-                # platens and blocks, 0.2 needs half the iterations of the default 0.5.
-                "alpha_red_factor": 0.2,
-                "nlp_scaling_method": "none",
-            },
+    return {"x": u, "p": p, "f": value, "g": power}, {
+        "grad_f": ca.Function("grad_f", [u, p], [value, gradient]),
+        "jac_g": ca.Function("jac_g", [u, p], [power, load.T]),
+        "hess_lag": ca.Function(
+            "hess_lag", [u, p, factor, multiplier], [ca.triu(factor * hessian)]
+        ),
+    }
+
+
+def _solver(
+    problem: dict[str, Any], derivatives: dict[str, Any], options: IpoptOptions, left: float
+) -> Any:
+    """IPOPT for the program, with `left` seconds to go."""
+    settings: dict[str, Any] = {
+        "print_time": False,
+        "error_on_fail": False,
+        "calc_lam_p": False,
+        "calc_lam_x": False,
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "tol": options.tolerance,
+            "max_iter": options.max_iterations,
+            "max_wall_time": left,
+            "acceptable_iter": 0,
+            "jac_c_constant": "yes",
+            # Newton steps on Huber functions overshoot by 10 to 1000: measured on punches,
+            # platens and blocks, 0.2 needs half the iterations of the default 0.5.
+            "alpha_red_factor": 0.2,
+            "nlp_scaling_method": "none",
         },
-    )
+    }
+    return ca.nlpsol("regularised", "ipopt", problem, {**derivatives, **settings})
 
 
 def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters: Any) -> list[Any]:
     """Sum of a point law over all points: value, gradient, Hessian."""
     count = rows.shape[0] // dim
-    matrix = _to_casadi(rows)
+    matrix = to_casadi(rows)
     local = ca.reshape(ca.mtimes(matrix, u), dim, count)
     energy, force, stiffness = law.map(count)(local, constants, parameters)
     pattern = ca.diagcat(*[ca.Sparsity.dense(dim, dim)] * count)
@@ -339,10 +326,3 @@ def _contact_law(tangent_dim: int) -> Any:
     energy = weight * ca.if_else(dilatancy > 0, dilatant, frozen)
     stiffness, force = ca.hessian(energy, local)
     return ca.Function("contact", [local, constants, p], [energy, force, ca.densify(stiffness)])
-
-
-def _to_casadi(matrix: Sparse) -> Any:
-    columns = csc_matrix(matrix)
-    columns.sort_indices()
-    pattern = ca.Sparsity(*columns.shape, columns.indptr.tolist(), columns.indices.tolist())
-    return ca.DM(pattern, columns.data)
