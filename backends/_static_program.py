@@ -127,7 +127,7 @@ class StaticProgram:
         """The problem and its derivatives, as `casadi.nlpsol` wants them."""
         x, cost = (ca.MX.sym(name, self._linear.shape[1]) for name in ("x", "cost"))
         linear = to_casadi(self._linear)
-        cones = [*self._balls, *self._discs, *self._fans]
+        cones = [part for part in (*self._balls, *self._discs, *self._fans) if part.count]
         factor = ca.MX.sym("lam_f")
         multipliers = ca.MX.sym("lam_g", linear.shape[0] + sum(part.count for part in cones))
         values, slopes = [ca.mtimes(linear, x)], [linear]

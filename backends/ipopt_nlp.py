@@ -124,7 +124,9 @@ class IpoptSolver:
                 if STATUS_MAP[answer.native] is not Status.SOLVED:
                     answer = self._step(contact, penalty, self._options.rescue, before, deadline)
                     iterations += answer.iterations
-        self._warm = answer
+        # A step that failed, or ran away from a bound too small, is no start for the next one.
+        solved = STATUS_MAP[answer.native] is Status.SOLVED and not answer.hopeless
+        self._warm = answer if solved else None
         native = answer.native
         point = evaluate(self._program, contact, self._target, answer.velocity, answer.multiplier)
         status = judged_status(STATUS_MAP[native], self._program, point)
@@ -155,7 +157,7 @@ class IpoptSolver:
             lam_g0=-start.multiplier,
             lbg=1.0,
             ubg=1.0,
-            p=np.concatenate([parameters, np.minimum(contact.bound, _STICK)]),
+            p=np.concatenate([parameters, np.minimum(contact.bound, _STICK), contact.shift]),
         )
         stats = nlp.stats()
         return _Step(
@@ -187,15 +189,18 @@ def _build(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The nonlinear program and its derivatives, as `casadi.nlpsol` wants them.
 
-    Parameters: four penalties, the damping of the Hessian, the friction bounds.
+    Parameters: four penalties, the damping of the Hessian, friction bounds, shifts.
     """
     u = ca.MX.sym("u", program.n)
-    p = ca.MX.sym("p", 5 + program.contact.count)
+    points = program.contact.count
+    p = ca.MX.sym("p", 5 + 2 * points)
     value = -ca.dot(program.dead_load, u)
     gradient = -ca.MX(program.dead_load)
     hessian = ca.MX(program.n, program.n)
     for group in program.groups:
         count = group.weights.size
+        if not count:
+            continue
         rows = interleaved(group.rows, group.dim, group.volumetric, 1)
         law = _plastic_law(group.dim, group.volumetric_factor)
         constants = ca.DM(np.stack([group.weights, group.bound]))
@@ -205,13 +210,15 @@ def _build(
         value, gradient, hessian = (
             a + b for a, b in zip((value, gradient, hessian), part, strict=True)
         )
-    if program.contact.count:
+    if points:
         rows = interleaved(
             program.contact.normal, 1, program.contact.tangential, program.contact.tangent_dim
         )
         law = _contact_law(program.contact.tangent_dim)
         constants = ca.DM(np.stack([program.contact.weights, contact.dilatancy]))
-        parameters = ca.vertcat(ca.repmat(p[2:4], 1, program.contact.count), p[5:].T)
+        parameters = ca.vertcat(
+            ca.repmat(p[2:4], 1, points), p[5 : 5 + points].T, p[5 + points :].T
+        )
         part = _terms(rows, 1 + program.contact.tangent_dim, law, u, constants, parameters)
         value, gradient, hessian = (
             a + b for a, b in zip((value, gradient, hessian), part, strict=True)
@@ -301,12 +308,12 @@ def _plastic_law(dim: int, share: float) -> Any:
 def _contact_law(tangent_dim: int) -> Any:
     """T18 at one contact point: local (u_n, u_t), constants (weight, dilatancy).
 
-    Parameters: K_n, K_t, friction bound.
+    Parameters: K_n, K_t, friction bound, shift.
     """
-    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
+    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 4)
     weight, dilatancy = constants[0], constants[1]
     normal, tangential, bound = p[0], p[1], p[2]
-    opening, slip = local[0], local[1:]
+    opening, slip = local[0] + p[3], local[1:]
     pressed = ca.fmax(-opening, 0)
     limit = bound / tangential
     tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
