@@ -73,6 +73,7 @@ class Solver:
     within: str = ""  # the keyword of a dictionary that takes them all
     always: Mapping[str, Any] = field(default_factory=dict)
     warm_start: bool = False
+    infeasibility: bool = True  # it looks for proofs of it
 
     def settings(self, options: Any) -> dict[str, Any]:
         """Keywords of `cvxpy.Problem.solve`."""
@@ -115,9 +116,11 @@ SOLVERS = {
     "OSQP": Solver(
         "osqp", FirstOrderOptions, ("eps_abs", "eps_rel"), "max_iter", "time_limit", warm_start=True
     ),
-    # Looks for no proof that a program is infeasible or unbounded: it fails or, with "optimal",
-    # returns the point it has run away to, which no certificate holds for.
-    "QOCO": Solver("qoco", InteriorPointOptions, ("abstol", "reltol"), "max_iters"),
+    # On infeasible and unbounded programs it fails or, with "optimal", returns the point it has run
+    # away to, which no certificate holds for.
+    "QOCO": Solver(
+        "qoco", InteriorPointOptions, ("abstol", "reltol"), "max_iters", infeasibility=False
+    ),
     "SCS": Solver(
         "scs",
         FirstOrderOptions,

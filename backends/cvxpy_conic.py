@@ -79,6 +79,7 @@ class Cvxpy:
             regularised=False,
             max_cone=None if cones else 1,
             warm_start=self.known.warm_start,
+            infeasibility=self.known.infeasibility,
             isolated=not self.known.time,
         )
 

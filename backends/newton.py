@@ -10,17 +10,17 @@ solution. No continuation in r is needed.
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 import scipy
-from scipy.sparse import bsr_array, csc_array, csr_array, csr_matrix, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Sparse
+from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import require_count, require_positive
+from lacore.linear_algebra import Gram, SingularError, SymmetricSolver, symmetric_solver
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import (
     Penalties,
@@ -34,8 +34,14 @@ from lacore.status import Status
 
 _SLOPE = 0.5  # share of the slope that a step may leave
 _NOISE = 1e-14  # of the power of the load: slopes below it are round-off
+_FURTHER = 10.0  # factor of a step that is too short
+_NARROW = 1e-2  # relative width of a bracket that is not worth another look
+_MARGIN = 0.1  # share of a bracket that interpolation keeps away from its ends
 _SHORTEST = 1e-8  # step at which the line search gives up
-_FLOOR = 1e-13  # of the largest curvature
+_ROUND_OFF = 1e-16  # of the largest curvature: its precision
+_FLOOR = 1e-13  # of the largest curvature: the first shift above it
+_STILL = 1e-12  # of the velocity: steps below it are round-off
+_LONGEST = 10.0  # of the velocity: beyond it a step is an effect of too soft a matrix
 _SHORT = 1e-2  # step below which the matrix is taken to be too soft
 _STIFFEN = 100.0
 _TINY = 1e-150  # keeps quotients of zeros finite
@@ -45,9 +51,11 @@ _STICK = 1e20  # a friction bound that nothing reaches
 
 STATUS_MAP = {
     "converged": Status.SOLVED,
+    "converged to round-off": Status.ALMOST_SOLVED,  # above the tolerance, but it does not move
     "iteration limit": Status.ITERATION_LIMIT,
     "time limit": Status.TIME_LIMIT,
     "line search failed": Status.STALLED,
+    "singular matrix": Status.STALLED,
     "diverged": Status.FAILED,  # or what `judged_status` makes of it
 }
 
@@ -96,7 +104,7 @@ class Newton:
 
     def version(self) -> str:
         """The solver and its version."""
-        return f"SuperLU, SciPy {scipy.__version__}"
+        return f"{symmetric_solver().name}, SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: NewtonOptions) -> "NewtonSolver":
         """Penalties and the rows of all laws, shared by all frozen contacts."""
@@ -117,15 +125,15 @@ class _Huber:
     stiffness: float
     stress: Floats
 
-    def curvature(self, velocity: Floats) -> Sparse:
-        """``B^T W H B`` with the primal-dual blocks H."""
+    def curvature(self, velocity: Floats) -> Floats:
+        """The primal-dual blocks ``W H`` of ``B^T W H B``, shape (m, dim, dim)."""
         v, length, top = self._lengths(velocity)
         flowing = length * self.stiffness > self.bound
         direction = np.where(flowing[:, None], v / np.maximum(length, _TINY)[:, None], 0.0)
         relative = self.stress / np.maximum(self.bound, _TINY)[:, None]
         outer = relative[:, :, None] * direction[:, None, :]
         blocks = np.eye(self.dim) - (outer + outer.transpose(0, 2, 1)) / 2
-        return _gram(self.rows, blocks * (self.weights * self.bound / top)[:, None, None])
+        return np.asarray(blocks * (self.weights * self.bound / top)[:, None, None])
 
     def step(self, velocity: Floats, change: Floats, share: float) -> None:
         """Move the stress by a share of its own Newton step, back into its bound."""
@@ -152,11 +160,12 @@ class _Answer:
     iterations: int
     velocity: Floats
     multiplier: float
+    message: str = ""
 
     @property
     def stuck(self) -> bool:
         """Whether another way to the solution is worth a try."""
-        return self.native in ("iteration limit", "line search failed")
+        return self.native in ("iteration limit", "line search failed", "singular matrix")
 
 
 def _at_rest(point: RegularisedPoint) -> bool:
@@ -172,19 +181,18 @@ class NewtonSolver:
         self._target = penalties(
             program.scales, options.r, options.eta, options.bulk, options.normal, options.tangential
         )
-        self._volume = csr_matrix((program.n, program.n))
-        for group in program.groups:
-            self._volume = self._volume + _gram(group.volumetric, group.weights[:, None, None])
+        self._shape: _Shape | None = None
+        self._solver = symmetric_solver()
         self._velocity: Floats | None = None
-        self._dilatancy: Floats | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve; from the last velocity when only friction bounds have changed since."""
         begin = time.perf_counter()
         deadline = begin + self._options.time_limit
-        before = self._dilatancy
-        warm = before is not None and np.array_equal(before, contact.dilatancy)
-        start = self._velocity if warm else None
+        plain = contact.dilatancy <= 0
+        if self._shape is None or not np.array_equal(plain, self._shape.plain):
+            self._shape, self._velocity = _shape(self._program, plain), None
+        start = self._velocity
         answer = self._iterate(contact, self._target, start, deadline)
         iterations = answer.iterations
         if answer.stuck:
@@ -194,7 +202,7 @@ class NewtonSolver:
                 answer = self._iterate(contact, penalty, start, deadline)
                 iterations += answer.iterations
                 start = answer.velocity
-        self._velocity, self._dilatancy = answer.velocity, contact.dilatancy
+        self._velocity = None if escaped(answer.velocity) else answer.velocity
         point = evaluate(self._program, contact, self._target, answer.velocity, answer.multiplier)
         status = judged_status(STATUS_MAP[answer.native], self._program, point)
         return InnerSolution(
@@ -204,144 +212,226 @@ class NewtonSolver:
             solve_time=time.perf_counter() - begin,
             point=point.state if status.has_point else None,
             regularised=point.values,
+            message=answer.message,
         )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Give the factors back."""
+        self._solver.close()
 
     def _iterate(
         self, contact: FrozenContact, penalty: Penalties, start: Floats | None, deadline: float
     ) -> _Answer:
-        energy = _Energy(self._program, contact, penalty, self._volume * penalty.bulk)
-        laws = _laws(self._program, contact, penalty)
+        assert self._shape is not None
+        system = _System(self._program, contact, penalty, self._shape, self._solver)
+        laws = _laws(self._program, contact, penalty, self._shape)
         load = self._program.reference_load
         weight = float(np.abs(self._program.dead_load).sum())
-        u = np.zeros(self._program.n) if start is None else start
-        if start is None:  # the viscous solution: nothing yields, every contact closed
-            _, u = _direction(energy, laws, u, -self._program.dead_load, _FLOOR)
+        try:
+            u = system.at_rest() if start is None else start
+        except SingularError as error:
+            nowhere = np.zeros(self._program.n)
+            return _Answer("singular matrix", 0, nowhere, float("nan"), str(error))
         for law in laws:
             law.step(u, 0 * u, 1.0)
-        point, shift = energy.at(u), _FLOOR
+        point = system.at(u)
+        multiplier = float("nan")
         for iteration in range(1, self._options.max_iterations + 1):
-            multiplier, change = _direction(energy, laws, u, point.gradient, shift)
+            try:
+                multiplier, change = system.direction(laws, u, point.gradient)
+            except SingularError as error:
+                return _Answer("singular matrix", iteration, u, multiplier, str(error))
             balance = point.values.load_factor  # what the certificate will measure with
             forces = abs(balance) * float(np.abs(load).sum()) + weight
             out_of_balance = float(np.abs(point.gradient - balance * load).max())
             if out_of_balance <= self._options.tolerance * forces or _at_rest(point):
                 return _Answer("converged", iteration, u, multiplier)
-            share, new = _line_search(energy, u, change, point, multiplier)
-            if share < _SHORT and shift < 1:
-                shift *= _STIFFEN
+            if np.abs(change).max() > _LONGEST * np.abs(u).max() and system.stiffen():
+                continue
+            share, new = _line_search(system, u, change, point, multiplier)
+            if share < _SHORT and system.stiffen():
                 continue
             if share < _SHORTEST:
                 return _Answer("line search failed", iteration, u, multiplier)
             if share > 0.5:
-                shift = max(shift / 10, _FLOOR)
+                system.soften()
             for law in laws:
                 law.step(u, change, share)
             u, point = u + share * change, new
             if escaped(u):
                 return _Answer("diverged", iteration, u, multiplier)
+            if np.abs(change).max() <= _STILL * np.abs(u).max():
+                return _Answer("converged to round-off", iteration, u, multiplier)
             if time.perf_counter() > deadline:
                 return _Answer("time limit", iteration, u, multiplier)
         return _Answer("iteration limit", self._options.max_iterations, u, multiplier)
 
 
 @dataclass(frozen=True)
-class _Energy:
-    """The regularised energy of one frozen contact; `volume` is its curvature in theta."""
+class _Shape:
+    """Everything that neither bounds nor penalties change.
+
+    Attributes:
+        plain: contact points without dilatancy, shape (m,).
+        rows, dims: of the Huber terms: a group each, then the plain contact points.
+        gram: curvature of the Huber terms, of theta in each group, and of the contact points.
+    """
+
+    plain: Bools
+    rows: tuple[Sparse, ...]
+    dims: tuple[int, ...]
+    gram: Gram
+
+
+def _shape(program: KinematicProgram, plain: Bools) -> _Shape:
+    points, groups = program.contact, program.groups
+    rows = [
+        interleaved(group.rows, group.dim, group.volumetric * group.volumetric_factor, 1)
+        for group in groups
+    ]
+    rows.append(csr_matrix(points.tangential[np.repeat(plain, points.tangent_dim)]))
+    dims = [group.dim + 1 for group in groups] + [points.tangent_dim]
+    local = interleaved(points.normal, 1, points.tangential, points.tangent_dim)
+    volumes = [group.volumetric for group in groups]
+    gram = Gram([*rows, *volumes, local], [*dims, *[1] * len(groups), 1 + points.tangent_dim])
+    return _Shape(plain, tuple(rows), tuple(dims), gram)
+
+
+@dataclass
+class _System:
+    """The regularised energy of one frozen contact, and Newton steps towards its minimum.
+
+    `shift` times the largest curvature is added to all of it where steps with the plain matrix
+    turn out short: where whole regions flow uniformly, or a body lifts, there are motions without
+    curvature. Elsewhere it would slow the end of the iteration to a crawl.
+    """
 
     program: KinematicProgram
     contact: FrozenContact
     penalty: Penalties
-    volume: Sparse
+    shape: _Shape
+    solver: SymmetricSolver
+    shift: float = _ROUND_OFF
+    stiffest: float = field(init=False)
+    _closed: Sparse = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Measure the curvature of the body at rest, every contact closed."""
+        contact = self.program.contact
+        dims = [*self.shape.dims, *[1] * len(self.program.groups), 1 + contact.tangent_dim]
+        weights = [group.weights for group in self.program.groups]
+        scaled = [
+            *[self.penalty.eta * w for w in weights],
+            self.penalty.tangential * contact.weights[self.shape.plain],
+            *[self.penalty.bulk * w for w in weights],
+            max(self.penalty.normal, self.penalty.tangential) * contact.weights,
+        ]
+        blocks = [w[:, None, None] * np.eye(dim) for w, dim in zip(scaled, dims, strict=True)]
+        self._closed = self.shape.gram.matrix(blocks)
+        self.stiffest = float(self._closed.diagonal().max())
+
+    def at_rest(self) -> Floats:
+        """The viscous velocity: nothing yields, every contact is closed."""
+        return self._minimum(self._closed, np.zeros(self.program.n), -self.program.dead_load)[1]
 
     def at(self, velocity: Floats) -> RegularisedPoint:
         """Value and gradient."""
         return evaluate(self.program, self.contact, self.penalty, velocity)
 
+    def stiffen(self) -> bool:
+        """Raise the shift; whether there was room."""
+        self.shift = max(self.shift * _STIFFEN, _FLOOR)
+        return self.shift < 1
 
-def _direction(
-    energy: _Energy, laws: list[_Huber], u: Floats, gradient: Floats, shift: float
-) -> tuple[float, Floats]:
-    """Multiplier of ``F0.U = 1`` and Newton step to the linearised minimum.
+    def soften(self) -> None:
+        """Lower the shift."""
+        self.shift = self.shift / 10 if self.shift > _FLOOR else _ROUND_OFF
 
-    `shift` times the largest curvature is added to all: where whole regions flow uniformly, or a
-    body lifts, motions without curvature make the plain step meaningless.
-    """
-    matrix = energy.volume + _contact_curvature(energy.program, energy.contact, energy.penalty, u)
-    for law in laws:
-        matrix = matrix + law.curvature(u)
-    floor = shift * matrix.diagonal().max()
-    factor = splu(
-        csc_array(matrix + diags_array(np.full(u.size, floor))),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    load = energy.program.reference_load
-    # From P + 2 C on: what is solved for is small, and so is its round-off.
-    guess = float(gradient @ u)
-    by_load, by_rest = factor.solve(load), factor.solve(guess * load - gradient)
-    more = float((1 - load @ u - load @ by_rest) / (load @ by_load))
-    return guess + more, by_rest + more * by_load
+    def direction(self, laws: list[_Huber], u: Floats, gradient: Floats) -> tuple[float, Floats]:
+        """Multiplier of ``F0.U = 1`` and Newton step to the linearised minimum."""
+        matrix = self.shape.gram.matrix(
+            [
+                *[law.curvature(u) for law in laws],
+                *[self.penalty.bulk * group.weights for group in self.program.groups],
+                _contact_curvature(self.program, self.contact, self.penalty, u),
+            ]
+        )
+        return self._minimum(matrix, u, gradient)
+
+    def _minimum(self, matrix: Sparse, u: Floats, gradient: Floats) -> tuple[float, Floats]:
+        plain = matrix.diagonal()
+        while True:
+            try:
+                matrix.setdiag(plain + self.shift * self.stiffest)
+                self.solver.factorise(matrix)
+                break
+            except SingularError:
+                if not self.stiffen():
+                    raise
+        load = self.program.reference_load
+        # From P + 2 C on: what is solved for is small, and so is its round-off.
+        guess = float(gradient @ u)
+        by_load = self.solver.solve(load)
+        by_rest = self.solver.solve(guess * load - gradient)
+        more = float((1 - load @ u - load @ by_rest) / (load @ by_load))
+        change = by_rest + more * by_load
+        # Along the mechanism itself there is next to no curvature: round-off of both terms, which
+        # must not undo F0.U = 1.
+        change += (1 - load @ (u + change)) / float(load @ load) * load
+        return guess + more, change
 
 
 def _line_search(
-    energy: _Energy, u: Floats, change: Floats, point: RegularisedPoint, multiplier: float
+    system: _System, u: Floats, change: Floats, point: RegularisedPoint, multiplier: float
 ) -> tuple[float, RegularisedPoint]:
     """Step at which the convex energy has lost most of its slope along `change`.
 
     Slopes instead of values, and without the load, which does no power on `change`: near the
     solution all else is round-off.
     """
-    load = multiplier * energy.program.reference_load
-    first, share, longest = abs(float((point.gradient - load) @ change)), 1.0, np.inf
+    load = multiplier * system.program.reference_load
+    first = abs(float((point.gradient - load) @ change))
+    enough = _SLOPE * first + _NOISE * abs(multiplier)
+    short, long, share = (0.0, -first), (np.inf, np.inf), 1.0  # steps and their slopes
     while True:
-        new = energy.at(u + share * change)
+        new = system.at(u + share * change)
         slope = float((new.gradient - load) @ change)
-        enough = _SLOPE * first + _NOISE * abs(multiplier)
-        if abs(slope) <= enough or share < _SHORTEST or escaped(new.state.velocity):
+        away = slope <= 0 and escaped(new.state.velocity)
+        if abs(slope) <= enough or share < _SHORTEST or away:
             return share, new
-        if slope > 0:
-            longest = share
-            share *= min(max(first / (first + slope), 0.1), 0.5)
-        elif longest < np.inf:
+        short, long = (short, (share, slope)) if slope > 0 else ((share, slope), long)
+        width = long[0] - short[0]
+        if width <= _NARROW * share:
             return share, new
-        else:  # the energy still falls as steeply: a long way, or no end at all
-            share *= 10
+        if long[0] == np.inf:  # the energy still falls as steeply: a long way, or no end at all
+            share *= _FURTHER
+        else:
+            part = short[1] / (short[1] - long[1])
+            share = short[0] + width * min(max(part, _MARGIN), 1 - _MARGIN)
 
 
-def _laws(program: KinematicProgram, contact: FrozenContact, penalty: Penalties) -> list[_Huber]:
-    """Huber terms of all groups and of the contact points that are not dilatant, unstressed."""
-    laws = []
-    for group in program.groups:
-        rows = interleaved(group.rows, group.dim, group.volumetric * group.volumetric_factor, 1)
-        stress = np.zeros((group.weights.size, group.dim + 1))
-        laws.append(_Huber(rows, group.dim + 1, group.weights, group.bound, penalty.eta, stress))
-    points, plain = program.contact, contact.dilatancy <= 0
-    if plain.any():
-        dim = points.tangent_dim
-        laws.append(
-            _Huber(
-                csr_matrix(points.tangential[np.repeat(plain, dim)]),
-                dim,
-                points.weights[plain],
-                np.minimum(contact.bound[plain], _STICK),
-                penalty.tangential,
-                np.zeros((int(plain.sum()), dim)),
-            )
+def _laws(
+    program: KinematicProgram, contact: FrozenContact, penalty: Penalties, shape: _Shape
+) -> list[_Huber]:
+    """Huber terms of all groups and of the plain contact points, unstressed."""
+    terms = [(group.weights, group.bound, penalty.eta) for group in program.groups]
+    held = np.minimum(contact.bound[shape.plain], _STICK)
+    terms.append((program.contact.weights[shape.plain], held, penalty.tangential))
+    return [
+        _Huber(rows, dim, weights, bound, stiffness, np.zeros((weights.size, dim)))
+        for rows, dim, (weights, bound, stiffness) in zip(
+            shape.rows, shape.dims, terms, strict=True
         )
-    return laws
+    ]
 
 
 def _contact_curvature(
     program: KinematicProgram, contact: FrozenContact, penalty: Penalties, u: Floats
-) -> Sparse:
-    """Second derivative of the normal penalty, and of the dilatant law (T18)."""
+) -> Floats:
+    """Blocks of the normal penalty's second derivative, and of the dilatant law's (T18)."""
     rows = program.contact
     dim = rows.tangent_dim
-    slip, opening = rows.slip(u), rows.opening(u)
+    slip, opening = rows.slip(u), rows.opening(u) + contact.shift
     rate = np.linalg.norm(slip, axis=1)
     closed, d = opening <= 0, contact.dilatancy
     dilatant = d > 0
@@ -363,14 +453,4 @@ def _contact_curvature(
     active = sliding & (pushed > 0)
     blocks[sliding] = 0.0
     blocks[active] = (outer / compliance[:, None, None])[active]
-    local = interleaved(rows.normal, 1, rows.tangential, dim)
-    return _gram(local, blocks * rows.weights[:, None, None])
-
-
-def _gram(rows: Sparse, blocks: Floats) -> Sparse:
-    """``rows^T blockdiag(blocks) rows`` for blocks of shape (m, dim, dim)."""
-    count = blocks.shape[0]
-    if count == 0:
-        return csr_matrix((rows.shape[1], rows.shape[1]))
-    diagonal = bsr_array((blocks, np.arange(count), np.arange(count + 1)))
-    return csr_matrix(rows.T @ csr_array(diagonal @ rows))
+    return np.asarray(blocks * rows.weights[:, None, None])

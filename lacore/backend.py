@@ -31,6 +31,8 @@ class Capabilities:
         max_unknowns: largest number of velocity unknowns that it takes; None: no limit.
         max_cone: most rows that one of its cones may have; 1 is a linear program, None: no limit.
         warm_start: a solve starts from the answer of the one before.
+        infeasibility: it recognises programs without a limit state (LOCKED, UNSAFE); from one that
+            does not, such a program may get any status, and residuals that refute it.
         isolated: it may hang where its time limit does not reach, so that it runs in a process of
             its own, which can be stopped.
     """
@@ -39,6 +41,7 @@ class Capabilities:
     max_unknowns: int | None = None
     max_cone: int | None = None
     warm_start: bool = False
+    infeasibility: bool = True
     isolated: bool = False
 
 
@@ -126,7 +129,7 @@ class Family(Protocol):
     """A backend that stands for several solvers, asked for as ``name:variant``."""
 
     def variants(self) -> Sequence[str]:
-        """Those that can run here."""
+        """Those that it knows of; `Backend.unavailable` says whether one can run here."""
 
     def variant(self, name: str) -> Backend:
         """The backend of one of them."""

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.state import ProgramState, out_of_balance
 
 
@@ -77,15 +77,16 @@ def certify(
     opening, slip = rows.opening(u), rows.slip(u)
     slip_rate = np.linalg.norm(slip, axis=1)
     if contact is None:
-        bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
-    else:
-        bound, dilatancy = contact.bound, contact.dilatancy
+        contact = reaction_contact(rows, t_n)
+    bound, dilatancy = contact.bound, contact.dilatancy
+    opening = opening + contact.shift
     finite = np.isfinite(bound)
     friction = np.where(finite, bound, 0.0) * slip_rate
     cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
 
     dissipated = program.plastic_dissipation(u) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
+    by_shift = float(rows.weights @ (t_n * contact.shift))
     power = _nonzero(dissipated + abs(dead_power))
     forces = _nonzero(
         abs(state.load_factor) * float(np.abs(program.reference_load).sum())
@@ -125,7 +126,7 @@ def certify(
         normalisation=abs(float(program.reference_load @ u) - 1),
         flow=abs(_flow_defect(program, state)) / power,
         slip=float(rows.weights @ np.abs(bipotential)) / power,
-        gap=abs(dissipated - dead_power - state.load_factor) / power,
+        gap=abs(dissipated - dead_power + by_shift - state.load_factor) / power,
     )
 
 

@@ -122,11 +122,29 @@ class FrozenContact:
         bound: friction bound g, Pa; inf is stick.
         dilatancy: d.
         shift: s, m/s.
+
+    Raises:
+        InputError: NaN; a negative bound or dilatancy; an infinite dilatancy or shift.
     """
 
     bound: Floats
     dilatancy: Floats
     shift: Floats
+
+    def __post_init__(self) -> None:
+        for name, good in {
+            "bound": self.bound >= 0,
+            "dilatancy": np.isfinite(self.dilatancy) & (self.dilatancy >= 0),
+            "shift": np.isfinite(self.shift),
+        }.items():
+            if not np.all(good):
+                value = float(getattr(self, name)[~good][0])
+                raise InputError(
+                    f"contact {name}",
+                    value,
+                    "no solver must see such a number",
+                    "look at the friction laws and at the reactions that it was made of",
+                )
 
 
 def reaction_contact(contact: ContactRows, normal_reaction: Floats) -> FrozenContact:

@@ -114,7 +114,7 @@ class RegularisedValues:
     Attributes:
         plastic: P, dissipation less the power of the dead load.
         alpha_reg: value of the objective, ``P + C`` with C the viscous and penalty energy.
-        load_factor: lambda = ``P + 2 C``, the multiplier of ``F0.U = 1``.
+        load_factor: lambda = ``P + 2 C`` (and ``t_n.shift``), the multiplier of ``F0.U = 1``.
         multiplier: the same as the solver reports it; NaN where it reports none.
     """
 
@@ -190,7 +190,9 @@ def evaluate(
         gradient - program.contact.tangential.T @ (weights[:, None] * reaction.tangential).ravel()
     )
     plastic = dissipation - float(program.dead_load @ velocity)
-    values = RegularisedValues(plastic, plastic + energy, plastic + 2 * energy, multiplier)
+    by_shift = float(weights @ (reaction.normal * contact.shift))
+    load_factor = plastic + 2 * energy + by_shift  # gradient.velocity, at any velocity
+    values = RegularisedValues(plastic, plastic + energy, load_factor, multiplier)
     state = ProgramState(
         velocity=velocity,
         load_factor=values.load_factor,

@@ -103,9 +103,6 @@ class EcosSolver:
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve for a frozen contact; whatever comes of it is a status, not an exception."""
         begin = time.perf_counter()
-        if np.isnan([contact.bound, contact.dilatancy, contact.shift]).any():
-            # The comparisons below would take NaN for "no" and solve something else.
-            return InnerSolution(Status.FAILED, "not tried", 0, 0.0, None, message="NaN in contact")
         program, dim = self._program, self._program.contact.tangent_dim
         stick = np.isinf(contact.bound)
         slides = ~stick & (contact.bound > 0)  # with a bound of 0 nothing would hold its t

@@ -176,25 +176,6 @@ def _with_nan_rows(given: KinematicProgram) -> KinematicProgram:
     return replace(given, contact=replace(given.contact, normal=given.contact.normal * np.nan))
 
 
-def nan_in_the_contact(bench: Bench) -> Iterator[Finding]:
-    """What comes of NaN is no number and no proof of anything."""
-    name, given = "NaN in the contact", slope([1, 0])
-    for what in ("bound", "dilatancy", "shift"):
-        try:
-            contact = replace(frozen([0.7]), **{what: np.array([np.nan])})
-            answer = _checked(bench, given, bench.answer(given, contact, time_limit=_NO_HOPE))
-        except Exception as error:
-            refused = isinstance(error, ValueError)  # in whatever words
-            text = f"{type(error).__name__} was raised of NaN in the {what}: {error}"
-            yield said(name, what, refused, text)
-            continue
-        came = f"{answer.status.label} ({answer.native_status})"
-        if answer.point is not None:
-            came += f" with load factor {answer.point.load_factor:.6g}"
-        silent = answer.status not in _CLAIMS and answer.point is None
-        yield said(name, what, silent, f"{came} came of NaN in the {what} of a contact point")
-
-
 def declaration(bench: Bench) -> Iterator[Finding]:
     """What a backend says of itself is there, and of the right kind."""
     name, backend = "declaration", bench.subject.backend
@@ -286,7 +267,6 @@ EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
     "iteration limit": iteration_limit,
     "time limit": time_limit,
     "NaN in the program": nan_in_the_program,
-    "NaN in the contact": nan_in_the_contact,
     "declaration": declaration,
     "options": options,
     "pickle": pickles,

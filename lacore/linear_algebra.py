@@ -1,0 +1,183 @@
+"""Sparse symmetric matrices of one pattern, formed and factorised again and again.
+
+What second-order methods on the velocities spend their time on: ``K = sum_i R_i^T D_i R_i`` with
+small dense blocks D that change and rows R that do not, and the solution with K.
+"""
+
+from collections.abc import Sequence
+from copy import copy
+from functools import cache
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, csr_matrix, vstack
+from scipy.sparse.linalg import splu
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.errors import LacoreError
+
+try:
+    import pypardiso
+    from pypardiso.pardiso_wrapper import PyPardisoError
+except ImportError:  # an extra
+    pypardiso = None
+
+
+class SingularError(LacoreError):
+    """A matrix that cannot be factorised."""
+
+
+class Gram:
+    """``K = sum_i R_i^T D_i R_i``, always with the same pattern, whatever zeros D holds."""
+
+    def __init__(self, rows: Sequence[Sparse], dims: Sequence[int]) -> None:
+        """Terms: rows R_i of shape (m_i dim_i, n), whose blocks have dim_i rows."""
+        self._rows = csr_matrix(vstack(rows, format="csr"))
+        self._columns = csr_matrix(self._rows.T)
+        first, columns, lengths = 0, [], []
+        for matrix, dim in zip(rows, dims, strict=True):
+            count = matrix.shape[0] // dim
+            own = first + np.arange(matrix.shape[0]).reshape(count, 1, dim)
+            columns.append(np.broadcast_to(own, (count, dim, dim)).ravel())
+            lengths.append(np.full(matrix.shape[0], dim))
+            first += matrix.shape[0]
+        self._block_columns = np.concatenate(columns)
+        self._block_starts = np.concatenate([[0], np.cumsum(np.concatenate(lengths))])
+        full = abs(self._columns) @ self._blocks(np.ones(self._block_columns.size))
+        self._full = csr_matrix(full @ abs(self._rows))
+        self._full.sort_indices()
+        self._keys = _keys(self._full)
+
+    def matrix(self, blocks: Sequence[Floats]) -> Sparse:
+        """K for blocks of shape (m_i, dim_i, dim_i), symmetric."""
+        diagonal = self._blocks(np.concatenate([block.ravel() for block in blocks]))
+        product = csr_matrix(self._columns @ csr_matrix(diagonal @ self._rows))
+        product.sort_indices()
+        if product.nnz == self._full.nnz:
+            return product
+        # The product leaves out entries that happen to cancel: put them back, as zeros.
+        data = np.zeros(self._full.nnz)
+        data[np.searchsorted(self._keys, _keys(product))] = product.data
+        return csr_matrix((data, self._full.indices, self._full.indptr), shape=product.shape)
+
+    def _blocks(self, data: Floats) -> Sparse:
+        count = self._rows.shape[0]
+        return csr_matrix((data, self._block_columns, self._block_starts), shape=(count, count))
+
+
+def _keys(matrix: Sparse) -> Ints:
+    """Row and column of each entry as one number, ascending where indices are sorted."""
+    rows = np.repeat(np.arange(matrix.shape[0], dtype=np.int64), np.diff(matrix.indptr))
+    return np.asarray(rows * matrix.shape[1] + matrix.indices)
+
+
+class SymmetricSolver(Protocol):
+    """Factorises symmetric positive definite matrices of one pattern, one after the other."""
+
+    name: str
+
+    def factorise(self, matrix: Sparse) -> None:
+        """Take a matrix with sorted indices; raises `SingularError`."""
+
+    def solve(self, right: Floats) -> Floats:
+        """Solution for the matrix taken last, shape (n,)."""
+
+    def close(self) -> None:
+        """Give the factors back."""
+
+
+def symmetric_solver() -> SymmetricSolver:
+    """The best solver installed: PARDISO (extra ``fast``), else SuperLU."""
+    return SuperLU() if pypardiso is None else Pardiso()
+
+
+class SuperLU:
+    """SuperLU in symmetric mode, from SciPy: always there."""
+
+    name = "SuperLU"
+
+    def __init__(self) -> None:
+        self._factor: Any = None
+
+    def factorise(self, matrix: Sparse) -> None:
+        """See `SymmetricSolver`."""
+        symmetric = csc_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
+        try:
+            self._factor = splu(
+                symmetric,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise SingularError(f"SuperLU: {error}") from error
+
+    def solve(self, right: Floats) -> Floats:
+        """See `SymmetricSolver`."""
+        return np.asarray(self._factor.solve(right))
+
+    def close(self) -> None:
+        """See `SymmetricSolver`."""
+        self._factor = None
+
+
+@cache
+def _loaded() -> Any:
+    """A solver that is never used: looking for the library takes longer than a small solve."""
+    return pypardiso.PyPardisoSolver(mtype=_POSITIVE_DEFINITE)
+
+
+_ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
+_POSITIVE_DEFINITE = 2
+
+
+class Pardiso:
+    """Intel MKL PARDISO: analyses a pattern once, and factorises ten times faster than SuperLU."""
+
+    name = "PARDISO"
+
+    def __init__(self) -> None:
+        self._solver = copy(_loaded())
+        self._solver.pt = np.zeros_like(self._solver.pt)
+        self._solver.iparm = np.zeros_like(self._solver.iparm)
+        self._pattern: tuple[Any, Any] | None = None
+        self._upper: Any = None  # which entries of the matrix are in its upper triangle
+        self._matrix: Any = None
+
+    def factorise(self, matrix: Sparse) -> None:
+        """See `SymmetricSolver`."""
+        if self._pattern is None or not (
+            np.array_equal(self._pattern[0], matrix.indptr)
+            and np.array_equal(self._pattern[1], matrix.indices)
+        ):
+            self._analyse(matrix)
+        self._matrix.data[:] = matrix.data[self._upper]
+        self._call(_FACTORISE, np.zeros(matrix.shape[0]))
+
+    def solve(self, right: Floats) -> Floats:
+        """See `SymmetricSolver`."""
+        return np.asarray(self._call(_SOLVE, np.array(right)))
+
+    def close(self) -> None:
+        """See `SymmetricSolver`."""
+        self._solver.free_memory(everything=True)
+        self._pattern = None
+
+    def _analyse(self, matrix: Sparse) -> None:
+        self._solver.free_memory(everything=True)
+        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+        self._upper = np.flatnonzero(matrix.indices >= row)
+        starts = np.searchsorted(self._upper, matrix.indptr)
+        self._matrix = csr_array(
+            (matrix.data[self._upper], matrix.indices[self._upper], starts), shape=matrix.shape
+        )
+        self._call(_ANALYSE, np.zeros(matrix.shape[0]))
+        self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
+
+    def _call(self, phase: int, right: Floats) -> Any:
+        # Its public methods analyse anew with every matrix, which takes ten factorisations.
+        self._solver.set_phase(phase)
+        try:
+            return self._solver._call_pardiso(self._matrix, right)
+        except PyPardisoError as error:
+            raise SingularError(f"PARDISO: {error}") from error

@@ -1,0 +1,85 @@
+"""Sparse symmetric matrices of one pattern, with each solver that is installed."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lacore import linear_algebra
+from lacore.linear_algebra import Gram, Pardiso, SingularError, SuperLU, symmetric_solver
+
+SOLVERS = [
+    SuperLU,
+    pytest.param(
+        Pardiso,
+        marks=pytest.mark.skipif(linear_algebra.pypardiso is None, reason="extra 'fast'"),
+    ),
+]
+
+
+def rows(rng, count, dim, n):
+    return sp.random_array((count * dim, n), density=0.3, rng=rng, format="csr")
+
+
+@given(st.integers(0, 1000), st.booleans())
+def test_gram_is_the_sum_and_keeps_its_pattern(seed, cancels):
+    rng = np.random.default_rng(seed)
+    first, second = rows(rng, 5, 2, 12), rows(rng, 4, 1, 12)
+    gram = Gram([first, second], [2, 1])
+    blocks = [rng.normal(size=(5, 2, 2)), rng.normal(size=(4, 1, 1))]
+    blocks[0] += blocks[0].transpose(0, 2, 1)
+    if cancels:
+        blocks[0][::2] = 0.0
+    matrix = gram.matrix(blocks)
+    plain = (
+        first.T @ sp.block_diag(blocks[0]) @ first + second.T @ sp.block_diag(blocks[1]) @ second
+    )
+    np.testing.assert_allclose(matrix.toarray(), plain.toarray(), atol=1e-13)
+    full = gram.matrix([np.ones((5, 2, 2)), np.ones((4, 1, 1))])
+    assert np.array_equal(matrix.indices, full.indices)
+    assert np.array_equal(matrix.indptr, full.indptr)
+
+
+def laplacian(n, stiffness=1.0):
+    matrix = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)) * stiffness
+    matrix = sp.csr_matrix(matrix)
+    matrix.sort_indices()
+    return matrix
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_one_solver_takes_matrices_one_after_the_other(solver):
+    """Of one pattern and of another; 1e-12: condition 1e3 of the Laplacian times round-off."""
+    subject, right = solver(), np.linspace(-1, 1, 50)
+    for matrix in (laplacian(50), laplacian(50, 1e6), laplacian(50), laplacian(20)):
+        subject.factorise(matrix)
+        given_right = right[: matrix.shape[0]]
+        solution = subject.solve(given_right)
+        assert np.abs(matrix @ solution - given_right).max() < 1e-12
+    subject.close()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_two_solvers_do_not_share_their_factors(solver):
+    first, second, right = solver(), solver(), np.ones(30)
+    first.factorise(laplacian(30))
+    second.factorise(laplacian(30, 10.0))
+    assert first.solve(right) == pytest.approx(10 * second.solve(right))
+    second.close()
+    first.factorise(laplacian(30))
+    assert np.abs(laplacian(30) @ first.solve(right) - right).max() < 1e-12
+    first.close()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_singular_matrix_has_a_name(solver):
+    singular = laplacian(10)
+    singular.data[:] = 0.0
+    with pytest.raises(SingularError, match=solver.name):
+        solver().factorise(singular)
+
+
+def test_without_the_extra_superlu_does_it(monkeypatch):
+    monkeypatch.setattr(linear_algebra, "pypardiso", None)
+    assert isinstance(symmetric_solver(), SuperLU)
