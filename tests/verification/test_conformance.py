@@ -21,7 +21,6 @@ VARIANTS = [name for name, _, missing in doctor.all_backends() if not missing an
 
 # What is known to be wrong, and with whom. Strict: what has been mended fails until its name goes.
 KNOWN = {
-    "ipopt": ["shift", "shift of dilatant contact", "empty group"],
     "slsqp": ["one cone", "empty group", "unsafe on friction", "repeated solves"],
 }
 
