@@ -171,6 +171,10 @@ class StaticProgram:
                 "print_level": 0,
                 "sb": "yes",
                 "tol": tolerance,
+                # Close to the central path, at mu = tolerance/10: reactions that no law determines
+                # are then the same ones at each solve, which the reaction loop needs.
+                "barrier_tol_factor": 1.0,
+                "compl_inf_tol": tolerance / 5,
                 "max_iter": max_iterations,
                 "max_wall_time": time_limit,
                 "acceptable_iter": 0,

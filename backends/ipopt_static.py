@@ -29,7 +29,7 @@ class IpoptStaticOptions:
     """Options of the `ipopt-static` backend.
 
     Attributes:
-        tolerance: IPOPT's; the gap that it leaves is about a fifth of it per cone.
+        tolerance: IPOPT's; the gap that it leaves is about a tenth of it per bound and cone.
         max_iterations: of one run of IPOPT.
         time_limit: s, one inner solve.
     """

@@ -39,6 +39,7 @@ from tests.backends.test_clarabel import (
 )
 from tests.backends.test_regularised import NAMED, VARIANTS
 from tests.lacore.models import deformable_block, punch
+from verification.catalogue import find
 
 # IPOPT's 1e-10 on numbers of order one to ten, as for Clarabel.
 BAR = 1e-8
@@ -154,6 +155,17 @@ def test_through_the_loop():
     assert state.load_factor == pytest.approx(0.3 * 4, rel=1e-5)
     assert state.rigor is la.Rigor.DISCRETE
     assert la.solve(punch(rough=True), "ipopt-static", throw=True).rigor is la.Rigor.UPPER
+
+
+@pytest.mark.slow
+def test_undetermined_reactions_settle():
+    """A rigid sliding block leaves its reactions free: the central path must choose the same ones.
+
+    Stopped off the path they scatter by 1e-4 from solve to solve, and the loop never ends.
+    """
+    case, (variant, *_) = find("deformable-block:sliding")
+    state = la.solve(case.problem(variant, "medium"), "ipopt-static", max_iterations=15)
+    assert state.status is Status.SOLVED
 
 
 @given(seed=st.integers(0, 10**6))
