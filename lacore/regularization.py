@@ -248,11 +248,11 @@ def _contact_law(
     slip_rate = np.linalg.norm(slip, axis=1)
     law = _huber(slip_rate, penalty.tangential, contact.bound)
     normal = penalty.normal * np.maximum(-opening, 0.0)
-    energy = normal**2 / (2 * penalty.normal) + law.energy
-    tangential = -law.secant[:, None] * slip
-
     d = contact.dilatancy
     dilatant = d > 0
+    energy = normal**2 / (2 * penalty.normal) + np.where(dilatant, 0.0, law.energy)
+    tangential = -law.secant[:, None] * slip
+
     sliding = dilatant & (penalty.tangential * slip_rate > d * normal)
     sticking = dilatant & ~sliding
     compliance = 1 / penalty.normal + d**2 / penalty.tangential

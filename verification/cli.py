@@ -14,7 +14,7 @@ import click
 import lacore as la
 from verification import conformance, doctor, terminal
 from verification.catalogue import catalogue
-from verification.compare import TIME_LIMIT, plan, run_all, tally
+from verification.compare import ON_DEMAND, TIME_LIMIT, plan, run_all, tally
 from verification.machine import describe
 from verification.report.page import write
 
@@ -53,7 +53,12 @@ _json_option = click.option(
 
 @main.command()
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option("--backends", callback=_list, metavar="A,B", help="Backends; default: all.")
+@click.option(
+    "--backends",
+    callback=_list,
+    metavar="A,B",
+    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
+)
 @click.option(
     "--meshes",
     callback=_list,

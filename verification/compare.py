@@ -1,15 +1,20 @@
 """Compare backends on cases: plan the runs, run them, keep every row."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import lacore as la
+from lacore.backend import load_backend
 from lacore.coupling import Iterate
 from lacore.errors import require_known
 from verification.catalogue import catalogue, find
 from verification.harness import COLUMNS, FAIL, PASS, SKIPPED, Outcome, Run, execute
 from verification.store import ResultFile
+
+ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
+"""Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
 
 TIME_LIMIT = 600.0  # s, of one inner solve: ten times what the largest default run needs
 
@@ -21,13 +26,19 @@ def plan(
 ) -> list[Run]:
     """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
-    Without `backends` all registered ones; without `meshes` the default levels of each variant.
+    Without `backends` all registered ones but those `ON_DEMAND`; ``all`` is every one of them, and
+    variants of a family are named as ``cvxpy:SCS``. Without `meshes` the default levels of each
+    variant.
 
     Raises:
         InputError: an unknown name.
     """
+    if list(backends) == ["all"]:
+        backends = la.backend_names()
+    backends = backends or [name for name in la.backend_names() if name not in ON_DEMAND]
     for name in backends:
-        require_known("backend", name, la.backend_names())
+        with suppress(la.CapabilityError):  # rows say so
+            load_backend(name)
     picked: dict[str, list[str]] = {}
     for name in names or catalogue():
         case, variants = find(name)
@@ -43,7 +54,7 @@ def plan(
                 runs += [
                     Run(case, variant, mesh, backend)
                     for mesh in dict.fromkeys(meshes or variant.meshes)
-                    for backend in dict.fromkeys(backends or la.backend_names())
+                    for backend in dict.fromkeys(backends)
                 ]
     return runs
 

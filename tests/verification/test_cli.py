@@ -187,6 +187,8 @@ def test_infinity_is_strict_json():
         (["prandl-punch"], "did you mean 'prandtl-punch'?"),
         (["prandtl-punch:smoth"], "did you mean 'smooth'?"),
         (["--backends", "clarbel"], "did you mean 'clarabel'?"),
+        (["--backends", "cvxpy:SCSS"], "did you mean 'SCS'?"),
+        (["--backends", "slsqp:fast"], "has no variants"),
         (["shear-patch", "--meshes", "corse"], "did you mean 'coarse'?"),
     ],
 )

@@ -10,7 +10,7 @@ import verification.harness as harness
 from lacore.regularization import RegularisedValues
 from verification.case import Band, Reference
 from verification.catalogue import find
-from verification.compare import plan, run_all, tally
+from verification.compare import ON_DEMAND, plan, run_all, tally
 from verification.harness import FAIL, PASS, SKIPPED, Run, execute, judge
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
@@ -150,7 +150,14 @@ def test_plan_takes_each_variant_once_and_keeps_their_order():
     assert [run.variant.name for run in runs] == ["sliding", "yielding"]
 
 
+def test_plan_takes_variants_of_a_family_and_all_there_is():
+    runs = plan(["shear-patch"], ["cvxpy:SCS"], ["coarse"])
+    assert [run.backend for run in runs] == ["cvxpy:SCS", "cvxpy:SCS"]
+    runs = plan(["shear-patch"], ["all"], ["coarse"])
+    assert {run.backend for run in runs} == set(la.backend_names())
+
+
 def test_default_plan_has_every_case_and_backend():
     runs = plan()
-    assert {run.backend for run in runs} == set(la.backend_names())
+    assert {run.backend for run in runs} == set(la.backend_names()) - set(ON_DEMAND)
     assert {run.mesh for run in runs} == {"coarse", "medium"}

@@ -1,0 +1,225 @@
+"""The regularised program for the dense minimisers of scipy (T17-T21), which two backends share.
+
+Unknowns are ``y = R U`` with ``R^T R`` the viscous matrix (every point unyielded), in which the
+problem is close to isotropic; values and gradients are analytic. A first solve continues in r from
+1 down, later ones start from the answer before. What scipy says of its own end is rechecked by the
+forces out of balance.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.sparse import diags_array
+from threadpoolctl import threadpool_limits
+
+from lacore.arrays import Floats, Sparse
+from lacore.backend import InnerSolution
+from lacore.errors import CapabilityError, require_count, require_positive
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.regularization import (
+    Penalties,
+    RegularisedPoint,
+    escaped,
+    evaluate,
+    judged_status,
+    penalties,
+)
+from lacore.status import Status
+
+_BALANCED = 1e-7  # of the forces: an end that deserves a certificate's look
+_OUT_OF_BALANCE = 1e-3  # of the forces: no minimum, whatever scipy says
+LATE = "time limit"  # native status of a run that our callback stops
+AWAY = "ran away"  # native status of a run whose velocity has no bound
+
+
+@dataclass(frozen=True)
+class DenseOptions:
+    """Options of the dense minimisers.
+
+    Attributes:
+        r: dimensionless regularisation (T20).
+        eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
+        normal, tangential: instead of r: contact penalties, Pa/(m/s).
+        reduction: factor between the steps of the continuation in r, 0 < reduction < 1.
+        tolerance: scipy's own; near round-off, because nodal forces balance only to its root.
+        max_iterations: of one continuation step.
+        time_limit: s, one inner solve.
+    """
+
+    r: float = 0.03
+    eta: float | None = None
+    bulk: float | None = None
+    normal: float | None = None
+    tangential: float | None = None
+    reduction: float = 0.1
+    tolerance: float = 1e-18
+    max_iterations: int = 2000
+    time_limit: float = 600.0
+
+    def __post_init__(self) -> None:
+        require_count("max_iterations", self.max_iterations)
+        for name in ("tolerance", "time_limit"):
+            require_positive(name, getattr(self, name))
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Where a minimiser ended.
+
+    Attributes:
+        y: unknowns, shape (n,).
+        native: its own status, a key of the map.
+        message: its own words.
+        iterations: as it counts.
+        multiplier: of ``load.y = 1`` (the load factor).
+    """
+
+    y: Floats
+    native: Any
+    message: str
+    iterations: int
+    multiplier: float
+
+
+Objective = Callable[[Floats], tuple[float, Floats]]
+Minimise = Callable[[Objective, Floats, Floats, DenseOptions, Callable[..., None]], Minimum]
+"""``minimise(objective, start, load, options, watch)``: least value with ``load.y = 1``.
+
+`watch` is to be called once an iteration; it raises `StopIteration` when time is up."""
+
+
+class _Ran(Exception):  # noqa: N818  # no error: an answer
+    """The velocity has run away; a minimiser would go on with infinities."""
+
+
+class PreconditionedSolver:
+    """A dense minimiser at work on one program."""
+
+    def __init__(
+        self,
+        program: KinematicProgram,
+        options: DenseOptions,
+        minimise: Minimise,
+        statuses: Mapping[Any, Status],
+    ) -> None:
+        if program.n < 2:
+            raise CapabilityError(
+                f"with {program.n} velocity unknown(s), F0.U = 1 leaves nothing to minimise over:"
+                " take an exact backend such as 'clarabel'"
+            )
+        self._program, self._options = program, options
+        self._minimise, self._statuses = minimise, statuses
+        self._target = penalties(
+            program.scales, options.r, options.eta, options.bulk, options.normal, options.tangential
+        )
+        self._steps = self._target.continuation(options.reduction)
+        self._factor = cholesky(_viscous_matrix(program, self._target))
+        self._load = solve_triangular(self._factor, program.reference_load, trans="T")
+        self._start: Floats | None = None
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve; from the last answer when it was one, else by continuation in r."""
+        begin = time.perf_counter()
+        deadline = begin + self._options.time_limit
+
+        def watch(*_: object) -> None:
+            if time.perf_counter() > deadline:
+                raise StopIteration
+
+        load = self._load
+        start, steps = self._start, [self._target]
+        if start is None:
+            start, steps = load / float(load @ load), self._steps  # the viscous solution
+        iterations = 0
+        for penalty in steps:
+            end = self._step(contact, penalty, start, watch)
+            start = end.y
+            iterations += end.iterations
+            if end.native in (LATE, AWAY):
+                break
+        point = evaluate(
+            self._program, contact, self._target, self._velocity(end.y), end.multiplier
+        )
+        claimed = self._recheck(self._statuses[end.native], point)
+        status = judged_status(claimed, self._program, point)
+        finished = status in (Status.SOLVED, Status.ALMOST_SOLVED)
+        self._start = end.y if finished else None
+        return InnerSolution(
+            status=status,
+            native_status=end.message,
+            iterations=iterations,
+            solve_time=time.perf_counter() - begin,
+            point=point.state if status.has_point else None,
+            regularised=point.values,
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _velocity(self, y: Floats) -> Floats:
+        return np.asarray(solve_triangular(self._factor, y))
+
+    def _step(
+        self,
+        contact: FrozenContact,
+        penalty: Penalties,
+        start: Floats,
+        watch: Callable[..., None],
+    ) -> Minimum:
+        last = start
+
+        def objective(y: Floats) -> tuple[float, Floats]:
+            nonlocal last
+            last = y
+            velocity = self._velocity(y)
+            if escaped(velocity):
+                raise _Ran
+            point = evaluate(self._program, contact, penalty, velocity)
+            return point.values.alpha_reg, solve_triangular(self._factor, point.gradient, trans="T")
+
+        try:
+            # More BLAS threads than idle cores make these small dense steps ten times slower.
+            with threadpool_limits(1, user_api="blas"):
+                return self._minimise(objective, start, self._load, self._options, watch)
+        except _Ran:
+            return Minimum(np.nan_to_num(last), AWAY, AWAY, 0, float("nan"))
+
+    def _recheck(self, claimed: Status, point: RegularisedPoint) -> Status:
+        """What is left of scipy's claim when forces are counted."""
+        load_factor = point.values.load_factor
+        forces = abs(load_factor) * float(np.abs(self._program.reference_load).sum())
+        forces += float(np.abs(self._program.dead_load).sum())
+        rest = np.abs(point.gradient - load_factor * self._program.reference_load).max()
+        if claimed is Status.STALLED and rest <= _BALANCED * forces:
+            return Status.ALMOST_SOLVED  # its line search ended at round-off
+        if claimed is Status.SOLVED and not rest <= _OUT_OF_BALANCE * forces:
+            return Status.STALLED
+        return claimed
+
+
+def _viscous_matrix(program: KinematicProgram, penalty: Penalties) -> Floats:
+    """Hessian of the energy where nothing yields or slips, every contact point closed; dense.
+
+    A multiple of the identity, small against its diagonal, keeps rigid motions from being free.
+    """
+    total = np.zeros((program.n, program.n))
+    for group in program.groups:
+        theta = penalty.eta * group.volumetric_factor**2 + penalty.bulk
+        total += _gram(group.rows, np.repeat(penalty.eta * group.weights, group.dim))
+        total += _gram(group.volumetric, theta * group.weights)
+    contact = program.contact
+    total += _gram(contact.normal, penalty.normal * contact.weights)
+    total += _gram(
+        contact.tangential, np.repeat(penalty.tangential * contact.weights, contact.tangent_dim)
+    )
+    total[np.diag_indices_from(total)] += 1e-9 * np.trace(total) / program.n
+    return total
+
+
+def _gram(rows: Sparse, weights: Floats) -> Floats:
+    """``rows^T diag(weights) rows``, dense."""
+    return np.asarray((rows.T @ diags_array(weights) @ rows).toarray())
