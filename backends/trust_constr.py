@@ -5,6 +5,7 @@ sees; at 1 000 unknowns it needs about a tenth of its time, because its steps co
 n^3.
 """
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -89,20 +90,23 @@ def _minimise(
             return True
         return False
 
-    answer: Any = minimize(  # type: ignore[call-overload]  # its stubs want a TypedDict
-        objective,
-        start,
-        jac=True,
-        hess=BFGS(),
-        method="trust-constr",
-        constraints=LinearConstraint(load[None, :], 1.0, 1.0),
-        callback=stop,
-        options={
-            "gtol": options.tolerance,
-            "xtol": 1e-15,
-            "maxiter": options.max_iterations,
-        },
-    )
+    with warnings.catch_warnings():
+        # Where the energy is linear BFGS has nothing to learn from a step, and says so each time.
+        warnings.filterwarnings("ignore", "delta_grad == 0.0")
+        answer: Any = minimize(  # type: ignore[call-overload]  # its stubs want a TypedDict
+            objective,
+            start,
+            jac=True,
+            hess=BFGS(),
+            method="trust-constr",
+            constraints=LinearConstraint(load[None, :], 1.0, 1.0),
+            callback=stop,
+            options={
+                "gtol": options.tolerance,
+                "xtol": 1e-15,
+                "maxiter": options.max_iterations,
+            },
+        )
     return Minimum(
         y=np.asarray(answer.x),
         native=LATE if answer.status == _STOPPED else int(answer.status),

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState, out_of_balance
 
 
@@ -77,16 +77,18 @@ def certify(
     opening, slip = rows.opening(u), rows.slip(u)
     slip_rate = np.linalg.norm(slip, axis=1)
     if contact is None:
-        contact = reaction_contact(rows, t_n)
-    bound, dilatancy = contact.bound, contact.dilatancy
-    opening = opening + contact.shift
+        bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
+        shift = np.zeros(rows.count)
+    else:
+        bound, dilatancy, shift = contact.bound, contact.dilatancy, contact.shift
+    opening = opening + shift
     finite = np.isfinite(bound)
     friction = np.where(finite, bound, 0.0) * slip_rate
     cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
 
     dissipated = program.plastic_dissipation(u) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
-    by_shift = float(rows.weights @ (t_n * contact.shift))
+    by_shift = float(rows.weights @ (t_n * shift))
     power = _nonzero(dissipated + abs(dead_power))
     forces = _nonzero(
         abs(state.load_factor) * float(np.abs(program.reference_load).sum())

@@ -19,11 +19,6 @@ from verification.conformance.programs import WORKED
 READY = [name for name, _, missing in doctor.all_backends() if not missing and ":" not in name]
 VARIANTS = [name for name, _, missing in doctor.all_backends() if not missing and ":" in name]
 
-# What is known to be wrong, and with whom. Strict: what has been mended fails until its name goes.
-KNOWN = {
-    "slsqp": ["one cone", "empty group", "unsafe on friction", "repeated solves"],
-}
-
 
 @pytest.fixture(scope="module")
 def process():
@@ -38,16 +33,8 @@ def examined(backend, program, process=None):
     )
 
 
-def cases():
-    for name in READY:
-        for program in conformance.EXERCISES:
-            reason = f"{name} fails: lacore conformance {name}"
-            known = program in KNOWN.get(name, [])
-            marks = [pytest.mark.xfail(reason=reason, strict=True)] if known else []
-            yield pytest.param(name, program, id=f"{name}-{program}", marks=marks)
-
-
-@pytest.mark.parametrize(("backend", "program"), list(cases()))
+@pytest.mark.parametrize("program", list(conformance.EXERCISES))
+@pytest.mark.parametrize("backend", READY)
 def test_conforms(backend, program, process):
     findings = examined(backend, program, process)
     if set(findings.verdict) == {conformance.SKIPPED}:
