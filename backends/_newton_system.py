@@ -1,0 +1,225 @@
+"""The linearised system of `newton`: curvature of the regularised energy, and steps with it.
+
+The Huber law ``s = bound v / max(||v||, bound/stiffness)`` is linearised in the form
+``max(||v||, bound/stiffness) s = bound v`` with the stress s as an unknown of its own (Chan, Golub
+& Mulet 1999; Andersen et al. 2000). Eliminating it point by point leaves
+``B^T W (bound I - sym(s v^T/||v||)) B / max(...)``: as sparse as the exact Hessian, and positive
+semidefinite as long as ``||s|| <= bound``.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.arrays import Bools, Floats, Sparse
+from lacore.linear_algebra import Gram, SingularError, SymmetricSolver
+from lacore.program import FrozenContact, KinematicProgram, interleaved
+from lacore.regularization import Penalties, RegularisedPoint, evaluate
+
+_ROUND_OFF = 1e-16  # of the largest curvature: its precision
+_FLOOR = 1e-13  # of the largest curvature: the first shift above it
+_STIFFEN = 100.0
+_TINY = 1e-150  # keeps quotients of zeros finite
+_STICK = 1e20  # a friction bound that nothing reaches
+
+
+@dataclass
+class Huber:
+    """One kind of Huber terms ``sum_g weight_g huber(||v_g||)``, ``v = rows U`` by point.
+
+    `stress` is the dual variable, ``||stress|| <= bound``, shape (m, dim).
+    """
+
+    rows: Sparse
+    dim: int
+    weights: Floats
+    bound: Floats
+    stiffness: float
+    stress: Floats
+
+    def curvature(self, velocity: Floats) -> Floats:
+        """The primal-dual blocks ``W H`` of ``B^T W H B``, shape (m, dim, dim)."""
+        v, length, top = self._lengths(velocity)
+        flowing = length * self.stiffness > self.bound
+        direction = np.where(flowing[:, None], v / np.maximum(length, _TINY)[:, None], 0.0)
+        relative = self.stress / np.maximum(self.bound, _TINY)[:, None]
+        outer = relative[:, :, None] * direction[:, None, :]
+        blocks = np.eye(self.dim) - (outer + outer.transpose(0, 2, 1)) / 2
+        return np.asarray(blocks * (self.weights * self.bound / top)[:, None, None])
+
+    def step(self, velocity: Floats, change: Floats, share: float) -> None:
+        """Move the stress by a share of its own Newton step, back into its bound."""
+        v, length, top = self._lengths(velocity)
+        dv = np.asarray(self.rows @ change).reshape(-1, self.dim)
+        flowing = length * self.stiffness > self.bound
+        along = np.sum(v * dv, axis=1) / np.maximum(length, _TINY) * flowing
+        target = (self.bound[:, None] * (v + dv) - along[:, None] * self.stress) / top[:, None]
+        moved = self.stress + share * (target - self.stress)
+        size = np.linalg.norm(moved, axis=1)
+        self.stress = moved * np.minimum(1.0, self.bound / np.maximum(size, _TINY))[:, None]
+
+    def _lengths(self, velocity: Floats) -> tuple[Floats, Floats, Floats]:
+        v = np.asarray(self.rows @ velocity).reshape(-1, self.dim)
+        length = np.linalg.norm(v, axis=1)
+        return v, length, np.maximum(np.maximum(length, self.bound / self.stiffness), _TINY)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Everything that neither bounds nor penalties change.
+
+    Attributes:
+        plain: contact points without dilatancy, shape (m,).
+        rows, dims: of the Huber terms: a group each, then the plain contact points.
+        gram: curvature of the Huber terms, of theta in each group, and of the contact points.
+    """
+
+    plain: Bools
+    rows: tuple[Sparse, ...]
+    dims: tuple[int, ...]
+    gram: Gram
+
+
+def shape_of(program: KinematicProgram, plain: Bools) -> Shape:
+    points, groups = program.contact, program.groups
+    rows = [
+        interleaved(group.rows, group.dim, group.volumetric * group.volumetric_factor, 1)
+        for group in groups
+    ]
+    rows.append(csr_matrix(points.tangential[np.repeat(plain, points.tangent_dim)]))
+    dims = [group.dim + 1 for group in groups] + [points.tangent_dim]
+    local = interleaved(points.normal, 1, points.tangential, points.tangent_dim)
+    volumes = [group.volumetric for group in groups]
+    gram = Gram([*rows, *volumes, local], [*dims, *[1] * len(groups), 1 + points.tangent_dim])
+    return Shape(plain, tuple(rows), tuple(dims), gram)
+
+
+@dataclass
+class System:
+    """The regularised energy of one frozen contact, and Newton steps towards its minimum.
+
+    `shift` times the largest curvature is added to all of it where steps with the plain matrix
+    turn out short: where whole regions flow uniformly, or a body lifts, there are motions without
+    curvature. Elsewhere it would slow the end of the iteration to a crawl.
+    """
+
+    program: KinematicProgram
+    contact: FrozenContact
+    penalty: Penalties
+    shape: Shape
+    solver: SymmetricSolver
+    shift: float = _ROUND_OFF
+    stiffest: float = field(init=False)
+    _closed: Sparse = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Measure the curvature of the body at rest, every contact closed."""
+        contact = self.program.contact
+        dims = [*self.shape.dims, *[1] * len(self.program.groups), 1 + contact.tangent_dim]
+        weights = [group.weights for group in self.program.groups]
+        scaled = [
+            *[self.penalty.eta * w for w in weights],
+            self.penalty.tangential * contact.weights[self.shape.plain],
+            *[self.penalty.bulk * w for w in weights],
+            max(self.penalty.normal, self.penalty.tangential) * contact.weights,
+        ]
+        blocks = [w[:, None, None] * np.eye(dim) for w, dim in zip(scaled, dims, strict=True)]
+        self._closed = self.shape.gram.matrix(blocks)
+        self.stiffest = float(self._closed.diagonal().max())
+
+    def at_rest(self) -> Floats:
+        """The viscous velocity: nothing yields, every contact is closed."""
+        return self._minimum(self._closed, np.zeros(self.program.n), -self.program.dead_load)[1]
+
+    def at(self, velocity: Floats) -> RegularisedPoint:
+        """Value and gradient."""
+        return evaluate(self.program, self.contact, self.penalty, velocity)
+
+    def stiffen(self) -> bool:
+        """Raise the shift; whether there was room."""
+        self.shift = max(self.shift * _STIFFEN, _FLOOR)
+        return self.shift < 1
+
+    def soften(self) -> None:
+        """Lower the shift."""
+        self.shift = self.shift / 10 if self.shift > _FLOOR else _ROUND_OFF
+
+    def direction(self, laws: list[Huber], u: Floats, gradient: Floats) -> tuple[float, Floats]:
+        """Multiplier of ``F0.U = 1`` and Newton step to the linearised minimum."""
+        matrix = self.shape.gram.matrix(
+            [
+                *[law.curvature(u) for law in laws],
+                *[self.penalty.bulk * group.weights for group in self.program.groups],
+                _contact_curvature(self.program, self.contact, self.penalty, u),
+            ]
+        )
+        return self._minimum(matrix, u, gradient)
+
+    def _minimum(self, matrix: Sparse, u: Floats, gradient: Floats) -> tuple[float, Floats]:
+        plain = matrix.diagonal()
+        while True:
+            try:
+                matrix.setdiag(plain + self.shift * self.stiffest)
+                self.solver.factorise(matrix)
+                break
+            except SingularError:
+                if not self.stiffen():
+                    raise
+        load = self.program.reference_load
+        # From P + 2 C on: what is solved for is small, and so is its round-off.
+        guess = float(gradient @ u)
+        by_load = self.solver.solve(load)
+        by_rest = self.solver.solve(guess * load - gradient)
+        more = float((1 - load @ u - load @ by_rest) / (load @ by_load))
+        change = by_rest + more * by_load
+        # Along the mechanism itself there is next to no curvature: round-off of both terms, which
+        # must not undo F0.U = 1.
+        change += (1 - load @ (u + change)) / float(load @ load) * load
+        return guess + more, change
+
+
+def laws_of(
+    program: KinematicProgram, contact: FrozenContact, penalty: Penalties, shape: Shape
+) -> list[Huber]:
+    """Huber terms of all groups and of the plain contact points, unstressed."""
+    terms = [(group.weights, group.bound, penalty.eta) for group in program.groups]
+    held = np.minimum(contact.bound[shape.plain], _STICK)
+    terms.append((program.contact.weights[shape.plain], held, penalty.tangential))
+    return [
+        Huber(rows, dim, weights, bound, stiffness, np.zeros((weights.size, dim)))
+        for rows, dim, (weights, bound, stiffness) in zip(
+            shape.rows, shape.dims, terms, strict=True
+        )
+    ]
+
+
+def _contact_curvature(
+    program: KinematicProgram, contact: FrozenContact, penalty: Penalties, u: Floats
+) -> Floats:
+    """Blocks of the normal penalty's second derivative, and of the dilatant law's (T18)."""
+    rows = program.contact
+    dim = rows.tangent_dim
+    slip, opening = rows.slip(u), rows.opening(u) + contact.shift
+    rate = np.linalg.norm(slip, axis=1)
+    closed, d = opening <= 0, contact.dilatancy
+    dilatant = d > 0
+    blocks = np.zeros((rows.count, 1 + dim, 1 + dim))
+    blocks[:, 0, 0] = penalty.normal * closed
+    pressed = penalty.normal * np.maximum(-opening, 0.0)
+    sliding = dilatant & (penalty.tangential * rate > d * pressed)
+    sticking = dilatant & ~sliding & closed
+    blocks[sticking, 1:, 1:] = penalty.tangential * np.eye(dim)
+    pushed = np.maximum(d * rate - opening, 0.0)
+    direction = np.concatenate(
+        [-np.ones((rows.count, 1)), d[:, None] * slip / np.maximum(rate, _TINY)[:, None]], axis=1
+    )
+    compliance = 1 / penalty.normal + d**2 / penalty.tangential
+    outer = direction[:, :, None] * direction[:, None, :]
+    across = np.eye(dim) - outer[:, 1:, 1:] / np.maximum(d**2, _TINY)[:, None, None]
+    rotation = (pushed * d / np.maximum(rate, _TINY))[:, None, None] * across
+    outer[:, 1:, 1:] += rotation
+    active = sliding & (pushed > 0)
+    blocks[sliding] = 0.0
+    blocks[active] = (outer / compliance[:, None, None])[active]
+    return np.asarray(blocks * rows.weights[:, None, None])
