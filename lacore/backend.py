@@ -81,7 +81,10 @@ class PreparedSolver(Protocol):
         """
 
     def close(self) -> None:
-        """Give back what the solver holds (licences, processes, files); nothing is asked after."""
+        """Give back what the solver holds (licences, processes, files); nothing is asked after.
+
+        It must not raise: the answer is already there.
+        """
 
 
 class Backend(Protocol):
