@@ -4,14 +4,15 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare test test-all lint bench readme clean
+.PHONY: help compare test test-all lint bench bench-readme readme clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
 	@echo "make lint      formatting, lint and types"
-	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json"
+	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
+	@echo "make bench-readme   write the benchmarks of the README from that JSON"
 	@echo "make readme    write the table and the picture of the README afresh"
 	@echo "make clean     remove the environment and all generated reports"
 
@@ -36,7 +37,12 @@ lint: $(READY)
 	$(BIN)/mypy
 
 bench: $(READY)
-	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only --benchmark-json=reports/benchmarks.json
+	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only \
+		--benchmark-columns=min --benchmark-sort=name --benchmark-json=reports/benchmarks.json
+	$(BIN)/python docs/benchmarks.py reports/benchmarks.json
+
+bench-readme: $(READY)
+	$(BIN)/python docs/benchmarks.py reports/benchmarks.json --readme
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py

@@ -1,0 +1,155 @@
+"""Tables of the benchmarks from their JSON: ``make bench`` prints, ``make bench-readme`` keeps.
+
+What pytest-benchmark writes is long and about one machine. Kept in docs/benchmarks.json are its
+records and what they were measured with; the README shows some of them.
+"""
+
+import argparse
+import json
+import re
+import sys
+from math import floor, log10
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import linregress
+
+ROOT = Path(__file__).parent.parent
+KEPT = ROOT / "docs" / "benchmarks.json"
+MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
+SHOWN = (256, 1024, 10_000, 50_176)  # triangles, in the README
+_DIGITS = 4
+_COLUMNS = {  # of the table: field of a record, and its format; none: two digits
+    "backend": ("label", "{}"),
+    "triangles": ("triangles", "{:.0f}"),
+    "unknowns": ("unknowns", "{:.0f}"),
+    "seconds": ("seconds", ""),
+    "elastic solves": ("elastic_solves", ""),
+    "iterations": ("iterations", "{:.0f}"),
+    "memory, MB": ("memory_mb", "{:.0f}"),
+}
+
+
+def condensed(raw: dict[str, Any]) -> dict[str, Any]:
+    """What is kept of a file of pytest-benchmark."""
+    names = ("date", "machine", "python", "packages", "direct_solver", "backends")
+    return {
+        "measured": {name: raw["machine_info"][name] for name in names},
+        "records": [
+            {name: _rounded(value) for name, value in run["extra_info"].items()}
+            for run in raw["benchmarks"]
+        ],
+    }
+
+
+def records(kept: dict[str, Any]) -> pd.DataFrame:
+    """One row a benchmark, sorted by kind, what was run and size."""
+    frame = pd.DataFrame(kept["records"])
+    r = [options.get("r") if isinstance(options, dict) else None for options in frame["options"]]
+    frame["label"] = [
+        what if value is None else f"{what}, r = {value:g}"
+        for what, value in zip(frame["what"], r, strict=True)
+    ]
+    return frame.sort_values(["kind", "label", "triangles"], kind="stable", ignore_index=True)
+
+
+def table(frame: pd.DataFrame, triangles: tuple[int, ...] = ()) -> str:
+    """Markdown; all sizes, or some."""
+    frame = frame[frame["kind"] != "loop"]
+    if triangles:
+        frame = frame[frame["triangles"].isin(triangles)]
+    lines = [_line(_COLUMNS), "|---" + "|--:" * (len(_COLUMNS) - 1) + "|"]
+    for row in frame.to_dict("records"):
+        cells = ((row.get(name), pattern) for name, pattern in _COLUMNS.values())
+        lines.append(_line("" if pd.isna(cell) else _text(cell, form) for cell, form in cells))
+    return "\n".join(lines)
+
+
+def growth(frame: pd.DataFrame) -> pd.DataFrame:
+    """Exponents p of ``seconds ~ triangles^p`` and their standard errors, by log-log regression."""
+    rows = []
+    for label, runs in frame[frame["kind"] != "loop"].groupby("label"):
+        if runs["triangles"].nunique() > 2:
+            fit = linregress(np.log(runs["triangles"]), np.log(runs["seconds"]))
+            ends = (int(runs["triangles"].min()), int(runs["triangles"].max()))
+            rows.append((label, fit.slope, fit.stderr, *ends))
+    return pd.DataFrame(rows, columns=["label", "exponent", "error", "from", "to"])
+
+
+def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
+    """Growth, the loop's own share, and what it was measured with."""
+    paragraphs = []
+    fits = growth(frame)
+    if len(fits):
+        exponents = ", ".join(
+            f"{row.exponent:.2f} ± {row.error:.2f} ({row.label})" for row in fits.itertuples()
+        )
+        paragraphs.append(
+            f"Time grows with the number of triangles to the power of {exponents}: log-log fits"
+            f" from {fits['from'].min()} to {fits['to'].max()} triangles, with standard errors."
+        )
+    loops = frame[frame["kind"] == "loop"]
+    if len(loops):
+        paragraphs.append(
+            f"Of a reaction loop on {loops['triangles'].min():.0f} triangles, lacore's own part"
+            f" between the calls of clarabel takes at most {100 * loops['own_share'].max():.1f} %."
+        )
+    measured, analysis = kept["measured"], ""
+    unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time
+    if len(unit):
+        largest = unit.sort_values("triangles").iloc[-1]
+        share = 1 - largest["again_seconds"] / largest["seconds"]
+        analysis = f", of which analysis takes {share:.0%} on {largest['triangles']} triangles"
+    paragraphs.append(
+        f"Elastic solves by {measured['direct_solver']}{analysis}; {measured['machine']}, one"
+        f" thread; Python {measured['python']}, {measured['packages']}; {measured['date']}."
+    )
+    return "\n\n".join(paragraphs)
+
+
+def in_readme(kept: dict[str, Any]) -> str:
+    """What stands between the marks."""
+    frame = records(kept)
+    return f"{table(frame, SHOWN)}\n\n{notes(kept, frame)}\n"
+
+
+def main() -> None:
+    """Print all; or keep the records, and refresh the README."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("json", type=Path, help="written by pytest-benchmark")
+    parser.add_argument("--readme", action="store_true", help="refresh it and docs/benchmarks.json")
+    given = parser.parse_args()
+    kept = condensed(json.loads(given.json.read_text(encoding="utf-8")))
+    frame = records(kept)
+    sys.stdout.write(f"{table(frame)}\n\n{notes(kept, frame)}\n")
+    if given.readme:
+        lines = ",\n".join(json.dumps(record) for record in kept["records"])
+        measured = json.dumps(kept["measured"], indent=1)
+        KEPT.write_text(f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n', "utf-8")
+        readme = ROOT / "README.md"
+        text = re.sub(
+            MARKS,
+            lambda marks: f"{marks[1]}{in_readme(kept)}{marks[2]}",
+            readme.read_text(encoding="utf-8"),
+            flags=re.DOTALL,
+        )
+        readme.write_text(text, encoding="utf-8")
+
+
+def _line(cells: Any) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _text(value: Any, pattern: str) -> str:
+    """Without a pattern two digits, and all before the point."""
+    return pattern.format(value) if pattern else f"{value:.{max(1 - floor(log10(value)), 0)}f}"
+
+
+def _rounded(value: Any) -> Any:
+    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+
+
+if __name__ == "__main__":
+    main()

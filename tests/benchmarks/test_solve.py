@@ -1,0 +1,65 @@
+"""Cold solves of the smooth punch by every backend, each as far as it goes.
+
+No time is asserted: machines differ. Statuses and values are.
+"""
+
+import pytest
+
+import lacore as la
+from lacore.backend import load_backend
+from lacore.linear_algebra import symmetric_solver
+from tests.benchmarks.measuring import Clocked, elastic_seconds
+from tests.benchmarks.test_assembly import SIZES
+
+LIMIT = 300.0  # s
+SMALL, DENSE = (16, 16), (8, 8)  # 1024 and 256 triangles
+RUNS = [
+    *[("clarabel", {}, size) for size in [*SIZES, SMALL]],
+    *[("newton", {"r": 1e-4}, size) for size in [*SIZES, SMALL]],
+    ("clarabel-regularised", {"r": 1e-3}, SMALL),
+    ("ipopt", {"r": 1e-3}, SMALL),
+    ("ipopt-static", {}, SMALL),
+    ("cvxpy", {}, SMALL),
+    ("slsqp", {"r": 0.1}, DENSE),
+]
+
+
+def label(run):
+    name, _, (nx, ny) = run
+    return f"{name}-{4 * nx * ny}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", RUNS, ids=label)
+@pytest.mark.benchmark(group="solve")
+def test_solve(benchmark, model, run):
+    name, options, size = run
+    case, tiny, backend = model(*size), model(2, 2), load_backend(name)
+    if reason := backend.unavailable():
+        pytest.skip(reason)
+    clocked, settings = Clocked(backend), backend.Options(time_limit=LIMIT, **options)
+    with la.SolverProcess() as process:
+        # Imports and libraries are loaded by a solve of no account.
+        process.prepare(clocked, tiny.program, settings).solve(tiny.contact)
+        before = elastic_seconds(case)
+        answer = benchmark.pedantic(
+            lambda: process.prepare(clocked, case.program, settings).solve(case.contact), rounds=1
+        )
+        elastic = min(before, elastic_seconds(case))
+    benchmark.extra_info.update(
+        case.size,
+        kind="solve",
+        what=name,
+        version=backend.version(),
+        options=options,
+        seconds=answer.solve_time,
+        elastic_solves=answer.solve_time / elastic,
+        elastic_seconds=elastic,
+        direct_solver=symmetric_solver().name,
+        iterations=answer.iterations,
+        memory_mb=answer.peak_memory,
+        status=answer.status.label,
+        native_status=answer.native_status,
+        load_factor=None if answer.point is None else float(answer.point.load_factor),
+    )
+    assert answer.status in (la.Status.SOLVED, la.Status.ALMOST_SOLVED), answer.message

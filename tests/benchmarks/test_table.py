@@ -1,0 +1,95 @@
+"""The script that makes tables of the benchmarks, and what the README shows of them."""
+
+import importlib.util
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / "docs" / "benchmarks.py"
+MACHINE = {
+    "date": "2000-01-01",
+    "machine": "an abacus",
+    "python": "3.11",
+    "packages": "lacore 0.1.0",
+    "direct_solver": "PARDISO",
+    "backends": {},
+}
+
+
+def run(kind, what, triangles, seconds, **more):
+    columns = {"kind": kind, "what": what, "triangles": triangles, "unknowns": 4 * triangles}
+    return {"extra_info": columns | {"seconds": seconds} | more}
+
+
+SAMPLE = {
+    "machine_info": MACHINE | {"node": "name of a machine"},
+    "benchmarks": [
+        *[
+            run("solve", "newton", n, 1e-4 * n**1.5, options={"r": 1e-4}, elastic_solves=12.3456)
+            for n in (1024, 100, 10_000)
+        ],
+        run("solve", "clarabel", 1024, 0.123, iterations=17, memory_mb=120.4, options={}),
+        run("elastic", "elastic solve, PARDISO", 1024, 0.5, again_seconds=0.1),
+        run("loop", "block", 5000, 4.0, own_share=0.0123),
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("benchmarks_table", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_table(script):
+    head, _, *lines = script.table(script.records(script.condensed(SAMPLE))).splitlines()
+    assert head == "| " + " | ".join(script._COLUMNS) + " |"
+    assert lines == [
+        "| elastic solve, PARDISO | 1024 | 4096 | 0.50 |  |  |  |",
+        "| clarabel | 1024 | 4096 | 0.12 |  | 17 | 120 |",
+        "| newton, r = 0.0001 | 100 | 400 | 0.10 | 12 |  |  |",
+        "| newton, r = 0.0001 | 1024 | 4096 | 3.3 | 12 |  |  |",
+        "| newton, r = 0.0001 | 10000 | 40000 | 100 | 12 |  |  |",
+    ]
+
+
+def test_growth_is_that_of_the_sample(script):
+    (fit,) = script.growth(script.records(script.condensed(SAMPLE))).itertuples()
+    assert fit.label == "newton, r = 0.0001"
+    assert fit.exponent == pytest.approx(1.5, abs=1e-3)
+    assert fit.error < 1e-3
+
+
+def test_what_is_kept_can_be_read_again(script, tmp_path, monkeypatch, capsys):
+    (tmp_path / "docs").mkdir()
+    monkeypatch.setattr(script, "ROOT", tmp_path)
+    monkeypatch.setattr(script, "KEPT", tmp_path / "docs" / "benchmarks.json")
+    (tmp_path / "README.md").write_text("before\n<!-- benchmarks -->\nold\n<!-- end -->\nafter\n")
+    (tmp_path / "raw.json").write_text(json.dumps(SAMPLE))
+    monkeypatch.setattr(sys, "argv", ["benchmarks.py", str(tmp_path / "raw.json"), "--readme"])
+    script.main()
+    kept = json.loads(script.KEPT.read_text())
+    assert kept == script.condensed(SAMPLE)
+    assert "name of a machine" not in script.KEPT.read_text()
+    text = (tmp_path / "README.md").read_text()
+    assert text == f"before\n<!-- benchmarks -->\n{script.in_readme(kept)}<!-- end -->\nafter\n"
+    assert "| newton, r = 0.0001 | 10000 |" in text
+    assert "| newton, r = 0.0001 | 100 |" not in text
+    printed = capsys.readouterr().out
+    assert "| newton, r = 0.0001 | 100 |" in printed
+    assert "power of 1.50 ± 0.00 (newton, r = 0.0001)" in printed
+    assert "at most 1.2 %" in printed
+    assert "by PARDISO, of which analysis takes 80% on 1024 triangles; an abacus" in printed
+
+
+def test_readme_shows_what_was_kept(script):
+    kept = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(script.MARKS, readme, flags=re.DOTALL)
+    assert shown[0] + script.in_readme(kept) + shown[1] in readme
