@@ -20,7 +20,7 @@ ROOT = Path(__file__).parent.parent
 KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 SHOWN = (256, 1024, 10_000, 50_176)  # triangles, in the README
-_DIGITS = 4
+_DIGITS = 8
 _COLUMNS = {  # of the table: field of a record, and its format; none: two digits
     "backend": ("label", "{}"),
     "triangles": ("triangles", "{:.0f}"),

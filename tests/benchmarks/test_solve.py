@@ -12,6 +12,7 @@ from tests.benchmarks.measuring import Clocked, elastic_seconds
 from tests.benchmarks.test_assembly import SIZES
 
 LIMIT = 300.0  # s
+ENOUGH = 1.0  # s: shorter solves are repeated, and the shortest counts
 SMALL, DENSE = (16, 16), (8, 8)  # 1024 and 256 triangles
 RUNS = [
     *[("clarabel", {}, size) for size in [*SIZES, SMALL]],
@@ -21,6 +22,7 @@ RUNS = [
     ("ipopt-static", {}, SMALL),
     ("cvxpy", {}, SMALL),
     ("slsqp", {"r": 0.1}, DENSE),
+    ("trust-constr", {"r": 0.1}, DENSE),
 ]
 
 
@@ -41,11 +43,17 @@ def test_solve(benchmark, model, run):
     with la.SolverProcess() as process:
         # Imports and libraries are loaded by a solve of no account.
         process.prepare(clocked, tiny.program, settings).solve(tiny.contact)
+        answers = []
+
+        def solve():
+            answers.append(process.prepare(clocked, case.program, settings).solve(case.contact))
+
         before = elastic_seconds(case)
-        answer = benchmark.pedantic(
-            lambda: process.prepare(clocked, case.program, settings).solve(case.contact), rounds=1
-        )
+        benchmark.pedantic(solve, rounds=1)
+        while sum(answer.solve_time for answer in answers) < ENOUGH:
+            solve()
         elastic = min(before, elastic_seconds(case))
+    answer = min(answers, key=lambda answer: answer.solve_time)
     benchmark.extra_info.update(
         case.size,
         kind="solve",
