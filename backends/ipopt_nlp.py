@@ -7,7 +7,7 @@ regularisation is continued from r = 1 downwards, each step warm-started.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -22,6 +22,7 @@ from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
 from lacore.status import Status
 
+_ON_THE_WAY = 1e-3  # tolerance of the steps of the continuation but the last
 _STICK = 1e20  # a friction bound that nothing reaches: infinity has no place in the algebra
 
 
@@ -150,7 +151,10 @@ class IpoptSolver:
         start: "_Step",
         deadline: float,
     ) -> "_Step":
-        nlp = _solver(*self._form, self._options, max(deadline - time.perf_counter(), 1e-9))
+        # Steps on the way are but starts of the next.
+        tolerance = self._options.tolerance if penalty == self._target else _ON_THE_WAY
+        left = max(deadline - time.perf_counter(), 1e-9)
+        nlp = _solver(*self._form, self._options, tolerance, left)
         parameters = [penalty.eta, penalty.bulk, penalty.normal, penalty.tangential, damping]
         answer = nlp(
             x0=start.velocity,
@@ -236,7 +240,11 @@ def _build(
 
 
 def _solver(
-    problem: dict[str, Any], derivatives: dict[str, Any], options: IpoptOptions, left: float
+    problem: dict[str, Any],
+    derivatives: dict[str, Any],
+    options: IpoptOptions,
+    tolerance: float,
+    left: float,
 ) -> Any:
     """IPOPT for the program, with `left` seconds to go."""
     settings: dict[str, Any] = {
@@ -247,7 +255,7 @@ def _solver(
         "ipopt": {
             "print_level": 0,
             "sb": "yes",
-            "tol": options.tolerance,
+            "tol": tolerance,
             "max_iter": options.max_iterations,
             "max_wall_time": left,
             "acceptable_iter": 0,
@@ -256,17 +264,23 @@ def _solver(
             # platens and blocks, 0.2 needs half the iterations of the default 0.5.
             "alpha_red_factor": 0.2,
             "nlp_scaling_method": "none",
+            "fast_step_computation": "yes",  # convex: no residual of a step needs a second look
         },
     }
     return ca.nlpsol("regularised", "ipopt", problem, {**derivatives, **settings})
 
 
-def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters: Any) -> list[Any]:
+def _terms(
+    rows: Sparse, dim: int, law: "_Law", u: Any, constants: Any, parameters: Any
+) -> list[Any]:
     """Sum of a point law over all points: value, gradient, Hessian."""
     count = rows.shape[0] // dim
     matrix = to_casadi(rows)
     local = ca.reshape(ca.mtimes(matrix, u), dim, count)
-    energy, force, stiffness = law.map(count)(local, constants, parameters)
+    energy = law.energy(*(ca.vertsplit(part) for part in (local, constants, parameters)))
+    force, stiffness = (
+        derivative.map(count)(local, constants, parameters) for derivative in law.derivatives
+    )
     pattern = ca.diagcat(*[ca.Sparsity.dense(dim, dim)] * count)
     blocks = ca.MX(pattern, ca.vec(stiffness))
     return [
@@ -276,11 +290,41 @@ def _terms(rows: Sparse, dim: int, law: Any, u: Any, constants: Any, parameters:
     ]
 
 
-def _plastic_law(dim: int, share: float) -> Any:
-    """T17 at one strain point: local (cone rows, theta), constants (weight, bound).
+@dataclass(frozen=True)
+class _Law:
+    """A point law.
+
+    Attributes:
+        energy: of (local velocities, constants, parameters), each a list of numbers or of rows over
+            all points: IPOPT asks for the value alone five times as often as for the rest, and
+            rows are added up five times as fast as points.
+        derivatives: force and stiffness of one point, as functions to be mapped.
+    """
+
+    energy: Callable[[list[Any], list[Any], list[Any]], Any]
+    derivatives: tuple[Any, Any]
+
+
+def _derivatives(inputs: list[Any], force: Any, stiffness: Any) -> tuple[Any, Any]:
+    return ca.Function("force", inputs, [force]), ca.Function(
+        "stiffness", inputs, [ca.densify(stiffness)]
+    )
+
+
+def _plastic_law(dim: int, share: float) -> _Law:
+    """T17 at a strain point: local (cone rows, theta), constants (weight, bound).
 
     Parameters: eta, K_c, and the share kept of the rank-one term of the Hessian.
     """
+
+    def energy(local: list[Any], constants: list[Any], p: list[Any]) -> Any:
+        (weight, bound), (eta, bulk, _) = constants, p
+        theta = local[-1]
+        square = sum(v**2 for v in local[:-1]) + (share * theta) ** 2
+        limit = bound / eta
+        elastic, length = ca.fmin(square, limit**2), ca.sqrt(ca.fmax(square, limit**2))
+        return weight * (eta * elastic / 2 + bound * (length - limit) + bulk * theta**2 / 2)
+
     local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
     weight, bound, eta, bulk, damping = constants[0], constants[1], p[0], p[1], p[2]
     scale = ca.DM.ones(dim + 1)
@@ -290,46 +334,42 @@ def _plastic_law(dim: int, share: float) -> Any:
     length = ca.sqrt(ca.fmax(ca.dot(e, e), limit**2))
     flowing = length > limit
     secant = bound / length
-    theta = local[dim]
-    inside = ca.if_else(flowing, limit**2, ca.dot(e, e))
-    energy = eta * inside / 2 + bound * (length - limit) + bulk * theta**2 / 2
     force = secant * scale * e
-    force[dim] += bulk * theta
+    force[dim] += bulk * local[dim]
     direction = scale * e / length
     stiffness = secant * (ca.diag(scale**2) - damping * flowing * ca.mtimes(direction, direction.T))
     stiffness[dim, dim] += bulk
-    return ca.Function(
-        "plastic",
-        [local, constants, p],
-        [weight * energy, weight * force, weight * ca.densify(stiffness)],
-    )
+    return _Law(energy, _derivatives([local, constants, p], weight * force, weight * stiffness))
 
 
-def _contact_law(tangent_dim: int) -> Any:
-    """T18 at one contact point: local (u_n, u_t), constants (weight, dilatancy).
+def _contact_law(tangent_dim: int) -> _Law:
+    """T18 at a contact point: local (u_n, u_t), constants (weight, dilatancy).
 
     Parameters: K_n, K_t, friction bound, shift.
     """
-    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 4)
-    weight, dilatancy = constants[0], constants[1]
-    normal, tangential, bound = p[0], p[1], p[2]
-    opening, slip = local[0] + p[3], local[1:]
-    pressed = ca.fmax(-opening, 0)
-    limit = bound / tangential
-    tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
-    rate = ca.sqrt(ca.fmax(ca.dot(slip, slip), limit**2 + tiny))
-    inside = ca.fmin(ca.dot(slip, slip), limit**2)
-    frozen = normal * pressed**2 / 2 + tangential * inside / 2 + bound * (rate - limit)
 
-    speed = ca.sqrt(ca.dot(slip, slip) + tiny)
-    sliding = tangential * speed > dilatancy * normal * pressed
-    pushed = ca.fmax(dilatancy * speed - opening, 0)
-    compliance = 1 / normal + dilatancy**2 / tangential
-    dilatant = ca.if_else(
-        sliding,
-        pushed**2 / (2 * compliance),
-        normal * pressed**2 / 2 + tangential * ca.dot(slip, slip) / 2,
-    )
-    energy = weight * ca.if_else(dilatancy > 0, dilatant, frozen)
-    stiffness, force = ca.hessian(energy, local)
-    return ca.Function("contact", [local, constants, p], [energy, force, ca.densify(stiffness)])
+    def energy(local: list[Any], constants: list[Any], p: list[Any]) -> Any:
+        (weight, dilatancy), (normal, tangential, bound, shift) = constants, p
+        opening, square = local[0] + shift, sum(v**2 for v in local[1:])
+        pressed = ca.fmax(-opening, 0)
+        limit = bound / tangential
+        tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
+        rate = ca.sqrt(ca.fmax(square, limit**2 + tiny))
+        elastic = ca.fmin(square, limit**2)
+        frozen = normal * pressed**2 / 2 + tangential * elastic / 2 + bound * (rate - limit)
+
+        speed = ca.sqrt(square + tiny)
+        sliding = tangential * speed > dilatancy * normal * pressed
+        pushed = ca.fmax(dilatancy * speed - opening, 0)
+        compliance = 1 / normal + dilatancy**2 / tangential
+        dilatant = ca.if_else(
+            sliding,
+            pushed**2 / (2 * compliance),
+            normal * pressed**2 / 2 + tangential * square / 2,
+        )
+        return weight * ca.if_else(dilatancy > 0, dilatant, frozen)
+
+    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 4)
+    value = energy(*(ca.vertsplit(part) for part in (local, constants, p)))
+    stiffness, force = ca.hessian(value, local)
+    return _Law(energy, _derivatives([local, constants, p], force, stiffness))
