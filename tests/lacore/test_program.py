@@ -17,7 +17,7 @@ from lacore.program import (
     reduced,
 )
 from tests.lacore.models import deformable_block
-from tests.lacore.random_programs import POINTS, N, random_program
+from tests.lacore.random_programs import POINTS, N, frozen, random_program
 
 EXPONENT = st.floats(-9, 9)
 
@@ -88,6 +88,23 @@ def test_reduced_is_the_program_on_a_subspace(seed, free):
     ):
         assert np.allclose(one, other, atol=1e-12)
     assert np.array_equal(small.groups[0].weights, full.groups[0].weights)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("bound", np.nan),
+        ("bound", -1.0),
+        ("dilatancy", np.nan),
+        ("dilatancy", np.inf),
+        ("dilatancy", -0.1),
+        ("shift", np.nan),
+        ("shift", np.inf),
+    ],
+)
+def test_a_frozen_contact_holds_only_what_a_solver_may_see(field, value):
+    with pytest.raises(la.InputError, match=f"contact {field} = {value}"):
+        frozen(**{"bound": [0.5, 1.0, 2.0], field: [0.0, value, 0.0]})
 
 
 def test_friction_bounds_follow_compression_only():

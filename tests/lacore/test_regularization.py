@@ -15,7 +15,7 @@ from tests.lacore.random_programs import POINTS, N, frozen, random_program
 SEED = st.integers(0, 10**6)
 # Stiffness per bound from far below to far above the kinks at velocities of order one.
 STIFF = st.floats(-1.5, 2.5).map(lambda e: 10**e)
-LAWS = st.sampled_from(["smooth", "friction", "dilatant", "shifted"])
+LAWS = st.sampled_from(["smooth", "friction", "dilatant", "shifted", "both"])
 
 
 def law(name, rng):
@@ -24,7 +24,8 @@ def law(name, rng):
     if name == "friction":
         return frozen(rng.uniform(0, 1, POINTS))
     dilatancy = rng.uniform(0.1, 1, POINTS)
-    return frozen(0.0, dilatancy, rng.uniform(0, 1, POINTS) if name == "shifted" else 0.0)
+    bound = 1.0 if name == "both" else 0.0  # not counted where a point dilates
+    return frozen(bound, dilatancy, rng.uniform(0, 1, POINTS) if name == "shifted" else 0.0)
 
 
 def penalty(rng, stiff):
