@@ -155,7 +155,10 @@ class SolverProcess:
 
 
 class IsolatedSolver:
-    """A prepared solver whose work is done by a `SolverProcess`."""
+    """A prepared solver whose work is done by a `SolverProcess`.
+
+    `load_time`, s: what the process took to start and to import the backend.
+    """
 
     def __init__(
         self, process: SolverProcess, backend: Backend, program: KinematicProgram, options: Any
@@ -164,7 +167,9 @@ class IsolatedSolver:
         self._limit = min(float(options.time_limit) + GRACE, _LONGEST)
         self._lost: InnerSolution | None = None
         process.hand_to(self)
+        begin = time.perf_counter()
         self._ask(_START, "load", backend)  # imports are not to be paid from the time limit
+        self.load_time = time.perf_counter() - begin
         self._ask(self._limit, "prepare", program, options)
 
     def solve(self, contact: FrozenContact) -> InnerSolution:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
-from lacore.backend import check_capable, find_backend, read_options
+from lacore.backend import PreparedSolver, check_capable, find_backend, read_options
 from lacore.certificate import certify
 from lacore.coupling import COUPLINGS, Coupled, CouplingOptions, Iterate
 from lacore.errors import SolveError, require_known
@@ -76,16 +76,18 @@ def solve(
         problem = discretise(problem)
     program = dimensionless(problem.program, problem.natural)
     built = time.perf_counter()
+    build_time = built - begin
     check_capable(engine, program)
     regularised = engine.capabilities.regularised
     with ExitStack() as stack:
         if process is None and engine.capabilities.isolated:
             process = stack.enter_context(SolverProcess())
-        solver = (
-            engine.prepare(program, engine_options)
-            if process is None
-            else process.prepare(engine, program, engine_options)
-        )
+        solver: PreparedSolver
+        if process is None:
+            solver = engine.prepare(program, engine_options)
+        else:
+            solver = isolated = process.prepare(engine, program, engine_options)
+            built += isolated.load_time  # no part of the solve
         stack.callback(solver.close)
         coupled = COUPLINGS[coupling](
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
@@ -97,7 +99,7 @@ def solve(
         backend=backend,
         coupling=coupling,
         regularised=regularised,
-        build_time=built - begin,
+        build_time=build_time,
         solve_time=time.perf_counter() - built,
     )
     if throw and state.status is not Status.SOLVED:

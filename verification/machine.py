@@ -6,7 +6,10 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-PACKAGES = ("lacore", "numpy", "scipy", "scikit-fem", "clarabel", "casadi", "matplotlib")
+PACKAGES = (
+    *("lacore", "numpy", "scipy", "scikit-fem", "clarabel", "casadi", "cvxpy", "highspy"),
+    *("pypardiso", "matplotlib"),
+)
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 

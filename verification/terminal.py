@@ -22,7 +22,7 @@ from lacore.coupling import Iterate
 from verification.harness import FAIL, PASS, SKIPPED, Outcome, Run
 
 _STYLES = {PASS: "", FAIL: "bold red"}
-_WIDTH = 108
+_WIDTH = 120
 
 
 class Watch:
@@ -134,7 +134,7 @@ _HEAD = (
 def _line(*cells: str) -> str:
     formats = (
         "  {:7}",
-        "{:9}",
+        "{:20}",  # clarabel-regularised
         "{:>9}",
         "{:>9}",
         "{:>8}",

@@ -44,7 +44,7 @@ def test_compare_prints_a_table_that_fits(compared):
     assert result.exit_code == 0, result.output
     assert "prandtl-punch:smooth" in result.stdout
     assert re.search(r"coarse +clarabel +3\.000000 +3\.000000 .* pass", result.stdout)
-    assert max(map(len, result.stdout.split("Results:")[0].splitlines())) <= 108
+    assert max(map(len, result.stdout.split("Results:")[0].splitlines())) <= 120
 
 
 def test_compare_writes_rows_pictures_and_page(compared):
