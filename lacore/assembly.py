@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
-from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -108,7 +107,7 @@ def discretise(problem: Problem) -> Discretisation:
         program=program,
         free_basis=basis,
         held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
-        bodies=MappingProxyType(bodies),
+        bodies=bodies,
         points=points,
         shared_corners=corners,
         natural=Scales(

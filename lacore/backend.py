@@ -158,6 +158,8 @@ def find_backend(name: str) -> Backend:
 
 def load_backend(name: str) -> Backend:
     """As `find_backend`, but one that cannot run here is returned too, to be asked why."""
+    if not isinstance(name, str):
+        raise InputError("backend", name, "not a name", f"give one of {', '.join(backend_names())}")
     first, colon, variant = name.partition(":")
     require_known("backend", first, backend_names())
     (entry, *_) = entry_points(group=GROUP, name=first)

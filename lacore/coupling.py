@@ -35,7 +35,7 @@ from lacore.status import Status
 
 STARTS = ("associated", "zero")
 _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
-_PENALTY_SHARE = 0.25  # of the load factor; about 0.02 at r = 0.1 where they are as meant
+_PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 where they are as meant
 _LOOSEST = 1e-3  # residual at which a state still deserves its name
 _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
 

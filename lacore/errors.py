@@ -7,6 +7,8 @@ from numbers import Integral, Real
 
 import numpy as np
 
+_MOST = 2**31 - 1
+
 
 class LacoreError(Exception):
     """Base of every error that lacore raises on purpose."""
@@ -69,9 +71,11 @@ def is_plane_vector(value: object) -> bool:
 
 
 def require_count(field: str, value: int) -> None:
-    """Raise `InputError` unless `value` is a positive whole number."""
+    """Raise `InputError` unless `value` is a positive whole number that solvers can count to."""
     if not (isinstance(value, Integral) and not isinstance(value, bool) and value > 0):
         raise InputError(field, value, "not a positive whole number", "give a whole number > 0")
+    if value > _MOST:
+        raise InputError(field, value, "more than solvers count to", f"give at most {_MOST}")
 
 
 def require_positive(field: str, value: float) -> None:

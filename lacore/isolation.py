@@ -42,7 +42,7 @@ class _LostError(Exception):
 class SolverProcess:
     """An interpreter that runs backends one after the other; started anew when one kills it.
 
-    A context manager: leaving it stops the process.
+    A context manager: leaving it stops the process. For one thread at a time: it holds one program.
     """
 
     def __init__(self) -> None:
@@ -83,9 +83,10 @@ class SolverProcess:
             _kill(process)
 
         timer = threading.Timer(limit, stop)
-        timer.start()
+        timer.daemon = True  # interrupted while it starts, it must not hold up the end
         sent = b""
         try:
+            timer.start()
             _send(process.stdin, message)
             sent = _receive(process.stdout)
         except (OSError, EOFError):
@@ -95,7 +96,8 @@ class SolverProcess:
             raise
         finally:
             timer.cancel()
-            timer.join()  # it may be at work at this very moment
+            if timer.is_alive():
+                timer.join()  # it may be at work at this very moment
         if late.is_set() or not sent:
             raise self._lost(late.is_set(), limit)
         answer = pickle.loads(sent)

@@ -1,8 +1,9 @@
 """What the user says: bodies, supports, interfaces, loads. Immutable, and checked when built."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,11 @@ class Problem:
     supports: Sequence[Fix] = ()
     interfaces: Sequence[Interface] = ()
     dead_loads: Sequence[Load] = field(default=())
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        """Pickle by the arguments; predicates on coordinates must be named functions for it."""
+        given = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return type(self), tuple((given | {"bodies": dict(self.bodies)}).values())
 
     def __post_init__(self) -> None:
         if not isinstance(self.bodies, Mapping) or not self.bodies:

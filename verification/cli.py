@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 import lacore as la
+from lacore.errors import require_positive
 from verification import conformance, doctor, terminal
 from verification.catalogue import catalogue
 from verification.compare import ON_DEMAND, TIME_LIMIT, plan, run_all, tally
@@ -103,6 +104,7 @@ def compare(
       lacore compare prandtl-punch deformable-block:sliding --backends clarabel
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
     """  # noqa: D301  # click reads the backspace
+    require_positive("--time-limit", time_limit)
     runs = plan(cases, backends, meshes)
     with terminal.watching(len(runs)) as watch:
         outcomes = run_all(

@@ -1,10 +1,12 @@
 """What an attacker found: wrong numbers under a good name, and what becomes of them now."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 import lacore as la
-from tests.lacore.models import obstacle, square
+from tests.lacore.models import deformable_block, obstacle, square
 
 BLOCK = la.Body(la.meshes.rectangle((0, 2), (0, 1), 4, 2), la.VonMises(shear_strength=1.0))
 
@@ -168,3 +170,22 @@ def test_one_footing_given_by_two_lengths_of_its_direction():
     )
     shared = la.solve(problem, throw=True).load_factor
     assert shared == pytest.approx(la.solve(alone, throw=True).load_factor - 0.5, rel=1e-6)
+
+
+def test_a_limit_state_survives_pickling():
+    state = la.solve(deformable_block(0.5), throw=True)
+    again = pickle.loads(pickle.dumps(state))
+    assert again.load_factor == state.load_factor
+    assert again.reactions.equals(state.reactions)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        ({"backend": 3}, "backend = 3: not a name"),
+        ({"options": {"max_iterations": 10**12}}, "more than solvers count to"),
+    ],
+)
+def test_what_only_a_machine_would_say_is_said_in_words(arguments, field):
+    with pytest.raises(la.InputError, match=field):
+        la.solve(deformable_block(0.5), **arguments)

@@ -189,6 +189,8 @@ def test_infinity_is_strict_json():
         (["--backends", "clarbel"], "did you mean 'clarabel'?"),
         (["--backends", "cvxpy:SCSS"], "did you mean 'SCS'?"),
         (["--backends", "slsqp:fast"], "has no variants"),
+        (["--time-limit", "nan"], "--time-limit"),
+        (["--time-limit", "inf"], "--time-limit"),
         (["shear-patch", "--meshes", "corse"], "did you mean 'coarse'?"),
     ],
 )
