@@ -174,8 +174,11 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
       lacore conformance clarabel cvxpy:SCS
     """  # noqa: D301  # click reads the backspace
     ready = [name for name, _, missing in doctor.all_backends() if not missing]
+    names = list(dict.fromkeys(backends or ready))
+    for name in names:  # a wrong name is to be known before the first one has run
+        la.find_backend(name)
     rows: list[dict[str, Any]] = []
-    for name in dict.fromkeys(backends or ready):
+    for name in names:
         findings = conformance.run(name)
         rows += [{"backend": name} | row for row in conformance.records(findings)]
         if not as_json:
