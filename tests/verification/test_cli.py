@@ -155,7 +155,7 @@ def test_conformance_of_a_backend_that_is_not_here(monkeypatch):
     def missing(name):
         raise la.CapabilityError(f"backend {name!r} is not available: no licence")
 
-    monkeypatch.setattr(conformance, "run", missing)
+    monkeypatch.setattr(la, "find_backend", missing)
     result = run("conformance", "cvxpy:MOSEK")
     assert result.exit_code == 2
     assert "no licence" in result.stderr
