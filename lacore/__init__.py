@@ -1,8 +1,9 @@
 """lacore: plastic collapse loads of bodies in frictional contact, each with its own proof."""
 
-from lacore import meshes
+from lacore import masonry, meshes
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import backend_names, find_backend
+from lacore.blocks import BlockAssembly, RigidBlock
 from lacore.bodies import Body
 from lacore.certificate import Certificate
 from lacore.criteria import VonMises
@@ -18,6 +19,7 @@ from lacore.status import Rigor, Status
 __all__ = [
     "SMOOTH",
     "STICK",
+    "BlockAssembly",
     "Body",
     "BodyForce",
     "CapabilityError",
@@ -32,6 +34,7 @@ __all__ = [
     "PointForce",
     "Pressure",
     "Problem",
+    "RigidBlock",
     "RigidFooting",
     "RigidObstacle",
     "Rigor",
@@ -44,6 +47,7 @@ __all__ = [
     "backend_names",
     "discretise",
     "find_backend",
+    "masonry",
     "meshes",
     "solve",
 ]

@@ -63,6 +63,27 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
     mesh = body.mesh
     boundary = mesh.boundary_facets()
     start, end = mesh.p[:, mesh.facets[0, boundary]], mesh.p[:, mesh.facets[1, boundary]]
+    whole, cut = edges_inside(where, start, end, field)
+    if cut.size:
+        first = cut[0]
+        raise InputError(
+            field,
+            None,
+            f"it ends inside the element edge from {start[:, first]} to {end[:, first]}"
+            " (at a midside node or elsewhere between vertices)",
+            "put a vertex of the mesh where it ends",
+        )
+    return np.asarray(boundary[whole], dtype=np.int64)
+
+
+def edges_inside(
+    where: Callable[[Floats], Bools], start: Floats, end: Floats, field: str
+) -> tuple[Ints, Ints]:
+    """Numbers of the edges that satisfy a predicate along their whole length, and in part only.
+
+    Raises:
+        InputError: the predicate does not return one bool a point.
+    """
     samples = start[:, :, None] * (1 - _SAMPLES) + end[:, :, None] * _SAMPLES
     # Between its ends without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
     samples = np.clip(
@@ -76,19 +97,9 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
             "the predicate does not return one bool a point",
             "return an array of bool of shape (n,) for coordinates (2, n)",
         )
-    inside = inside.reshape(boundary.size, _SAMPLES.size)
+    inside = inside.reshape(start.shape[1], _SAMPLES.size)
     whole = inside.all(axis=1)
-    cut = inside.any(axis=1) & ~whole
-    if cut.any():
-        first = np.flatnonzero(cut)[0]
-        raise InputError(
-            field,
-            None,
-            f"it ends inside the element edge from {start[:, first]} to {end[:, first]}"
-            " (at a midside node or elsewhere between vertices)",
-            "put a vertex of the mesh where it ends",
-        )
-    return np.asarray(boundary[whole], dtype=np.int64)
+    return np.flatnonzero(whole), np.flatnonzero(inside.any(axis=1) & ~whole)
 
 
 def facet_geometry(body: Body, facets: Ints) -> tuple[Floats, Floats, Floats]:

@@ -76,6 +76,27 @@ STICK = Tresca(inf)
 Friction = Coulomb | Tresca
 
 
+def friction_law(friction: float | Friction, field: str) -> Friction:
+    """A friction law, a bare coefficient read as Coulomb friction.
+
+    Raises:
+        InputError: neither, or a coefficient below 0 or NaN; it names `field`.
+    """
+    if isinstance(friction, Coulomb | Tresca):
+        return friction
+    if not isinstance(friction, int | float | np.number):
+        raise InputError(
+            field,
+            friction,
+            "not a friction law",
+            "give a coefficient, lacore.Coulomb, Tresca, SMOOTH or STICK",
+        )
+    try:
+        return Coulomb(friction)
+    except InputError as wrong:
+        raise InputError(field, friction, wrong.why, wrong.mend) from None
+
+
 @dataclass(frozen=True)
 class RigidObstacle:
     """A rigid obstacle at rest.

@@ -1,0 +1,93 @@
+"""Builders of walls, stacks and arches."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore import masonry
+
+HALVES, FULL = [0.5, 1, 1, 1, 1, 0.5], [1, 1, 1, 1, 1]
+E, U, e, u = [1, 1, 1, 1], [0.5, 1, 1, 1, 0.5], [1, 0.5, -1, 0.5, 1], [0.5, 1, -1, 1, 0.5]
+WALLS = {  # rows, blocks, joints: REFERENCES, walls of Ferris & Tin-Loi
+    "W1": ([HALVES, FULL] * 3, 33, 83),
+    "W2": ([HALVES, FULL] * 5, 55, 141),
+    "W3": ([E, U, E, u, e, u, e, u, E, U, E], 46, 102),
+}
+
+
+@pytest.mark.parametrize(("rows", "blocks", "joints"), WALLS.values(), ids=WALLS)
+def test_walls_of_the_literature(rows, blocks, joints):
+    wall = masonry.running_bond(rows, friction=0.65)
+    assert len(wall.names) == blocks + 1  # the base is no block of the wall
+    assert wall.names[0] == "base"
+    assert wall.joints.count == joints
+    assert wall.isolated == ()
+    area = 0.4 * 0.175 * sum(w for row in rows for w in row if w > 0)
+    assert wall.area[1:].sum() == pytest.approx(area, rel=1e-12)  # sums of 55 terms
+    bare = masonry.running_bond(rows, friction=0.65, base=False)
+    assert bare.joints.count == joints - sum(w > 0 for w in rows[0])
+
+
+def test_names_count_blocks_and_not_openings():
+    wall = masonry.running_bond([[1, 1, 1], [1, -1, 1]], 0.5, block=(2.0, 1.0))
+    assert wall.names == ("base", "c1b1", "c1b2", "c1b3", "c2b1", "c2b2")
+    assert wall.centroid[:, wall.names.index("c2b2")] == pytest.approx([5.0, 1.5])
+    assert "c1b3|c2b2" in wall.joint_names
+
+
+@pytest.mark.parametrize(
+    ("rows", "parts"),
+    [
+        ([], ("rows", "no course")),
+        ([[1, 1], []], ("rows[1]", "not widths")),
+        ([[1, 1], [1, 0, 1]], ("rows[1]", "not widths")),
+        ([[1, np.nan]], ("rows[0]", "not widths")),
+        ([[1, 1], [1, 0.5]], ("rows[1]", "1.5 blocks wide", "first course 2", "equally wide")),
+    ],
+)
+def test_rows_that_make_no_wall(rows, parts):
+    with pytest.raises(la.InputError) as caught:
+        masonry.running_bond(rows, 0.5)
+    assert all(part in str(caught.value) for part in parts)
+
+
+def test_stack():
+    pile = masonry.stack([(2.0, 1.0), (1.0, 0.5)], 0.5, {("1", "2"): 0.3})
+    assert pile.names == ("base", "1", "2")
+    assert pile.joint_names == ("base|1", "1|2")
+    assert pile.joints.length == pytest.approx([2.0, 1.0])
+    assert pile.joints.coefficient == pytest.approx([0.5, 0.3])
+    assert np.allclose(pile.joints.normal, [[0, 0], [1, 1]])
+
+
+@pytest.mark.parametrize("embrace", [1.0, np.pi, 3.5])
+def test_arch(embrace):
+    ring = masonry.arch(9, 2.0, 0.3, 0.6, embrace)
+    assert set(ring.joint_names) == {"left|1", "right|9"} | {f"{n}|{n + 1}" for n in range(1, 9)}
+    assert ring.joints.length == pytest.approx(np.full(10, 0.3), rel=1e-12)
+    middle = (ring.joints.start + ring.joints.end) / 2
+    radial = middle / np.linalg.norm(middle, axis=0)
+    assert np.abs(np.sum(radial * ring.joints.normal, axis=0)).max() < 1e-12  # joints are radial
+    assert middle[0].sum() == pytest.approx(0, abs=1e-12)  # symmetric
+    # Voussoirs are trapezia between chords of the two circles.
+    area = (2.3**2 - 2.0**2) * np.sin(embrace / 9) / 2
+    assert ring.area[2:] == pytest.approx(np.full(9, area), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: masonry.arch(0, 1, 0.2, 0.6),
+        lambda: masonry.arch(9, -1, 0.2, 0.6),
+        lambda: masonry.arch(9, 1, 0, 0.6),
+        lambda: masonry.arch(9, 1, 0.2, 0.6, embrace=7.0),
+        lambda: masonry.arch(1, 1, 0.2, 0.6),
+        lambda: masonry.stack([], 0.5),
+        lambda: masonry.stack([(1, 0)], 0.5),
+        lambda: masonry.running_bond([[1, 1]], 0.5, block=(1, 0)),
+        lambda: masonry.running_bond([[1, 1]], -0.5),
+    ],
+)
+def test_builders_refuse(wrong):
+    with pytest.raises(la.InputError):
+        wrong()
