@@ -1,0 +1,205 @@
+"""Exact range of load factors that one mechanism can carry (T14b a).
+
+Coulomb limit loads are not unique: the velocity of a limit state leaves reactions, and with them
+the load factor, undetermined. The reactions that go with it are convex (`lacore.faces`), so that
+the smallest and the largest load factor are one conic program each, and everything between is
+carried too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import PreparedSolver, checked_answer
+from lacore.certificate import Certificate, certify
+from lacore.faces import Face, faces, ray_program
+from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.state import ProgramState
+from lacore.status import Status
+
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+_FAR = 100.0  # of the power turned over: where the state is looked at that proves an unbounded end
+
+
+class EndStatus(Enum):
+    """What an end of an interval is worth."""
+
+    EXACT = "certified, and a dual solution proves that this mechanism carries nothing beyond it"
+    FOUND = "certified, but what lies beyond it is not excluded: the program of the end failed"
+    UNBOUNDED = "there is no end: certified reactions grow with the load factor along a ray"
+    NOT_CERTIFIED = "the mechanism itself is not certified"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of an interval.
+
+    Attributes:
+        status: what it is worth.
+        load_factor: alpha; -inf or +inf of an unbounded end, NaN where nothing is certified.
+        point: the mechanism with the reactions and stresses of this end; where there is none, with
+            those of a state far along the ray.
+        certificate: residuals of `point` against the true friction laws.
+    """
+
+    status: EndStatus
+    load_factor: float
+    point: ProgramState
+    certificate: Certificate
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Load factors that one mechanism carries: all of [low, high].
+
+    Other mechanisms may carry others: see `lacore.coulomb_range`.
+
+    Attributes:
+        lower, upper: the ends.
+    """
+
+    lower: End
+    upper: End
+
+    @property
+    def low(self) -> float:
+        """Smallest load factor."""
+        return self.lower.load_factor
+
+    @property
+    def high(self) -> float:
+        """Largest load factor."""
+        return self.upper.load_factor
+
+    @property
+    def exact(self) -> bool:
+        """Whether both ends are proven, unbounded ones included."""
+        proven = (EndStatus.EXACT, EndStatus.UNBOUNDED)
+        return self.lower.status in proven and self.upper.status in proven
+
+    def __str__(self) -> str:
+        ends = f"{self.low:.6g} ({self.lower.status.label}), {self.high:.6g}"
+        return f"[{ends} ({self.upper.status.label})]"
+
+
+def load_factor_interval(
+    program: KinematicProgram, point: ProgramState, prepare: Prepare, tolerance: float = 1e-6
+) -> Interval:
+    """Smallest and largest load factor of the mechanism of a certified Coulomb state.
+
+    Args:
+        program: dimensionless, as backends get it.
+        point: the state, in the same units; the interval is in them too.
+        prepare: sets an exact backend to work on a program.
+        tolerance: bar for the residuals of the states, and for the proofs of the ends.
+    """
+    found = certify(program, point)
+    if not found.holds(tolerance):
+        nothing = End(EndStatus.NOT_CERTIFIED, np.nan, point, found)
+        return Interval(nothing, nothing)
+    if not program.contact.coulomb.any():  # the power balance of the mechanism leaves no choice
+        unique = End(EndStatus.EXACT, point.load_factor, point, found)
+        return Interval(unique, unique)
+    ends = (_proven_end(program, point, sign, prepare, tolerance) for sign in (-1.0, 1.0))
+    return Interval(*(end or End(EndStatus.FOUND, point.load_factor, point, found) for end in ends))
+
+
+def _proven_end(
+    program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
+) -> End | None:
+    """The end in the direction of `sign`, by the first face that proves one; None: by none."""
+    for face in faces(program, point):
+        solved = replace(face.program, reference_load=sign * face.program.reference_load)
+        dual, status = _solve(solved, face.contact, prepare)
+        if status is Status.LOCKED:
+            end = _unbounded(face, sign, prepare, tolerance)
+        elif dual is not None:
+            end = _end(face, solved, dual, sign, tolerance)
+        else:
+            end = None
+        if end is not None:
+            return end
+    return None
+
+
+def _end(
+    face: Face, solved: KinematicProgram, dual: ProgramState, sign: float, tolerance: float
+) -> End | None:
+    alpha = sign * dual.load_factor
+    point = face.state(dual, alpha)
+    certificate = certify(face.original, point)
+    power = tolerance * _power(face.original, point)
+    proven = _bounds(solved, face.contact, dual, power, tolerance)
+    if not (proven and certificate.holds(tolerance)):
+        return None
+    return End(EndStatus.EXACT, alpha, point, certificate)
+
+
+def _bounds(
+    program: KinematicProgram,
+    contact: FrozenContact,
+    dual: ProgramState,
+    power: float,
+    tolerance: float,
+) -> bool:
+    """Whether the velocity of a solution bounds, but for `power`, the load factor of a face.
+
+    The power that this velocity turns over is no scale: it can be 0 together with the load factor.
+    """
+    v, seen = dual.velocity, certify(program, dual, contact)
+    dissipated = program.plastic_dissipation(v) + program.friction_dissipation(v, contact.bound)
+    gap = dissipated - float(program.dead_load @ v) - dual.load_factor
+    admissible = (seen.penetration, seen.divergence, seen.normalisation)
+    return abs(gap) <= power and all(value <= tolerance for value in admissible)
+
+
+def _power(program: KinematicProgram, point: ProgramState) -> float:
+    """Power that a state turns over: the scale of (T15)."""
+    u = point.velocity
+    bound = reaction_contact(program.contact, point.normal_reaction).bound
+    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
+    return dissipated + abs(float(program.dead_load @ u))
+
+
+def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> End | None:
+    """Proof that there is no end; None where it fails."""
+    dual, _ = _solve(*ray_program(face, sign), prepare)
+    if dual is None:
+        return None
+    ray, found = face.ray(dual, sign), face.point
+    reach = _FAR * _power(face.original, found)
+    far = ProgramState(
+        velocity=found.velocity,
+        load_factor=found.load_factor + sign * reach,
+        stress=_sums(found.stress, ray.stress, reach),
+        mean_stress=_sums(found.mean_stress, ray.mean_stress, reach),
+        normal_reaction=found.normal_reaction + reach * ray.normal_reaction,
+        tangential_reaction=found.tangential_reaction + reach * ray.tangential_reaction,
+    )
+    certificate = certify(face.original, far)
+    if not certificate.holds(tolerance):
+        return None
+    return End(EndStatus.UNBOUNDED, sign * np.inf, far, certificate)
+
+
+def _sums(first: tuple[Floats, ...], other: tuple[Floats, ...], share: float) -> tuple[Floats, ...]:
+    return tuple(a + share * b for a, b in zip(first, other, strict=True))
+
+
+def _solve(
+    program: KinematicProgram, contact: FrozenContact, prepare: Prepare
+) -> tuple[ProgramState | None, Status]:
+    solver = prepare(program)
+    try:
+        answer = checked_answer(program, False, solver.solve(contact))
+    finally:
+        solver.close()
+    return answer.point, answer.status
