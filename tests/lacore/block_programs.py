@@ -1,6 +1,7 @@
 """Programs of rigid blocks written down by hand: points of contact, weights, loads."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -115,4 +116,30 @@ def sliding_block(mu=0.3, weight=1.0):
         touches=edge(0, FIXED, (-0.5, 0), (0.5, 0), (0, 1), mu),
         reference=[(1, 0)],
         dead=[(0, -weight)],
+    )
+
+
+def wall(courses=((1, 1, 1), (0.5, 1, 1, 0.5), (1, 1, 1)), mu=0.65, high=0.4):
+    """Running bond on a floor, pushed sideways by the weights."""
+    boxes = []
+    for course, widths in enumerate(courses):
+        ends = np.concatenate([[0], np.cumsum(widths)])
+        boxes += [(a, b, course) for a, b in pairwise(ends)]
+    touches = []
+    for i, (left, right, course) in enumerate(boxes):
+        y = course * high
+        if course == 0:
+            touches += edge(i, FIXED, (left, y), (right, y), (0, 1), mu)
+        for j, (start, end, other) in enumerate(boxes):
+            a, b = max(left, start), min(right, end)
+            if other == course - 1 and b > a:
+                touches += edge(i, j, (a, y), (b, y), (0, 1), mu)
+            if other == course and np.isclose(start, right):
+                touches += edge(j, i, (right, y), (right, y + high), (1, 0), mu)
+    weights = np.array([(b - a) * high for a, b, _ in boxes])
+    return blocks(
+        centres=[((a + b) / 2, (course + 0.5) * high) for a, b, course in boxes],
+        touches=touches,
+        reference=np.column_stack([weights, 0 * weights]),
+        dead=np.column_stack([0 * weights, -weights]),
     )
