@@ -44,7 +44,7 @@ class End:
 
     Attributes:
         status: what it is worth.
-        load_factor: alpha; -inf or +inf of an unbounded end, NaN where nothing is certified.
+        load_factor: alpha; +inf of an unbounded end, NaN where nothing is certified.
         point: the mechanism with the reactions and stresses of this end; where there is none, with
             those of a state far along the ray.
         certificate: residuals of `point` against the true friction laws.
@@ -60,7 +60,8 @@ class End:
 class Interval:
     """Load factors that one mechanism carries: all of [low, high].
 
-    Other mechanisms may carry others: see `lacore.coulomb_range`.
+    Other mechanisms may carry others. Only the upper end can be unbounded: friction takes power, so
+    that alpha is at least the plastic dissipation less the power of the dead load.
 
     Attributes:
         lower, upper: the ends.

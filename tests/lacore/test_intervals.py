@@ -124,6 +124,14 @@ def test_wedging_between_walls_has_no_upper_end(backend):
     assert "inf (unbounded)" in str(interval)
 
 
+def test_pressed_down_between_walls_there_is_none_either():
+    """From alpha = -W, where nothing wedges."""
+    program = between_walls()
+    _, interval = interval_of(replace(program, reference_load=-program.reference_load), "clarabel")
+    assert interval.low == pytest.approx(-1, abs=1e-8)
+    assert interval.upper.status is EndStatus.UNBOUNDED
+
+
 # Against a linear program of forces, written down without any of the code under test.
 
 
