@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import block_diag, csr_matrix
 from skfem import Basis, FacetBasis, LinearForm
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.blocks import BlockAssembly
+from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, facet_geometry
 from lacore.contact_points import ContactPoints, contact_rows
 from lacore.dofs import BodyDofs, number
@@ -24,6 +26,7 @@ from lacore.program import (
     kept_points,
     reduced,
 )
+from lacore.rigid import RigidDofs
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
 _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
@@ -39,8 +42,9 @@ class Discretisation:
         full: the program for all unknowns, SI units.
         program: the program for the free unknowns q, SI units.
         free_basis: ``U = free_basis @ q``.
-        held_nodes: which nodes a support or a footing acts on, shape (nodes of all bodies,).
-        bodies: by name.
+        held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
+        bodies: continua by name.
+        assemblies: rigid blocks by name.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
@@ -53,9 +57,16 @@ class Discretisation:
     free_basis: Sparse
     held_nodes: Bools
     bodies: Mapping[str, BodyDofs]
+    assemblies: Mapping[str, RigidDofs]
     points: ContactPoints
     shared_corners: Bools
     natural: Scales
+
+    @property
+    def n_elements(self) -> int:
+        """Triangles and rigid blocks."""
+        triangles = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
+        return int(triangles) + sum(len(dofs.body.names) for dofs in self.assemblies.values())
 
 
 def discretise(problem: Problem) -> Discretisation:
@@ -63,35 +74,53 @@ def discretise(problem: Problem) -> Discretisation:
 
     Raises:
         InputError: a footing that cannot move, a reference load that does no power because it
-            acts on supports alone.
+            acts on supports alone, rigid bodies under no dead load.
     """
-    bodies = number(problem.bodies)
     footings = _footings(problem)
-    node_dofs = np.concatenate([dofs.dofs for dofs in bodies.values()], axis=1)
+    bodies = number({n: b for n, b in problem.bodies.items() if isinstance(b, Body)})
+    node_dofs = np.concatenate(
+        [np.zeros((2, 0), dtype=np.int64), *(dofs.dofs for dofs in bodies.values())], axis=1
+    )
     n = node_dofs.size + len(footings)
+    assemblies: dict[str, RigidDofs] = {}
+    for name, body in problem.bodies.items():
+        if isinstance(body, BlockAssembly):
+            assemblies[name] = RigidDofs(body, n)
+            n += assemblies[name].count
 
-    contact, points = contact_rows(problem.interfaces, bodies, n)
+    contact, points = contact_rows(problem.interfaces, bodies | assemblies, n)
     full = KinematicProgram(
         groups=tuple(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
         contact=contact,
-        reference_load=_load_vector(problem.reference_loads, bodies, footings, n),
-        dead_load=_load_vector(problem.dead_loads, bodies, footings, n),
+        reference_load=_load_vector(problem.reference_loads, bodies, assemblies, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, assemblies, footings, n),
     )
+    supports = [support for support in problem.supports if support.body in bodies]
     conditions = join(
         [
-            *(_support_conditions(support, bodies[support.body]) for support in problem.supports),
+            *(_support_conditions(support, bodies[support.body]) for support in supports),
             *(
                 _footing_conditions(footing, bodies[footing.body], number)
                 for number, footing in enumerate(footings)
             ),
         ]
     )
-    basis = free_basis(conditions, node_dofs, [f.name for f in footings])
+    basis = csr_matrix(
+        block_diag(
+            [
+                free_basis(conditions, node_dofs, [f.name for f in footings]),
+                *(
+                    dofs.free([s for s in problem.supports if s.body == name])
+                    for name, dofs in assemblies.items()
+                ),
+            ],
+            format="csr",
+        )
+    )
     program = reduced(full, basis)
-    kept = _movable(program.contact, points, problem)
+    kept = _movable(program.contact, points)
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
-    points = ContactPoints(position=points.position[kept], normal=points.normal[kept])
-    corners = _shared_corners(program.contact, points, problem)
+    points = replace(points, position=points.position[kept], normal=points.normal[kept])
     size = _load_size(full.reference_load, node_dofs)
     # Round-off of the nodal sums; a load that can do power keeps at least one whole nodal force.
     if np.sum(np.abs(program.reference_load)) <= 1e-12 * size:
@@ -108,36 +137,69 @@ def discretise(problem: Problem) -> Discretisation:
         free_basis=basis,
         held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
         bodies=bodies,
+        assemblies=assemblies,
         points=points,
-        shared_corners=corners,
-        natural=Scales(
-            length=sqrt(sum(float(group.weights.sum()) for group in full.groups)),
-            stress=sqrt(3) * max(float(group.bound.max()) for group in full.groups),
-            velocity=1 / size,
-        ),
+        shared_corners=_shared_corners(program.contact, points, problem),
+        natural=_natural_scales(program, [*bodies.values(), *assemblies.values()], 1 / size),
     )
 
 
+def _natural_scales(
+    program: KinematicProgram, bodies: Sequence[BodyDofs | RigidDofs], velocity: float
+) -> Scales:
+    """Scales of the answer: strengths where there are any, else those of the dead load.
+
+    Raises:
+        InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
+    """
+    length = sqrt(sum(body.extent for body in bodies))
+    strengths = [sqrt(3) * float(group.bound.max()) for group in program.groups]
+    if not strengths:
+        limit = program.contact.limit
+        strengths = [
+            float(np.abs(program.dead_load).sum()) / length,
+            float(limit[np.isfinite(limit)].max(initial=0.0)),
+        ]
+    if not max(strengths) > 0:
+        raise InputError(
+            "Problem.dead_loads",
+            None,
+            "rigid bodies under no dead load, without cohesion: nothing sets a scale of forces, the"
+            " load factor would always be 0",
+            "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields",
+        )
+    return Scales(length=length, stress=max(strengths), velocity=velocity)
+
+
 def _shared_corners(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
-    """Coulomb points at corners, with a contact point of another direction, shape (m,).
+    """Coulomb points at corners of continua that meet contact of another direction, shape (m,).
 
     Raises:
         InputError: the other one sticks by law, and so takes an unknown part of the normal force.
     """
     bodies = list(problem.bodies)
-    owner = [bodies.index(interface.slave[0]) for interface in problem.interfaces]
-    place = np.column_stack([np.array(owner, dtype=float)[contact.interface], points.position])
+    # Joints of rigid blocks, numbered after the interfaces, meet at corners as a rule.
+    own = contact.interface < len(problem.interfaces)
+    owner = [
+        bodies.index(interface.slave[0])
+        if isinstance(problem.bodies[interface.slave[0]], Body)
+        else -1
+        for interface in problem.interfaces
+    ]
+    body = np.full(contact.count, -1.0)
+    body[own] = np.array(owner, dtype=float)[contact.interface[own]]
+    place = np.column_stack([body, points.position])
     _, node, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
     node = node.ravel()
     resultant = np.zeros((count.size, 2))
     np.add.at(resultant, node, points.normal)
-    turns = (np.linalg.norm(resultant, axis=1) < count * _STRAIGHT)[node]
+    turns = (np.linalg.norm(resultant, axis=1) < count * _STRAIGHT)[node] & (body >= 0)
     sticking = np.bincount(node, np.isinf(contact.limit), minlength=count.size)[node] > 0
     wrong = np.flatnonzero(contact.coulomb & turns & sticking)
     if wrong.size:
         raise InputError(
             "Problem.interfaces",
-            problem.interfaces[int(contact.interface[wrong[0]])].name,
+            points.names[int(contact.interface[wrong[0]])],
             f"meets an interface that sticks at {points.position[wrong[0]]}, which holds the normal"
             " velocity where friction needs the normal reaction",
             "end one of the two beside the corner, or give the other a friction coefficient",
@@ -145,7 +207,7 @@ def _shared_corners(contact: ContactRows, points: ContactPoints, problem: Proble
     return np.asarray(contact.coulomb & turns)
 
 
-def _movable(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
+def _movable(contact: ContactRows, points: ContactPoints) -> Bools:
     """Contact points that no support holds altogether, shape (m,).
 
     A held point carries what the support carries: its reaction is undetermined and its slip zero.
@@ -160,7 +222,7 @@ def _movable(contact: ContactRows, points: ContactPoints, problem: Problem) -> B
     if loose.size:
         raise InputError(
             "Problem.interfaces",
-            problem.interfaces[int(contact.interface[loose[0]])].name,
+            points.names[int(contact.interface[loose[0]])],
             f"a support holds the normal velocity at {points.position[loose[0]]}, where friction"
             " needs the normal reaction",
             "let the support end beside the interface, or hold both components",
@@ -198,17 +260,23 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
 def _load_vector(
     loads: Sequence[Load],
     bodies: Mapping[str, BodyDofs],
+    assemblies: Mapping[str, RigidDofs],
     footings: Sequence[RigidFooting],
     n: int,
 ) -> Floats:
     """Nodal forces of loads, shape (n,), N/m; a footing's load acts on its own unknown."""
     total = np.zeros(n)
+    first = n - sum(rigid.count for rigid in assemblies.values())
     for load in loads:
+        if load.body in assemblies:
+            rigid = assemblies[load.body]
+            total[rigid.offset : rigid.offset + rigid.count] += rigid.force(load)
+            continue
         dofs = bodies[load.body]
         if isinstance(load, RigidFooting):
             start, end, _ = facet_geometry(dofs.body, _facets(dofs, load))
             area = float(np.linalg.norm(end - start, axis=0).sum())
-            place = n - len(footings) + footings.index(_unloaded(load))
+            place = first - len(footings) + footings.index(_unloaded(load))
             total[place] += load.pressure * area
         elif isinstance(load, PointForce):
             vertex = vertex_at(dofs.body, load.at, "PointForce.at")
@@ -250,7 +318,7 @@ def _unloaded(footing: RigidFooting) -> RigidFooting:
 
 
 def _load_size(load: Floats, node_dofs: Ints) -> float:
-    """Sum of the magnitudes of all nodal and footing forces: independent of axes, N/m."""
+    """Sum of the magnitudes of all nodal, footing and block forces, N/m."""
     nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
     return float(nodal + np.abs(load[node_dofs.size :]).sum())
 

@@ -1,9 +1,10 @@
-"""Contact points: rows of normal and tangential velocity on element edges (T28).
+"""Contact points: rows of normal and tangential velocity on the segments of interfaces (T28).
 
-They stand at the Bernstein control values of the velocity on each edge (its ends, and
-``2 u_mid - (u_start + u_end)/2``, weights L/3 each), so that ``u_n >= 0`` holds along the whole
-edge and frozen friction dissipation is over-estimated. Control values that two edges of one
-direction share are one point.
+They stand at the Bernstein control values of the velocity jump on each segment, so that
+``u_n >= 0`` holds along all of it and frozen friction dissipation is over-estimated: for a
+quadratic jump the ends and ``2 u_mid - (u_start + u_end)/2``, weights L/3 each; for the linear
+jump between rigid blocks the ends, weights L/2. Two bodies meet on the common refinement of their
+edges, so that neither side is preferred. Control values that two segments share are one point.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,16 +12,21 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, vstack
+from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats, Sparse
-from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.contact_geometry import Segments, interface_segments
 from lacore.dofs import BodyDofs
-from lacore.interfaces import Interface
+from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
+from lacore.rigid import RigidDofs
 
 _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
+_SAME_PLACE = 1e-9  # of the extent of the contact
+_ROUND_OFF = 1e-13  # of an entry of order one
+
+Dofs = BodyDofs | RigidDofs
 
 
 @dataclass(frozen=True)
@@ -29,85 +35,153 @@ class ContactPoints:
 
     Attributes:
         position, normal: shape (m, 2); `normal` from the master into the slave.
+        names: of the interfaces and joints that `ContactRows.interface` counts.
     """
 
     position: Floats
     normal: Floats
+    names: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class _ControlValues:
-    """Control values of one interface; the velocity is ``(x rows @ U, y rows @ U)``."""
+class _Laws:
+    """Friction of segments, each of shape (k,): see `lacore.interfaces.FrictionTerms`."""
 
-    points: ContactPoints
+    coefficient: Floats
+    limit: Floats
+    dilatancy: Floats
+
+
+@dataclass(frozen=True)
+class _Station:
+    """Contact points of one interface, or of all joints of an assembly."""
+
+    position: Floats
+    normal: Floats
     weights: Floats
+    interface: Ints
+    laws: _Laws
     x: Sparse
     y: Sparse
 
 
 def contact_rows(
-    interfaces: Sequence[Interface], bodies: Mapping[str, BodyDofs], n: int
+    interfaces: Sequence[Interface], bodies: Mapping[str, Dofs], n: int
 ) -> tuple[ContactRows, ContactPoints]:
-    """Contact rows of all interfaces for n unknowns, and where they stand."""
-    parts = [_control_values(interface, bodies[interface.slave[0]], n) for interface in interfaces]
-    normal = np.concatenate([np.zeros((0, 2)), *(part.points.normal for part in parts)])
-    position = np.concatenate([np.zeros((0, 2)), *(part.points.position for part in parts)])
-    sizes = [part.weights.size for part in parts]
-    x = vstack([csr_matrix((0, n)), *(part.x for part in parts)], format="csr")
-    y = vstack([csr_matrix((0, n)), *(part.y for part in parts)], format="csr")
+    """Contact rows of all interfaces and joints for n unknowns, and where they stand."""
+    stations, names = [], [interface.name for interface in interfaces]
+    for index, interface in enumerate(interfaces):
+        stations.append(_interface(interface, index, bodies, n))
+    for name, dofs in bodies.items():
+        if isinstance(dofs, RigidDofs):
+            stations.append(_joints(dofs, len(names), n))
+            names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
+    normal = np.concatenate([np.zeros((0, 2)), *(part.normal for part in stations)])
+    x, y = (
+        vstack([csr_matrix((0, n)), *(getattr(part, axis) for part in stations)], format="csr")
+        for axis in ("x", "y")
+    )
 
     def along(direction: Floats) -> Sparse:
-        return csr_matrix(x.multiply(direction[:, :1]) + y.multiply(direction[:, 1:]))
+        rows = csr_matrix(x.multiply(direction[:, :1]) + y.multiply(direction[:, 1:]))
+        rows.data[np.abs(rows.data) < _ROUND_OFF] = 0.0
+        rows.eliminate_zeros()
+        return rows
 
-    laws = [interface.law.terms() for interface in interfaces]
+    def every(values: Sequence[Floats]) -> Floats:
+        return np.concatenate([np.zeros(0), *values])
+
     rows = ContactRows(
         normal=along(normal),
         tangential=along(np.stack([-normal[:, 1], normal[:, 0]], axis=1)),
         tangent_dim=1,
-        weights=np.concatenate([np.zeros(0), *(part.weights for part in parts)]),
-        coefficient=np.repeat([law.coefficient for law in laws], sizes),
-        limit=np.repeat(
-            [
-                _attainable(law.limit, bodies[interface.slave[0]])
-                for law, interface in zip(laws, interfaces, strict=True)
-            ],
-            sizes,
-        ),
-        dilatancy=np.repeat([law.dilatancy for law in laws], sizes),
-        interface=np.repeat(np.arange(len(parts)), sizes),
+        weights=every([part.weights for part in stations]),
+        coefficient=every([part.laws.coefficient for part in stations]),
+        limit=every([part.laws.limit for part in stations]),
+        dilatancy=every([part.laws.dilatancy for part in stations]),
+        interface=every([part.interface for part in stations]).astype(np.int64),
     )
-    return rows, ContactPoints(position=position, normal=normal)
+    position = np.concatenate([np.zeros((0, 2)), *(part.position for part in stations)])
+    return rows, ContactPoints(position, normal, tuple(names))
 
 
-def _attainable(limit: float, dofs: BodyDofs) -> float:
-    """A friction limit, infinite where it is far beyond any shear stress the body can carry."""
-    strength = dofs.body.criterion.k
-    return limit if limit <= _UNATTAINABLE * strength else inf
+def _interface(
+    interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int
+) -> _Station:
+    geometry = {name: dofs.body for name, dofs in bodies.items()}
+    segments = interface_segments(interface, geometry, f"Problem.interfaces[{index}]")
+    slave, master = bodies[interface.slave[0]], None
+    if not isinstance(interface.master, RigidObstacle):
+        master = bodies[interface.master[0]]
+    strength = min(slave.strength, inf if master is None else master.strength)
+    law, count = interface.law.terms(), segments.slave.size
+    # Infinite where it is far beyond any shear stress that the bodies can carry.
+    limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
+    laws = _Laws(*(np.full(count, v) for v in (law.coefficient, limit, law.dilatancy)))
+    parts = (slave.parts(segments.slave), None if master is None else master.parts(segments.master))
+    return _stations(segments, np.full(count, index), laws, (slave, master), parts, n)
 
 
-def _control_values(interface: Interface, dofs: BodyDofs, n: int) -> _ControlValues:
-    facets = boundary_facets(dofs.body, interface.slave[1], "Interface.slave")
-    start, end, outward = facet_geometry(dofs.body, facets)
-    length = np.linalg.norm(end - start, axis=0)
-    start_node, mid_node, end_node = dofs.facet_nodes(facets)
-    nodes = np.concatenate([start_node, mid_node, end_node])
-    normal = np.tile(-outward.T, (3, 1))
-    key = np.column_stack([nodes, np.round(normal, _SAME_NORMAL) + 0.0])  # + 0.0: no minus zero
+def _joints(dofs: RigidDofs, first: int, n: int) -> _Station:
+    joints = dofs.body.joints
+    nothing = np.full(joints.slave.size, -1)
+    segments = Segments(nothing, nothing, joints.start, joints.end, joints.normal)
+    laws = _Laws(joints.coefficient, joints.limit, joints.dilatancy)
+    number = first + np.arange(joints.slave.size)
+    return _stations(segments, number, laws, (dofs, dofs), (joints.slave, joints.master), n)
+
+
+def _stations(
+    segments: Segments,
+    interface: Ints,
+    laws: _Laws,
+    sides: tuple[Dofs, Dofs | None],
+    parts: tuple[Ints, Ints | None],
+    n: int,
+) -> _Station:
+    """Control values of the jump on segments; parts: what moves on either side."""
+
+    def jump(points: Floats) -> list[Sparse]:
+        slave, master = sides
+        own = slave.velocity_rows(parts[0], points, n)
+        if master is None or parts[1] is None:
+            return list(own)
+        other = master.velocity_rows(parts[1], points, n)
+        return [csr_matrix(a - b) for a, b in zip(own, other, strict=True)]
+
+    start, end = segments.start, segments.end
+    ends = [jump(start), jump(end)]
+    count, degree = interface.size, max(side.degree for side in sides if side is not None)
+    values, places = [ends[0], ends[1]], [start, end]
+    if degree > 1:
+        middle = (start + end) / 2
+        values.append(
+            [m * 2.0 - (a + b) * 0.5 for m, a, b in zip(jump(middle), *ends, strict=True)]
+        )
+        places.append(middle)
+    copies = len(places)
+    position, normal = np.concatenate(places, axis=1), np.tile(segments.normal, copies)
+    moving = [side.moving(part) for side, part in zip(sides, parts, strict=True) if side is not None]
+    size = max(float(np.ptp(position, axis=1).max(initial=0.0)), np.finfo(float).tiny)
+    key = np.column_stack(
+        [
+            np.tile(interface, copies),
+            np.repeat(np.arange(copies) // 2, count),
+            *(np.tile(part, copies) for part in moving),
+            np.round(position.T / (_SAME_PLACE * size)),
+            np.round(normal.T, _SAME_NORMAL),
+        ]
+    )
+    key = key + 0.0  # no minus zero
     _, first, point = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    point = point.ravel()
-    mid_point = point[facets.size : 2 * facets.size]
-    own_share = np.ones(first.size)
-    own_share[mid_point] = 2.0
-    row = np.concatenate([np.arange(first.size), mid_point, mid_point])
-    node = np.concatenate([nodes[first], start_node, end_node])
-    share = np.concatenate([own_share, np.full(2 * facets.size, -0.5)])
-    x, y = (
-        csr_matrix(coo_matrix((share, (row, dofs.dofs[axis, node])), shape=(first.size, n)))
-        for axis in (0, 1)
-    )
-    return _ControlValues(
-        points=ContactPoints(position=dofs.nodes[:, nodes[first]].T, normal=normal[first]),
-        weights=np.bincount(point, np.tile(length / 3, 3)).astype(np.float64),
-        x=x,
-        y=y,
+    length = np.linalg.norm(end - start, axis=0)
+    at = first % count if count else first
+    return _Station(
+        position=position[:, first].T,
+        normal=normal[:, first].T,
+        weights=np.bincount(point.ravel(), np.tile(length / copies, copies)).astype(np.float64),
+        interface=interface[at],
+        laws=_Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
+        x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
+        y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
     )

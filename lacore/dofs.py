@@ -4,12 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_matrix
 from skfem import Basis
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies import Body
 from lacore.spaces import SPACES
 
+_ROUND_OFF = 1e-13  # of a shape function
 
 @dataclass(frozen=True)
 class BodyDofs:
@@ -30,6 +32,44 @@ class BodyDofs:
     first_node: int
     basis: Basis
     offset: int
+    degree = 2  # of the velocity along an edge
+
+    @property
+    def strength(self) -> float:
+        """Shear stress that it can carry, Pa."""
+        return self.body.criterion.k
+
+    @property
+    def extent(self) -> float:
+        """Area, m^2."""
+        return float(self.basis.dx.sum())
+
+    def parts(self, facets: Ints) -> Ints:
+        """The facets themselves: velocities differ from one to the next."""
+        return facets
+
+    def moving(self, facets: Ints) -> Ints:
+        """What moves continuously: all of the body is one."""
+        return np.zeros_like(facets)
+
+    def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
+        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n)."""
+        nodes = self.facet_nodes(facets)
+        start, _, end = (self.nodes[:, node] for node in nodes)
+        along = end - start
+        s = np.sum((points - start) * along, axis=0) / np.sum(along**2, axis=0)
+        shape = np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
+        shape[np.abs(shape) < _ROUND_OFF] = 0.0
+        first = 3 * np.arange(facets.size + 1)
+        x, y = (
+            csr_matrix(
+                (shape.ravel(), self.dofs[axis, nodes].T.ravel(), first), (facets.size, n)
+            )
+            for axis in (0, 1)
+        )
+        x.eliminate_zeros()
+        y.eliminate_zeros()
+        return x, y
 
     def facet_nodes(self, facets: Ints) -> Ints:
         """The body's nodes (start, midpoint, end) on facets, shape (3, n)."""

@@ -130,11 +130,14 @@ class RigidObstacle:
 
 @dataclass(frozen=True)
 class Interface:
-    """Contact between a slave boundary and a rigid obstacle.
+    """Contact between a boundary and a rigid obstacle, or between the boundaries of two bodies.
+
+    Which of two bodies is called slave changes no result, only the signs of `LimitState.reactions`.
 
     Attributes:
         slave: ``(body name, where)``, see `lacore.boundaries.boundary_facets`.
-        master: a `RigidObstacle`.
+        master: a `RigidObstacle`, or ``(body name, where)`` of another body. The two boundaries
+            touch along straight parts; their meshes need not match.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
             STICK forbids slip wherever the body is, also where it lifts off, and opening is
             free: the limit mu -> infinity of associated friction, not of Coulomb friction.
@@ -144,20 +147,27 @@ class Interface:
     """
 
     slave: tuple[str, Where]
-    master: RigidObstacle
+    master: RigidObstacle | tuple[str, Where]
     friction: float | Friction
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.slave, tuple) and len(self.slave) == 2):
+        if not _is_boundary(self.slave):
             raise InputError(
                 "Interface.slave", self.slave, "not a boundary", "give (body name, where)"
             )
-        if not isinstance(self.master, RigidObstacle):
+        if not (isinstance(self.master, RigidObstacle) or _is_boundary(self.master)):
             raise InputError(
                 "Interface.master",
                 self.master,
-                "only rigid obstacles are supported so far, two bodies in contact are not",
-                "give lacore.RigidObstacle()",
+                "not an obstacle or a boundary",
+                "give lacore.RigidObstacle() or (body name, where)",
+            )
+        if not isinstance(self.master, RigidObstacle) and self.master[0] == self.slave[0]:
+            raise InputError(
+                "Interface.master",
+                self.master[0],
+                "a body in contact with itself",
+                "make its parts bodies of their own (blocks of one assembly find their joints)",
             )
         if not isinstance(self.friction, (int, float, np.number, Coulomb, Tresca)):
             raise InputError(
@@ -177,6 +187,12 @@ class Interface:
 
     @property
     def name(self) -> str:
-        """Name in tables: ``block.bottom``."""
-        body, where = self.slave
-        return f"{body}.{where_name(where)}"
+        """Name in tables: ``block.bottom``, ``punch.base|soil.top``."""
+        sides = [self.slave]
+        if not isinstance(self.master, RigidObstacle):
+            sides.append(self.master)
+        return "|".join(f"{body}.{where_name(where)}" for body, where in sides)
+
+
+def _is_boundary(side: object) -> bool:
+    return isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], str)

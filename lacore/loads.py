@@ -70,10 +70,17 @@ class Pressure:
 
 @dataclass(frozen=True)
 class BodyForce:
-    """Uniform force per volume `vector` [N/m^3]."""
+    """Uniform force per volume [N/m^3].
+
+    Attributes:
+        body: name of the body.
+        vector: N/m^3.
+        where: the block (or blocks) of an assembly that it acts on; None: on all of the body.
+    """
 
     body: str
     vector: tuple[float, float]
+    where: str | tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         _check_vector("BodyForce.vector", self.vector, "N/m^3")
@@ -81,16 +88,25 @@ class BodyForce:
 
 @dataclass(frozen=True)
 class PointForce:
-    """Force `vector` [N/m] at the mesh vertex `at`. A continuum yields under it: mesh dependent."""
+    """A single force.
+
+    Attributes:
+        body: name of the body. A continuum yields under it: mesh dependent.
+        at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
+            centroid) or of a node of a frame.
+        vector: N/m.
+        where: the block that carries it, where `at` lies on several.
+    """
 
     body: str
-    at: tuple[float, float]
+    at: tuple[float, float] | str
     vector: tuple[float, float]
+    where: str | None = None
 
     def __post_init__(self) -> None:
         _check_vector("PointForce.vector", self.vector, "N/m")
-        if not is_plane_vector(self.at):
-            raise InputError("PointForce.at", self.at, "not a point", "give (x, y)")
+        if not (isinstance(self.at, str) or is_plane_vector(self.at)):
+            raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
 
 
 @dataclass(frozen=True)

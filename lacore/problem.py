@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Ints
+from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
-from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.contact_geometry import Segments, boundary_edges, interface_segments
 from lacore.errors import InputError, suggest
-from lacore.interfaces import Interface
+from lacore.interfaces import Interface, RigidObstacle
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.rigid import RigidDofs
 
 _TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
 
@@ -32,7 +33,7 @@ class Problem:
         InputError: anything that cannot be right: see the messages.
     """
 
-    bodies: Mapping[str, Body]
+    bodies: Mapping[str, Body | BlockAssembly]
     reference_loads: Sequence[Load]
     supports: Sequence[Fix] = ()
     interfaces: Sequence[Interface] = ()
@@ -52,9 +53,12 @@ class Problem:
                 "give bodies={'name': Body(...)}",
             )
         for name, body in self.bodies.items():
-            if not isinstance(body, Body):
+            if not isinstance(body, Body | BlockAssembly):
                 raise InputError(
-                    f"Problem.bodies[{name!r}]", body, "not a Body", "give a lacore.Body"
+                    f"Problem.bodies[{name!r}]",
+                    body,
+                    "not a Body",
+                    "give a lacore.Body or a lacore.BlockAssembly",
                 )
         object.__setattr__(self, "bodies", MappingProxyType(dict(self.bodies)))
         for attribute in ("reference_loads", "supports", "interfaces", "dead_loads"):
@@ -79,10 +83,10 @@ class Problem:
             where = f"Problem.supports[{index}]"
             if not isinstance(support, Fix):
                 raise InputError(where, support, "not a support", "give lacore.Fix")
-            boundary_facets(self._body(support.body, where), support.where, f"{where}.where")
+            boundary_edges(self._body(support.body, where), support.where, f"{where}.where")
         self._check_interfaces()
 
-    def _body(self, name: str, where: str) -> Body:
+    def _body(self, name: str, where: str) -> Body | BlockAssembly:
         if not isinstance(name, str) or name not in self.bodies:
             raise InputError(f"{where}.body", name, "no such body", suggest(str(name), self.bodies))
         return self.bodies[name]
@@ -91,34 +95,81 @@ class Problem:
         if not isinstance(load, Traction | Pressure | BodyForce | PointForce | RigidFooting):
             raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
         body = self._body(load.body, where)
-        if isinstance(load, PointForce):
+        if isinstance(body, BlockAssembly):
+            RigidDofs(body, 0).force(load)
+        elif isinstance(load, PointForce):
             vertex_at(body, load.at, f"{where}.at")
         elif not isinstance(load, BodyForce):
-            boundary_facets(body, load.where, f"{where}.where")
+            boundary_edges(body, load.where, f"{where}.where")
+        elif load.where is not None:
+            raise InputError(
+                f"{where}.where", load.where, "a continuum has no blocks", "leave it out"
+            )
 
     def _check_interfaces(self) -> None:
-        taken: dict[str, list[tuple[int, Ints]]] = {}
+        contacts: list[tuple[int, Segments]] = []
         for index, interface in enumerate(self.interfaces):
             where = f"Problem.interfaces[{index}]"
             if not isinstance(interface, Interface):
                 raise InputError(where, interface, "not an interface", "give lacore.Interface")
-            name, part = interface.slave
-            body = self._body(name, f"{where}.slave")
-            facets = boundary_facets(body, part, f"{where}.slave")
-            _check_touch(body, facets, interface, where)
-            for other, others in taken.setdefault(name, []):
-                if np.intersect1d(facets, others).size:
-                    raise InputError(
-                        where,
-                        interface.name,
-                        f"shares boundary edges with Problem.interfaces[{other}]",
-                        "give each part of a boundary one interface",
-                    )
-            taken[name].append((index, facets))
+            self._body(interface.slave[0], f"{where}.slave")
+            if not isinstance(interface.master, RigidObstacle):
+                self._body(interface.master[0], f"{where}.master")
+            contacts.append((index, interface_segments(interface, self.bodies, where)))
+        self._check_sharing(contacts)
+        self._check_isolated(contacts)
+
+    def _check_sharing(self, contacts: list[tuple[int, Segments]]) -> None:
+        """No two interfaces on one place: an edge may meet several bodies, each of them once."""
+        taken: dict[tuple[str, int], dict[tuple[str, int], int]] = {}
+        for index, segments in contacts:
+            interface = self.interfaces[index]
+            sides = [(interface.slave[0], segments.slave)]
+            if not isinstance(interface.master, RigidObstacle):
+                sides.append((interface.master[0], segments.master))
+            ends = [[(name, int(edge)) for edge in edges] for name, edges in sides]
+            for one, other in zip(ends[0], ends[-1], strict=True):
+                for edge, facing in {one: other, other: one}.items():
+                    known = taken.setdefault(edge, {})
+                    whole = edge == facing  # against an obstacle, that is
+                    clash = [k for f, k in known.items() if whole or f in (edge, facing)]
+                    if clash and clash[0] != index:
+                        raise InputError(
+                            f"Problem.interfaces[{index}]",
+                            interface.name,
+                            f"shares boundary edges with Problem.interfaces[{clash[0]}]",
+                            "give each part of a boundary one interface",
+                        )
+                    known[facing] = index
+
+    def _check_isolated(self, contacts: list[tuple[int, Segments]]) -> None:
+        """Each block touches something, or a support holds it."""
+        for name, body in self.bodies.items():
+            if not isinstance(body, BlockAssembly) or not body.isolated:
+                continue
+            edges = [np.zeros(0, dtype=np.int64)]
+            for index, segments in contacts:
+                interface = self.interfaces[index]
+                if interface.slave[0] == name:
+                    edges.append(segments.slave)
+                if not isinstance(interface.master, RigidObstacle) and interface.master[0] == name:
+                    edges.append(segments.master)
+            edges += [body.outline(s.where, "Fix.where") for s in self.supports if s.body == name]
+            touched = {body.names[b] for b in body.edges.block[np.concatenate(edges)]}
+            loose = [block for block in body.isolated if block not in touched]
+            if loose:
+                raise InputError(
+                    f"Problem.bodies[{name!r}]",
+                    loose[0],
+                    "a block that touches nothing: no joint, no interface, no support",
+                    "move it against its neighbours, or give it an interface or a support",
+                )
 
 
-def vertex_at(body: Body, at: tuple[float, float], where: str) -> int:
+def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
+    if isinstance(at, str):
+        raise InputError(where, at, "a continuum has no named points", "give (x, y)")
     distance = np.linalg.norm(body.mesh.p - np.reshape(at, (2, 1)), axis=0)
     nearest = int(np.argmin(distance))
     if distance[nearest] > _TOUCH * body.size:
@@ -129,28 +180,3 @@ def vertex_at(body: Body, at: tuple[float, float], where: str) -> int:
             f"move it to the nearest one, {tuple(body.mesh.p[:, nearest].tolist())}, or the mesh",
         )
     return nearest
-
-
-def _check_touch(body: Body, facets: Ints, interface: Interface, where: str) -> None:
-    master = interface.master
-    if master.point is None or master.normal is None:
-        return
-    start, end, outward = facet_geometry(body, facets)
-    normal = np.array(master.normal) / np.linalg.norm(master.normal)
-    gap = np.concatenate([normal @ (x - np.reshape(master.point, (2, 1))) for x in (start, end)])
-    worst = gap[np.argmax(np.abs(gap))]
-    if abs(worst) > _TOUCH * body.size:
-        raise InputError(
-            where,
-            interface.name,
-            f"does not touch its obstacle: a vertex lies {abs(worst):.3g} m "
-            f"{'above' if worst > 0 else 'inside'} it",
-            "move the body or RigidObstacle.point so that the two coincide",
-        )
-    if np.any(normal @ outward > 0):
-        raise InputError(
-            where,
-            master.normal,
-            "the obstacle's normal points out of the body",
-            "give the normal from the obstacle into the body",
-        )

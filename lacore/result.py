@@ -72,12 +72,16 @@ class LimitState:
 
     @property
     def velocity(self) -> dict[str, Floats]:
-        """Velocity at the P2 nodes (vertices, then edge midpoints) by body, shape (2, nodes), m/s.
+        """Velocity by body, normalised by ``F0.u = 1``: only its shape has a meaning.
 
-        Normalised by ``F0.u = 1``: only its shape has a meaning.
+        Of a continuum at the P2 nodes (vertices, then edge midpoints), shape (2, nodes), m/s. Of
+        rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
+        shape (3, blocks).
         """
         u = self._point().velocity
-        return {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
+        nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
+        rigid = {name: dofs.motion(u) for name, dofs in self.discretisation.assemblies.items()}
+        return nodal | rigid
 
     @property
     def stress(self) -> dict[str, Floats]:
@@ -116,7 +120,7 @@ class LimitState:
         where = self.discretisation.points
         u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
         rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
-        names = [interface.name for interface in self.discretisation.problem.interfaces]
+        names = where.names
         return pd.DataFrame(
             {
                 "interface": np.array(names, dtype=object)[rows.interface],

@@ -177,7 +177,7 @@ def _rigor(
         return Rigor.NOT_CERTIFIED
     if regularised:
         return Rigor.REGULARISED
-    bodies = discretisation.problem.bodies.values()
+    bodies = [dofs.body for dofs in discretisation.bodies.values()]  # rigid blocks are exact
     strict = all(SPACES[body.space].strict and body.geometry == "exact" for body in bodies)
     normal = coupling == "associated" or not discretisation.full.contact.coulomb.any()
     return Rigor.UPPER if strict and normal else Rigor.DISCRETE

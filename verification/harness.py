@@ -21,7 +21,7 @@ class Row:
 
     Attributes:
         case, variant, backend, coupling, mesh: what was run.
-        n_elements, n_dofs: of the mesh; unknowns after supports.
+        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports.
         load_factor, reference: in units of the case.
         error: ``load_factor / reference - 1``.
         rigor, status: labels.
@@ -192,9 +192,7 @@ def run_one(
     if isinstance(assembled, Exception):
         return Outcome(run, _failed(names, assembled), None)
     discretisation = assembled.discretisation
-    names["n_elements"] = sum(
-        body.mesh.nelements for body in discretisation.problem.bodies.values()
-    )
+    names["n_elements"] = discretisation.n_elements
     names["n_dofs"] = discretisation.program.n
     names["build_time"] = assembled.build_time
     try:
