@@ -73,7 +73,7 @@ def contact_rows(
     for index, interface in enumerate(interfaces):
         stations.append(_interface(interface, index, bodies, n))
     for name, dofs in bodies.items():
-        if isinstance(dofs, RigidDofs):
+        if isinstance(dofs, RigidDofs) and dofs.body.joints.slave.size:
             stations.append(_joints(dofs, len(names), n))
             names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
     normal = np.concatenate([np.zeros((0, 2)), *(part.normal for part in stations)])

@@ -59,16 +59,12 @@ class BodyDofs:
         along = end - start
         s = np.sum((points - start) * along, axis=0) / np.sum(along**2, axis=0)
         shape = np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
-        shape[np.abs(shape) < _ROUND_OFF] = 0.0
-        first = 3 * np.arange(facets.size + 1)
+        kept = np.abs(shape) >= _ROUND_OFF
+        first = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
         x, y = (
-            csr_matrix(
-                (shape.ravel(), self.dofs[axis, nodes].T.ravel(), first), (facets.size, n)
-            )
+            csr_matrix((shape[kept], self.dofs[axis, nodes].T[kept], first), (facets.size, n))
             for axis in (0, 1)
         )
-        x.eliminate_zeros()
-        y.eliminate_zeros()
         return x, y
 
     def facet_nodes(self, facets: Ints) -> Ints:
