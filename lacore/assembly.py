@@ -88,7 +88,7 @@ def discretise(problem: Problem) -> Discretisation:
             assemblies[name] = RigidDofs(body, n)
             n += assemblies[name].count
 
-    contact, points = contact_rows(problem.interfaces, bodies | assemblies, n)
+    contact, points = contact_rows(problem.interfaces, {**bodies, **assemblies}, n)
     full = KinematicProgram(
         groups=tuple(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
         contact=contact,

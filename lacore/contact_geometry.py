@@ -46,7 +46,10 @@ def boundary_edges(body: Body | BlockAssembly, where: Where, field: str) -> tupl
 
 def tolerance(body: Body | BlockAssembly) -> float:
     """Distance up to which coordinates count as one, m."""
-    return body.tolerance if isinstance(body, BlockAssembly) else _TOUCH * body.size
+    if isinstance(body, BlockAssembly):
+        assert body.tolerance is not None  # since it was built
+        return body.tolerance
+    return _TOUCH * body.size
 
 
 def interface_segments(

@@ -91,6 +91,8 @@ def contact_rows(
     def every(values: Sequence[Floats]) -> Floats:
         return np.concatenate([np.zeros(0), *values])
 
+    numbers = [np.zeros(0, dtype=np.int64), *(part.interface for part in stations)]
+
     rows = ContactRows(
         normal=along(normal),
         tangential=along(np.stack([-normal[:, 1], normal[:, 0]], axis=1)),
@@ -99,27 +101,26 @@ def contact_rows(
         coefficient=every([part.laws.coefficient for part in stations]),
         limit=every([part.laws.limit for part in stations]),
         dilatancy=every([part.laws.dilatancy for part in stations]),
-        interface=every([part.interface for part in stations]).astype(np.int64),
+        interface=np.concatenate(numbers),
     )
     position = np.concatenate([np.zeros((0, 2)), *(part.position for part in stations)])
     return rows, ContactPoints(position, normal, tuple(names))
 
 
-def _interface(
-    interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int
-) -> _Station:
+def _interface(interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int) -> _Station:
     geometry = {name: dofs.body for name, dofs in bodies.items()}
     segments = interface_segments(interface, geometry, f"Problem.interfaces[{index}]")
-    slave, master = bodies[interface.slave[0]], None
+    slave = bodies[interface.slave[0]]
+    sides = [(slave, slave.parts(segments.slave))]
     if not isinstance(interface.master, RigidObstacle):
         master = bodies[interface.master[0]]
-    strength = min(slave.strength, inf if master is None else master.strength)
+        sides.append((master, master.parts(segments.master)))
+    strength = min(dofs.strength for dofs, _ in sides)
     law, count = interface.law.terms(), segments.slave.size
     # Infinite where it is far beyond any shear stress that the bodies can carry.
     limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
     laws = _Laws(*(np.full(count, v) for v in (law.coefficient, limit, law.dilatancy)))
-    parts = (slave.parts(segments.slave), None if master is None else master.parts(segments.master))
-    return _stations(segments, np.full(count, index), laws, (slave, master), parts, n)
+    return _stations(segments, np.full(count, index), laws, sides, n)
 
 
 def _joints(dofs: RigidDofs, first: int, n: int) -> _Station:
@@ -128,30 +129,28 @@ def _joints(dofs: RigidDofs, first: int, n: int) -> _Station:
     segments = Segments(nothing, nothing, joints.start, joints.end, joints.normal)
     laws = _Laws(joints.coefficient, joints.limit, joints.dilatancy)
     number = first + np.arange(joints.slave.size)
-    return _stations(segments, number, laws, (dofs, dofs), (joints.slave, joints.master), n)
+    sides = [(dofs, joints.slave), (dofs, joints.master)]
+    return _stations(segments, number, laws, sides, n)
 
 
 def _stations(
     segments: Segments,
     interface: Ints,
     laws: _Laws,
-    sides: tuple[Dofs, Dofs | None],
-    parts: tuple[Ints, Ints | None],
+    sides: Sequence[tuple[Dofs, Ints]],
     n: int,
 ) -> _Station:
-    """Control values of the jump on segments; parts: what moves on either side."""
+    """Control values of the jump on segments; sides: slave and master, and which parts of them."""
 
-    def jump(points: Floats) -> list[Sparse]:
-        slave, master = sides
-        own = slave.velocity_rows(parts[0], points, n)
-        if master is None or parts[1] is None:
-            return list(own)
-        other = master.velocity_rows(parts[1], points, n)
-        return [csr_matrix(a - b) for a, b in zip(own, other, strict=True)]
+    def jump(points: Floats) -> Sequence[Sparse]:
+        own, *others = (dofs.velocity_rows(parts, points, n) for dofs, parts in sides)
+        for other in others:
+            own = (csr_matrix(own[0] - other[0]), csr_matrix(own[1] - other[1]))
+        return own
 
     start, end = segments.start, segments.end
     ends = [jump(start), jump(end)]
-    count, degree = interface.size, max(side.degree for side in sides if side is not None)
+    count, degree = interface.size, max(dofs.degree for dofs, _ in sides)
     values, places = [ends[0], ends[1]], [start, end]
     if degree > 1:
         middle = (start + end) / 2
@@ -161,7 +160,7 @@ def _stations(
         places.append(middle)
     copies = len(places)
     position, normal = np.concatenate(places, axis=1), np.tile(segments.normal, copies)
-    moving = [side.moving(part) for side, part in zip(sides, parts, strict=True) if side is not None]
+    moving = [dofs.moving(parts) for dofs, parts in sides]
     size = max(float(np.ptp(position, axis=1).max(initial=0.0)), np.finfo(float).tiny)
     key = np.column_stack(
         [

@@ -13,6 +13,7 @@ from lacore.spaces import SPACES
 
 _ROUND_OFF = 1e-13  # of a shape function
 
+
 @dataclass(frozen=True)
 class BodyDofs:
     """Where a body's velocity stands in the vector of all unknowns.

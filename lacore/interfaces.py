@@ -169,21 +169,12 @@ class Interface:
                 "a body in contact with itself",
                 "make its parts bodies of their own (blocks of one assembly find their joints)",
             )
-        if not isinstance(self.friction, (int, float, np.number, Coulomb, Tresca)):
-            raise InputError(
-                "Interface.friction",
-                self.friction,
-                "not a friction law",
-                "give a coefficient, lacore.Coulomb, Tresca, SMOOTH or STICK",
-            )
         object.__setattr__(self, "friction", self.law)
 
     @property
     def law(self) -> Friction:
         """The friction law, a bare coefficient read as Coulomb friction."""
-        if isinstance(self.friction, Coulomb | Tresca):
-            return self.friction
-        return Coulomb(self.friction)
+        return friction_law(self.friction, "Interface.friction")
 
     @property
     def name(self) -> str:

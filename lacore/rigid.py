@@ -13,6 +13,7 @@ from scipy.sparse import block_diag, csr_matrix
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.blocks import BlockAssembly
+from lacore.contact_geometry import tolerance
 from lacore.errors import InputError, suggest
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.program import DissipationGroup
@@ -170,7 +171,7 @@ def _loaded_block(body: BlockAssembly, load: PointForce) -> tuple[Ints, Floats]:
     away = shapely.distance(
         [shapely.Polygon(ring) for ring in body.polygons.values()], shapely.Point(load.at)
     )
-    blocks = np.flatnonzero(away <= body.tolerance)
+    blocks = np.flatnonzero(away <= tolerance(body))
     if load.where is not None:
         blocks = np.intersect1d(blocks, _named(body, load.where, "PointForce.where"))
     names = [body.names[block] for block in blocks]

@@ -123,8 +123,12 @@ def test_obstacle_that_touches():
         (lambda: la.Tresca(np.nan), ("Tresca.limit = nan",)),
         (lambda: la.Interface("block", la.RigidObstacle(), 0), ("Interface.slave = 'block'",)),
         (
-            lambda: la.Interface(("a", "top"), ("b", "bottom"), 0.1),
-            ("Interface.master = ('b', 'bottom')", "rigid obstacles", "RigidObstacle()"),
+            lambda: la.Interface(("a", "top"), "b", 0.1),
+            ("Interface.master = 'b'", "not an obstacle", "RigidObstacle()"),
+        ),
+        (
+            lambda: la.Interface(("a", "top"), ("a", "bottom"), 0.1),
+            ("Interface.master = 'a'", "in contact with itself"),
         ),
         (lambda: la.RigidObstacle(point=(0, 0)), ("RigidObstacle", "both or none")),
         (lambda: la.RigidObstacle((0, 0), (0, 0)), ("RigidObstacle.normal", "vector != 0")),
