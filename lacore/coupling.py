@@ -1,20 +1,18 @@
-"""Coupling loops: the only place that iterates on contact reactions (T9-T13).
+"""What all coupling loops share: options, the inner solves as they come, and their judgement.
 
-The reaction iteration freezes the friction bounds ``g = mu t_n + limit``, solves the convex
-program, reads the normal reactions of that solution and starts again. Exact backends stop when
-the recomputed residuals of the Coulomb problem (`lacore.certificate`) are within tolerance;
-regularised ones, whose residuals never vanish, when the friction bounds that they were given are
-those of the reactions that they return.
+The loops (`lacore.loops`, `lacore.certified`) are the only place that iterates on contact
+reactions (T9-T13). Exact backends stop when the recomputed residuals of the Coulomb problem
+(`lacore.certificate`) are within tolerance; regularised ones, whose residuals never vanish, when
+the friction bounds that they were given are those of the reactions that they return.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from numbers import Integral
 from typing import Any
 
 import numpy as np
 
-from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
@@ -25,12 +23,8 @@ from lacore.errors import (
     require_known,
     require_positive,
 )
-from lacore.program import (
-    FrozenContact,
-    KinematicProgram,
-    associated_contact,
-    reaction_contact,
-)
+from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.state import ProgramState
 from lacore.status import Status
 
 STARTS = ("associated", "zero")
@@ -38,6 +32,7 @@ _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
 _PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 where they are as meant
 _LOOSEST = 1e-3  # residual at which a state still deserves its name
 _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
+_NO_CHANGE = 1e-6  # relative: smaller changes of what is frozen say nothing of a rate
 
 
 @dataclass(frozen=True)
@@ -46,10 +41,11 @@ class CouplingOptions:
 
     Attributes:
         start: ``associated`` (reactions of the associated problem) or ``zero`` (the paper's).
-        damping: share w of the new reaction in the next one, 0 < w <= 1.
+        damping: share w of the new values in the next ones, 0 < w <= 1.
         anderson: depth of Anderson acceleration, 0 for none.
         tolerance: bar for the residuals of the certificate.
         max_iterations: of the loop, not counting the start.
+        kappa: of the ``kappa`` loop (T11), 0 <= kappa <= 1.
     """
 
     start: str = "associated"
@@ -57,6 +53,7 @@ class CouplingOptions:
     anderson: int = 10
     tolerance: float = 1e-6
     max_iterations: int = 100
+    kappa: float = 0.5
 
     def __post_init__(self) -> None:
         require_known("start", self.start, STARTS)
@@ -72,17 +69,21 @@ class CouplingOptions:
             raise InputError(
                 "tolerance", self.tolerance, "proves nothing", f"give at most {_LOOSEST:g}"
             )
+        if not (is_number(self.kappa) and 0 <= self.kappa <= 1):
+            raise InputError("kappa", self.kappa, "outside [0, 1]", "0 is `reaction`, 1 is `shift`")
 
 
 @dataclass(frozen=True)
 class Iterate:
-    """One inner solve of the loop.
+    """One inner solve of a loop.
 
     Attributes:
         step: 0 is the start.
-        kind: ``associated``, ``zero`` or ``reaction``.
+        kind: what was solved: ``associated``, ``reaction``, ``K``, ``S``, ...
         inner: what the backend answered.
-        certificate: residuals against the true friction laws; None without a point.
+        state: what is judged; of loops that alternate, a velocity from one solve with the stresses,
+            reactions and load factor of another. None without a point.
+        certificate: residuals of `state` against the true friction laws.
         mismatch: largest difference between the friction bound given and that of the reaction
             returned, per largest reaction.
     """
@@ -90,6 +91,7 @@ class Iterate:
     step: int
     kind: str
     inner: InnerSolution
+    state: ProgramState | None
     certificate: Certificate | None
     mismatch: float
 
@@ -113,19 +115,33 @@ class Iterate:
 
 @dataclass(frozen=True)
 class Coupled:
-    """End of a coupling loop: its status, and every inner solve on the way."""
+    """End of a coupling loop: its status, and every inner solve on the way.
+
+    Attributes:
+        status: outcome.
+        iterates: all inner solves.
+        final: the iterate that the status speaks of; its state is the answer where SOLVED.
+        laws: the frozen contact that `final` is judged by; None: the true friction laws.
+        contraction: how much closer to each other two reactions (T9, T12) or slip rates (T10)
+            come in a step: the last ratio seen; NaN where there is none.
+        bracket: load factors that enclose every Coulomb one (T14), for a loop that found none.
+    """
 
     status: Status
     iterates: tuple[Iterate, ...]
+    final: Iterate
+    laws: FrozenContact | None = None
+    contraction: float = float("nan")
+    bracket: tuple[float, float] | None = None
 
-    @property
-    def last(self) -> Iterate:
-        """The iterate that the status speaks of."""
-        return self.iterates[-1]
+
+def paired(kinematic: ProgramState, static: ProgramState) -> ProgramState:
+    """The velocity of one state with the stresses, reactions and load factor of another (T12)."""
+    return replace(static, velocity=kinematic.velocity)
 
 
 @dataclass
-class _Run:
+class Run:
     """The inner solves of one loop, judged as they come."""
 
     program: KinematicProgram
@@ -134,17 +150,29 @@ class _Run:
     options: CouplingOptions
     on_iterate: Callable[[Iterate], None]
     iterates: list[Iterate] = field(default_factory=list)
+    rates: list[float] = field(default_factory=list)
+    _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
 
-    def solve(self, kind: str, contact: FrozenContact, laws: FrozenContact | None) -> Iterate:
-        """Solve for a frozen contact and judge the answer by `laws` (None: the true ones)."""
+    def solve(
+        self,
+        kind: str,
+        contact: FrozenContact,
+        laws: FrozenContact | None = None,
+        partner: Callable[[ProgramState], ProgramState] | None = None,
+    ) -> Iterate:
+        """Solve for a frozen contact and judge the answer by `laws` (None: the true ones).
+
+        With `partner`, judge the pair that it makes of the answer, unless the answer itself holds.
+        """
         inner = checked_answer(self.program, self.regularised, self.solver.solve(contact))
-        certificate, mismatch = None, np.nan
-        if inner.point is not None:
-            certificate = certify(self.program, inner.point, laws)
-            mismatch = 0.0
-            if laws is None:
-                mismatch = self._mismatch(contact, inner.point.normal_reaction)
-        iterate = Iterate(len(self.iterates), kind, inner, certificate, mismatch)
+        state, certificate, mismatch = inner.point, None, np.nan
+        if state is not None:
+            certificate = certify(self.program, state, laws)
+            mismatch = self._mismatch(contact, state.normal_reaction) if laws is None else 0.0
+            if partner is not None and not certificate.holds(self.options.tolerance):
+                state = partner(state)
+                certificate = certify(self.program, state, laws)
+        iterate = Iterate(len(self.iterates), kind, inner, state, certificate, mismatch)
         self.iterates.append(iterate)
         self.on_iterate(iterate)
         return iterate
@@ -155,10 +183,29 @@ class _Run:
         largest = max(float(np.abs(normal_reaction).max(initial=0.0)), np.finfo(float).tiny)
         return float(np.abs(new - contact.bound[coulomb]).max(initial=0.0)) / largest
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether the budget of inner solves is spent."""
+        return len(self.iterates) > self.options.max_iterations
+
+    @property
+    def contraction(self) -> float:
+        """The last rate seen; NaN where there is none."""
+        return self.rates[-1] if self.rates else float("nan")
+
+    def mapped(self, kind: str, argument: Floats, image: Floats) -> None:
+        """Note what a fixed-point map made of an argument, for its rate."""
+        if kind in self._mapped:
+            last_argument, last_image = self._mapped[kind]
+            change = float(np.linalg.norm(argument - last_argument))
+            if change > _NO_CHANGE * float(np.linalg.norm(argument)):
+                self.rates.append(float(np.linalg.norm(image - last_image)) / change)
+        self._mapped[kind] = argument, image
+
     def proven(self, iterate: Iterate) -> bool:
         """Whether the residuals prove the iterate."""
         certificate, tolerance = iterate.certificate, self.options.tolerance
-        if certificate is None or iterate.inner.point is None:
+        if certificate is None or iterate.state is None:
             return False
         if not self.regularised:
             return certificate.holds(tolerance)
@@ -167,7 +214,7 @@ class _Run:
         # C, which bounds the error, must be small: a large dead load can fill it.
         values = iterate.inner.regularised
         assert values is not None
-        dissipated = values.plastic + float(self.program.dead_load @ iterate.inner.point.velocity)
+        dissipated = values.plastic + float(self.program.dead_load @ iterate.state.velocity)
         largest = max(abs(values.load_factor), dissipated)
         judged = [
             certificate.equilibrium,
@@ -180,20 +227,29 @@ class _Run:
         meaningful = values.energy <= _PENALTY_SHARE * largest
         return meaningful and all(value <= tolerance for value in judged)
 
-    def end(self, status: Status) -> Coupled:
-        return Coupled(status, tuple(self.iterates))
+    def end(
+        self,
+        status: Status,
+        final: Iterate | None = None,
+        *,
+        laws: FrozenContact | None = None,
+        bracket: tuple[float, float] | None = None,
+    ) -> Coupled:
+        """The end of the loop, at its last iterate unless another is given."""
+        final = final or self.iterates[-1]
+        return Coupled(status, tuple(self.iterates), final, laws, self.contraction, bracket)
 
-    def judged(self, iterate: Iterate) -> Coupled:
+    def judged(self, iterate: Iterate, laws: FrozenContact | None = None) -> Coupled:
         """The end of a loop at an iterate that is final."""
-        point = iterate.inner.point
-        if point is None:
-            return self.end(iterate.inner.status)
-        if self.free(iterate):
-            return self.end(Status.FREE)
-        if not self.proven(iterate):
-            inner = iterate.inner.status
-            return self.end(Status.NOT_CERTIFIED if inner in _FINISHED else inner)
-        return self.end(Status.SOLVED)
+        status = iterate.inner.status
+        if iterate.state is not None:
+            if self.free(iterate):
+                status = Status.FREE
+            elif self.proven(iterate):
+                status = Status.SOLVED
+            elif status in _FINISHED:
+                status = Status.NOT_CERTIFIED
+        return self.end(status, iterate, laws=laws)
 
     def free(self, iterate: Iterate) -> bool:
         """Whether an admissible rigid motion turns over no power at all.
@@ -202,10 +258,10 @@ class _Run:
         load, are 0/0 here. A regularised body gives way under dead load, so that its dead power is
         not zero: what its load factor and its dissipation say has to do.
         """
-        point, certificate = iterate.inner.point, iterate.certificate
-        if point is None or certificate is None or iterate.inner.status is not Status.SOLVED:
+        state, certificate = iterate.state, iterate.certificate
+        if state is None or certificate is None or iterate.inner.status is not Status.SOLVED:
             return False
-        program, u, tolerance = self.program, point.velocity, self.options.tolerance
+        program, u, tolerance = self.program, state.velocity, self.options.tolerance
         weight = float(np.abs(program.dead_load).sum())
         dead_power = float(program.dead_load @ u)
         values = iterate.inner.regularised
@@ -213,8 +269,8 @@ class _Run:
             powers = [values.load_factor, values.plastic + dead_power]
             rigid = weight > 0 or self._rigid(u)
             return rigid and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
-        bound = reaction_contact(program.contact, point.normal_reaction).bound
-        powers = [point.load_factor, dead_power, program.friction_dissipation(u, bound)]
+        bound = reaction_contact(program.contact, state.normal_reaction).bound
+        powers = [state.load_factor, dead_power, program.friction_dissipation(u, bound)]
         # A light body may slide with little friction: little against its weight, then.
         largest = tolerance * weight * float(np.abs(u).max()) if weight > 0 else _NO_POWER
         admissible = [certificate.penetration, certificate.divergence, certificate.normalisation]
@@ -229,7 +285,8 @@ class _Run:
         groups = self.program.groups
         length = np.sqrt(sum(float(group.weights.sum()) for group in groups))
         strain = max(
-            float(np.linalg.norm(group.cone_vectors(velocity), axis=1).max()) for group in groups
+            (float(np.linalg.norm(group.cone_vectors(velocity), axis=1).max()) for group in groups),
+            default=0.0,
         )
         return strain * float(length) <= self.options.tolerance * float(np.abs(velocity).max())
 
@@ -237,63 +294,3 @@ class _Run:
 def _none(values: list[float], largest: float) -> bool:
     """Whether all values are at most `largest` in size; false for NaN."""
     return all(abs(value) <= largest for value in values)
-
-
-def associated(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: Callable[[Iterate], None],
-) -> Coupled:
-    """One solve with every Coulomb interface made associated (T4), judged as such."""
-    run = _Run(program, solver, regularised, options, on_iterate)
-    contact = associated_contact(program.contact)
-    return run.judged(run.solve("associated", contact, contact))
-
-
-def reaction_loop(
-    program: KinematicProgram,
-    solver: PreparedSolver,
-    regularised: bool,
-    options: CouplingOptions,
-    on_iterate: Callable[[Iterate], None],
-) -> Coupled:
-    """Successive approximation on the normal reactions (T9), damped and accelerated."""
-    run = _Run(program, solver, regularised, options, on_iterate)
-    rows = program.contact
-    zero = reaction_contact(rows, np.zeros(rows.count))
-    if not rows.coulomb.any():
-        return run.judged(run.solve("single", zero, None))
-
-    start = options.start
-    if start == "associated":
-        first = run.solve(start, associated_contact(rows), None)
-        if first.inner.status is Status.LOCKED:  # no error: friction may well be finite (T13)
-            start = "zero"
-    if start == "zero":
-        first = run.solve(start, zero, None)
-        if first.inner.status is Status.UNSAFE:
-            return run.end(Status.INVALID_START)
-    if first.inner.point is None:
-        return run.end(first.inner.status)
-
-    reaction = np.maximum(first.inner.point.normal_reaction, 0.0)
-    mixing = Anderson(options.anderson, options.damping)
-    for _ in range(options.max_iterations):
-        iterate = run.solve("reaction", reaction_contact(rows, reaction), None)
-        point = iterate.inner.point
-        if iterate.inner.status is Status.UNSAFE:  # at these bounds only: it proves nothing (T13)
-            return run.end(Status.NOT_CONVERGED)
-        out_of_budget = iterate.inner.status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
-        if point is None or out_of_budget or run.proven(iterate) or run.free(iterate):
-            return run.judged(iterate)
-        reaction = np.maximum(mixing.step(reaction, point.normal_reaction), 0.0)
-    inner = run.iterates[-1].inner.status
-    return run.end(Status.NOT_CONVERGED if inner in _FINISHED else inner)
-
-
-COUPLINGS: dict[str, Callable[..., Coupled]] = {
-    "reaction": reaction_loop,
-    "associated": associated,
-}

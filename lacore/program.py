@@ -149,19 +149,52 @@ class FrozenContact:
 
 def reaction_contact(contact: ContactRows, normal_reaction: Floats) -> FrozenContact:
     """Friction bounds frozen at a normal reaction, Pa, shape (m,) (T9)."""
+    return family_contact(contact, 0.0, normal_reaction, np.zeros(contact.count))
+
+
+def shift_contact(contact: ContactRows, slip_rate: Floats) -> FrozenContact:
+    """Every Coulomb point made associated and shifted by a slip rate, m/s, shape (m,) (T10).
+
+    The multipliers of this program maximise ``alpha - sum w mu slip_rate t_n`` over all statically
+    admissible states inside the Coulomb cones.
+    """
+    return family_contact(contact, 1.0, np.zeros(contact.count), slip_rate)
+
+
+def family_contact(
+    contact: ContactRows, kappa: float, normal_reaction: Floats, slip_rate: Floats
+) -> FrozenContact:
+    """The convex family between both (T11): a share `kappa` of friction dilates.
+
+    Args:
+        contact: the points.
+        kappa: 0 is `reaction_contact`, 1 is `shift_contact`.
+        normal_reaction: Pa, shape (m,).
+        slip_rate: ``||u_t||``, m/s, shape (m,).
+    """
+    dilating = kappa * contact.coefficient
+    frozen = (1 - kappa) * contact.coefficient
     return FrozenContact(
-        bound=contact.limit + contact.coefficient * np.maximum(normal_reaction, 0.0),
-        dilatancy=contact.dilatancy,
-        shift=np.zeros(contact.count),
+        bound=contact.limit + frozen * np.maximum(normal_reaction, 0.0),
+        dilatancy=contact.dilatancy + dilating,
+        shift=dilating * np.maximum(slip_rate, 0.0),
     )
 
 
 def associated_contact(contact: ContactRows) -> FrozenContact:
     """Every Coulomb point made associated (T4): a single solve, an upper bound (T14)."""
-    return FrozenContact(
-        bound=contact.limit,
-        dilatancy=contact.dilatancy + contact.coefficient,
-        shift=np.zeros(contact.count),
+    return shift_contact(contact, np.zeros(contact.count))
+
+
+def frictionless_contact(contact: ContactRows) -> FrozenContact:
+    """Every Coulomb point without its friction: a single solve, a lower bound (T14)."""
+    return reaction_contact(contact, np.zeros(contact.count))
+
+
+def stick_contact(contact: ContactRows) -> FrozenContact:
+    """No Coulomb point may slip: a single solve, an upper bound (T14)."""
+    return replace(
+        frictionless_contact(contact), bound=np.where(contact.coulomb, np.inf, contact.limit)
     )
 
 

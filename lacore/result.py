@@ -31,6 +31,11 @@ class LimitState:
         rigor: what the load factor proves.
         backend, coupling: names.
         certificate: recomputed residuals of the state; None where there is no state.
+        contraction: last ratio seen between a change of what the loop froze (reactions, slip
+            rates) and the change that it made: below 1 the plain iteration converges, at 1 it jams
+            (T11); NaN where two different ones were not seen.
+        bracket: load factors that enclose every Coulomb one (T14), where a loop found none that it
+            could certify; -inf and +inf where nothing is known. None elsewhere.
         regularised: the values of T19 (regularised backends), as load factors.
         history: one row an inner solve: load factor, residuals, statuses, times.
         build_time, solve_time: s, wall clock: assembly, and everything after it.
@@ -47,6 +52,8 @@ class LimitState:
     backend: str
     coupling: str
     certificate: Certificate | None
+    contraction: float
+    bracket: tuple[float, float] | None
     regularised: RegularisedValues | None
     history: pd.DataFrame
     build_time: float

@@ -10,17 +10,26 @@ import numpy as np
 import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
-from lacore.backend import PreparedSolver, check_capable, find_backend, read_options
+from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
 from lacore.certificate import certify
-from lacore.coupling import COUPLINGS, Coupled, CouplingOptions, Iterate
-from lacore.errors import SolveError, require_known
+from lacore.certified import certified_loop
+from lacore.coupling import Coupled, CouplingOptions, Iterate
+from lacore.errors import InputError, SolveError, require_known
 from lacore.isolation import SolverProcess
+from lacore.loops import (
+    Coupling,
+    associated,
+    frictionless,
+    kappa_loop,
+    reaction_loop,
+    shift_loop,
+    stick,
+)
 from lacore.problem import Problem
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
     Scales,
-    associated_contact,
     dimensionless,
     reaction_contact,
 )
@@ -30,17 +39,31 @@ from lacore.spaces import SPACES
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 
+COUPLINGS: dict[str, Coupling] = {
+    "certified": certified_loop,
+    "reaction": reaction_loop,
+    "shift": shift_loop,
+    "kappa": kappa_loop,
+    "associated": associated,
+    "frictionless": frictionless,
+    "stick": stick,
+}
+_ALTERNATING = ("certified", "shift", "kappa")
+"""Couplings whose states are read off programs with shifts, exactly or not at all."""
+_UPPER = ("associated", "stick")
+
 
 def solve(
     problem: Problem | Discretisation,
     backend: str = "clarabel",
-    coupling: str = "reaction",
+    coupling: str | None = None,
     *,
     start: str = "associated",
     damping: float = 0.7,
     anderson: int = 10,
     tolerance: float = 1e-6,
     max_iterations: int = 100,
+    kappa: float = 0.5,
     options: Mapping[str, Any] | None = None,
     on_iterate: Callable[[Iterate], None] | None = None,
     throw: bool = False,
@@ -51,9 +74,14 @@ def solve(
     Args:
         problem: the problem, or its discretisation where several backends share it.
         backend: a name from `lacore.backend_names()`.
-        coupling: ``reaction``, the loop on contact reactions, or ``associated``: friction made
-            associated, one solve, an upper bound of the Coulomb load factor.
-        start, damping, anderson, tolerance, max_iterations: see `CouplingOptions`.
+        coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (of
+            the paper, T9; the default and only one of regularised backends), ``shift`` (T10) or
+            ``kappa`` (T11); or one solve of another problem: ``associated``, friction made
+            associated, or ``stick``, no slip, both upper bounds of every Coulomb load factor, or
+            ``frictionless``, a lower one (T14).
+        start, damping, anderson, kappa: of ``reaction``, ``shift`` and ``kappa``, see
+            `CouplingOptions`.
+        tolerance, max_iterations: of all loops.
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
@@ -67,9 +95,11 @@ def solve(
         CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
     """
-    require_known("coupling", coupling, COUPLINGS)
-    coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations)
+    if coupling is not None:
+        require_known("coupling", coupling, COUPLINGS)
+    coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa)
     engine = find_backend(backend)
+    coupling = coupling_for(engine, coupling)
     engine_options = read_options(engine, options or {})
     begin = time.perf_counter()
     if isinstance(problem, Problem):
@@ -107,6 +137,24 @@ def solve(
     return state
 
 
+def coupling_for(backend: Backend, coupling: str | None) -> str:
+    """The coupling asked for, or the default of a backend.
+
+    Raises:
+        InputError: the backend is regularised, and the coupling needs exact multipliers.
+    """
+    if not backend.capabilities.regularised:
+        return coupling or "certified"
+    if coupling in _ALTERNATING:
+        raise InputError(
+            "coupling",
+            coupling,
+            f"needs exact solves, and backend {backend.name!r} is regularised",
+            "take 'reaction', or an exact backend such as 'clarabel'",
+        )
+    return coupling or "reaction"
+
+
 def _limit_state(
     discretisation: Discretisation,
     program: KinematicProgram,
@@ -118,14 +166,15 @@ def _limit_state(
     build_time: float,
     solve_time: float,
 ) -> LimitState:
-    inner, scales = coupled.last.inner, program.scales
-    point, certificate = inner.point, coupled.last.certificate
+    final, scales = coupled.final, program.scales
+    inner, point, certificate = final.inner, final.state, final.certificate
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
-    if point is not None and certificate is not None and not regularised:
-        contact = associated_contact(program.contact) if coupling == "associated" else None
-        point = replace(point, load_factor=kinematic_load_factor(program, point, contact))
+    bound = coupled.laws is not None or not program.contact.coulomb.any()
+    if bound and point is not None and certificate is not None and not regularised:
+        # Of a Coulomb state the static value is reported, with which equilibrium holds.
+        point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
         # The gap stays that between the two values; everything else must hold for the reported one.
-        certificate = replace(certify(program, point, contact), gap=certificate.gap)
+        certificate = replace(certify(program, point, coupled.laws), gap=certificate.gap)
     if point is not None and coupled.status is Status.SOLVED:
         load_factor = point.load_factor * scales.load_factor
     history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
@@ -133,6 +182,11 @@ def _limit_state(
     message = f"{coupled.status.label}: {coupled.status.value}"
     if coupled.status is Status.SOLVED and inner.status is not Status.SOLVED:
         message += f"; the solver itself says {inner.native_status!r}, the residuals prove more"
+    bracket = None
+    if coupled.bracket is not None:
+        lower, upper = (end * scales.load_factor for end in coupled.bracket)
+        bracket = (lower, upper)
+        message += f"; every Coulomb load factor is in [{lower:.6g}, {upper:.6g}]"
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
@@ -147,6 +201,8 @@ def _limit_state(
         backend=backend,
         coupling=coupling,
         certificate=certificate,
+        contraction=coupled.contraction,
+        bracket=bracket,
         regularised=_in_si(inner.regularised, scales),
         history=history,
         build_time=build_time,
@@ -179,7 +235,7 @@ def _rigor(
         return Rigor.REGULARISED
     bodies = [dofs.body for dofs in discretisation.bodies.values()]  # rigid blocks are exact
     strict = all(SPACES[body.space].strict and body.geometry == "exact" for body in bodies)
-    normal = coupling == "associated" or not discretisation.full.contact.coulomb.any()
+    normal = coupling in _UPPER or not discretisation.full.contact.coulomb.any()
     return Rigor.UPPER if strict and normal else Rigor.DISCRETE
 
 

@@ -16,12 +16,16 @@ class Status(Enum):
     TIME_LIMIT = "the time limit was reached: raise `time_limit` or take a coarser mesh"
     FAILED = "the solver failed numerically: its message says how; try another backend"
     NOT_CONVERGED = (
-        "the reaction loop did not reach a Coulomb state within its budget: lower `damping`,"
-        " raise `anderson`, or raise `max_iterations`; the history shows what it did"
+        "the loop did not reach a Coulomb state within its budget: take coupling='certified',"
+        " lower `damping`, raise `anderson` or `max_iterations`; the history shows what it did"
     )
     NOT_CERTIFIED = (
         "the loop ended, but the recomputed residuals do not prove the answer: tighten the"
-        " backend's tolerance, or try another backend"
+        " backend's tolerance, raise `max_iterations`, or try another backend"
+    )
+    JAM = (
+        "jam?: nothing could be certified, the associated load factor is +inf, and reactions grew"
+        " at least as fast as the friction they were given: the structure may lock itself"
     )
     INVALID_START = (
         "without friction the dead loads already collapse the structure, so zero reactions are"

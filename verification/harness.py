@@ -12,7 +12,7 @@ from verification.case import Allowed, Band, Case, Reference, Variant, allowed_v
 
 PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
-COUPLING = "reaction"
+DEFAULT = "default"
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ def run_one(
         "case": run.case.id,
         "variant": run.variant.name,
         "backend": run.backend,
-        "coupling": COUPLING,
+        "coupling": DEFAULT,
         "mesh": run.mesh,
         "parameters": dict(run.variant.parameters),
     }
@@ -202,7 +202,6 @@ def run_one(
         state = la.solve(
             discretisation,
             backend=run.backend,
-            coupling=COUPLING,
             options=options,
             on_iterate=on_iterate,
             process=process,
@@ -212,6 +211,7 @@ def run_one(
         return Outcome(run, row, None)
     except Exception as error:  # a broken backend must not take the others' results with it
         return Outcome(run, _failed(names, error), None)
+    names["coupling"] = state.coupling
     verdict, why = judge(state, reference, band)
     return Outcome(run, _row(names, state, reference, verdict, why), state)
 

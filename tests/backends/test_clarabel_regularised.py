@@ -16,7 +16,8 @@ from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.newton import Newton
 from lacore.backend import find_backend
 from lacore.certificate import certify
-from lacore.coupling import CouplingOptions, reaction_loop
+from lacore.coupling import CouplingOptions
+from lacore.loops import reaction_loop
 from lacore.program import DissipationGroup, associated_contact, dimensionless
 from lacore.regularization import Penalties, evaluate
 from lacore.status import Status
@@ -219,7 +220,7 @@ def test_a_wrong_multiplier_is_refused(name, factor, status):
     backend = find_backend(name)
     solver = Planted(backend.prepare(stated, backend.Options(r=0.1)), factor)
     coupled = reaction_loop(stated, solver, True, CouplingOptions(), lambda iterate: None)
-    assert coupled.last.inner.status is Status.SOLVED
+    assert coupled.final.inner.status is Status.SOLVED
     assert coupled.status is Status[status]
 
 

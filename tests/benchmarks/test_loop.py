@@ -5,7 +5,8 @@ import time
 import pytest
 
 import lacore as la
-from lacore.coupling import CouplingOptions, reaction_loop
+from lacore.coupling import CouplingOptions
+from lacore.loops import reaction_loop
 from lacore.program import dimensionless
 from tests.benchmarks.measuring import Clocked
 from verification.catalogue import find
@@ -31,7 +32,7 @@ def test_loop(benchmark, one_thread, name):
     )
     total = benchmark.stats.stats.min
     inside = sum(iterate.inner.solve_time for iterate in coupled.iterates)
-    point = coupled.last.inner.point
+    point = coupled.final.inner.point
     benchmark.extra_info.update(
         kind="loop",
         what=name,

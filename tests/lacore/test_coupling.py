@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 import lacore as la
 from lacore.anderson import Anderson
 from lacore.backend import InnerSolution
-from lacore.coupling import CouplingOptions, reaction_loop
+from lacore.coupling import CouplingOptions
+from lacore.loops import reaction_loop
 from lacore.status import Status
 from tests.lacore.models import cantilever, deformable_block, obstacle, square
 from tests.lacore.random_programs import random_program
@@ -73,14 +74,17 @@ def test_anderson_survives_an_exact_fixed_point():
 @pytest.mark.parametrize("friction", [0.2, 0.5, 0.9])
 def test_both_starts_end_at_the_same_load(friction):
     problem = deformable_block(friction)
-    loads = [la.solve(problem, start=start).load_factor for start in ("associated", "zero")]
+    loads = [
+        la.solve(problem, coupling="reaction", start=start).load_factor
+        for start in ("associated", "zero")
+    ]
     # Each within 1e-5 of the one value: residuals of 1e-6 and rates below 0.9 (T15).
     assert loads == pytest.approx([min(4 * friction, 3)] * 2, abs=1e-5)
 
 
 @pytest.mark.parametrize(("damping", "anderson"), [(1.0, 0), (0.5, 0), (1.0, 3), (0.7, 1)])
 def test_damping_and_depth_change_the_way_and_not_the_end(damping, anderson):
-    state = la.solve(deformable_block(0.3), damping=damping, anderson=anderson)
+    state = la.solve(deformable_block(0.3), coupling="reaction", damping=damping, anderson=anderson)
     assert state.status is Status.SOLVED
     assert state.load_factor == pytest.approx(1.2, abs=1e-5)
 
@@ -137,7 +141,7 @@ def test_statuses_of_the_start(start, answers, status, kinds):
 
 def test_history_has_a_row_an_inner_solve():
     seen = []
-    state = la.solve(deformable_block(0.3), on_iterate=seen.append)
+    state = la.solve(deformable_block(0.3), coupling="reaction", on_iterate=seen.append)
     history = state.history
     assert len(history) == len(seen) == state.outer_iterations
     assert list(history.iteration) == list(range(len(history)))
@@ -210,10 +214,11 @@ def test_locked_by_obstacles(start, friction, weight):
         dead_loads=weight,
         interfaces=[obstacle(side, friction) for side in SIDES[:3]],
     )
-    ends(problem, Status.LOCKED, start=start)
+    ends(problem, Status.LOCKED, coupling="reaction", start=start)
+    ends(problem, Status.LOCKED)
 
 
-@pytest.mark.parametrize("coupling", ["reaction", "associated"])
+@pytest.mark.parametrize("coupling", ["certified", "reaction", "associated"])
 def test_unsafe_by_strength(coupling):
     """Weight 10 k over the height 1: a cut stands up to 3.78 k only."""
     problem = on_square(
@@ -257,7 +262,7 @@ def test_free_without_dead_load(friction):
     )
 
 
-@pytest.mark.parametrize("coupling", ["reaction", "associated"])
+@pytest.mark.parametrize("coupling", ["certified", "reaction", "associated"])
 def test_free_on_a_smooth_floor(coupling):
     problem = on_square(
         la.Traction("block", "left", (1, 0)),
@@ -304,7 +309,7 @@ def held_by_friction(mu=0.5):
 
 def test_invalid_start():
     """Without friction the dead load slides the block, and the live load cannot hold it."""
-    state = ends(held_by_friction(), Status.INVALID_START, start="zero")
+    state = ends(held_by_friction(), Status.INVALID_START, coupling="reaction", start="zero")
     assert "start='associated'" in state.message
 
 
@@ -314,14 +319,20 @@ def test_bounds_that_fail_in_the_loop_are_no_proof_of_collapse():
     Lifting does not change the frozen bound, so the inner load is W cos(beta) or none: the
     reaction iteration cannot find W (cos(beta) - sin(beta)/mu), but the block is not unsafe.
     """
-    ends(held_by_friction(), Status.NOT_CONVERGED)
+    ends(held_by_friction(), Status.NOT_CONVERGED, coupling="reaction")
     upper = la.solve(held_by_friction(), coupling="associated")
     assert upper.load_factor >= np.cos(BETA) - np.sin(BETA) / 0.5 - 1e-6
 
 
 @pytest.mark.parametrize("start", ["associated", "zero"])
 def test_not_converged(start):
-    state = ends(deformable_block(0.3), Status.NOT_CONVERGED, start=start, max_iterations=1)
+    state = ends(
+        deformable_block(0.3),
+        Status.NOT_CONVERGED,
+        coupling="reaction",
+        start=start,
+        max_iterations=1,
+    )
     assert state.outer_iterations == 2
     assert state.point is not None, "the last iterate is there to be looked at"
     assert not state.certificate.holds(1e-6)

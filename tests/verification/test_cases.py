@@ -71,22 +71,12 @@ def test_exact_backend_passes_on_coarse(case, variant):
     assert outcome.row.verdict == PASS, outcome.row.why
 
 
-# The reaction loop stands still at a cone residual of 7e-5 there, and says "not converged".
-STUCK_ON_FINE = ("platens-coulomb", "mu-0.3")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "variant"), VARIANTS, ids=[f"{case.id}:{variant.name}" for case, variant in VARIANTS]
 )
-def test_exact_backend_passes_on_medium_and_fine(request, case, variant):
-    if (case.id, variant.name) == STUCK_ON_FINE:
-        reason = "the reaction loop stands still; a certified loop is to mend it"
-        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
-    # Beside the crossing at mu = 0.75 the loop needs more than 100 solves on the fine mesh: the
-    # reactions of the deformable block, not its load factor, keep it from a certificate.
-    levels = ("medium", "fine") if "medium" in variant.meshes else ("medium",)
-    for mesh in levels:
+def test_exact_backend_passes_on_medium_and_fine(case, variant):
+    for mesh in ("medium", "fine"):
         outcome = outcome_of(case, variant, mesh)
         assert outcome.row.verdict == PASS, outcome.row.why
 

@@ -1,0 +1,156 @@
+"""The certified loop (T12, T13): every step feasible, every pair judged, never a guess.
+
+A K-step minimises over velocities at frozen reactions, an S-step maximises over statically
+admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
+other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
+the other is an admissible pair; its gap falls from step to step, and a pair without a gap is a
+Coulomb limit state. Where the gap stalls above zero, other reactions are tried.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lacore.anderson import Anderson
+from lacore.arrays import Floats
+from lacore.backend import PreparedSolver
+from lacore.coupling import Coupled, CouplingOptions, Iterate, Run, paired
+from lacore.loops import OnIterate, fixed_point, slip_rate
+from lacore.program import (
+    KinematicProgram,
+    associated_contact,
+    frictionless_contact,
+    reaction_contact,
+    shift_contact,
+)
+from lacore.state import ProgramState
+from lacore.status import Status
+
+_FALLS = 0.9  # of the least gap so far: anything above is a stall
+_PATIENCE = 6  # escapes in a row that may fail
+_GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
+_LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+
+Blend = Callable[[Floats, Floats, Floats], Floats]
+"""Next frozen reaction from the last one and those of the S- and the K-step after it."""
+
+
+def certified_loop(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: OnIterate,
+) -> Coupled:
+    """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13)."""
+    run = Run(program, solver, regularised, options, on_iterate)
+    rows = program.contact
+    if not rows.coulomb.any():
+        return run.judged(run.solve("single", frictionless_contact(rows)))
+    first = run.solve("associated", associated_contact(rows))
+    anchor = _anchor(run) if first.inner.status is Status.LOCKED else first
+    static = anchor.inner.point
+    if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
+        return run.judged(anchor)
+    for escape in (_damped, _averaged, _shifted):
+        found = escape(run, static)
+        if found is not None:
+            return run.judged(found)
+    return _undecided(run, first)
+
+
+def _anchor(run: Run) -> Iterate:
+    """A state to start from where the associated problem has no mechanism (T13).
+
+    The velocities that a K-step admits do not depend on its bounds: LOCKED there is LOCKED for any
+    friction. From its mechanism the S-step has a value, unless no state at all is admissible.
+    """
+    program, rows = run.program, run.program.contact
+    load = float(np.abs(program.dead_load).sum() + np.abs(program.reference_load).sum())
+    for factor in _GENEROUS:
+        generous = np.full(rows.count, factor * load / float(rows.weights.sum()))
+        k = run.solve("generous", reaction_contact(rows, generous))
+        if k.inner.status is not Status.UNSAFE:
+            break
+    return k if k.inner.point is None else _s_step(run, k.inner.point)
+
+
+def _damped(run: Run, static: ProgramState) -> Iterate | None:
+    return _alternate(run, static, lambda last, _, k: (last + k) / 2)
+
+
+def _averaged(run: Run, static: ProgramState) -> Iterate | None:
+    """For reactions far from vertices, of large walls (T12b)."""
+    return _alternate(run, static, lambda last, s, k: (last + s + k) / 3)
+
+
+def _alternate(run: Run, static: ProgramState, blend: Blend) -> Iterate | None:
+    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall."""
+    reaction, least, failed = _normal(static), np.inf, 0
+    while not run.exhausted and failed <= _PATIENCE:
+        k = _k_step(run, reaction, static, "escape" if failed else "K")
+        if k.inner.status is Status.UNSAFE and failed:  # more friction than of an admissible state
+            reaction = np.maximum(reaction, _normal(static))
+            k = _k_step(run, reaction, static, "escape")
+        if k.inner.point is None or _ends(run, k):
+            return k if _ends(run, k) else None
+        s = _s_step(run, k.inner.point)
+        if s.inner.point is None or _ends(run, s):
+            return s if _ends(run, s) else None
+        assert s.certificate is not None
+        static = s.inner.point
+        if s.certificate.gap <= _FALLS * least:
+            reaction, failed = _normal(static), 0
+        else:
+            reaction, failed = blend(reaction, _normal(static), _normal(k.inner.point)), failed + 1
+        least = min(least, s.certificate.gap)
+    return None
+
+
+def _shifted(run: Run, static: ProgramState) -> Iterate | None:
+    """The shift iteration with Anderson's acceleration: the last resort."""
+    if run.exhausted:
+        return None
+    coupled = fixed_point(run, "shift", 1.0, static, Anderson(5, 1.0))
+    return coupled.final if coupled.status in (Status.SOLVED, Status.FREE) else None
+
+
+def _k_step(run: Run, reaction: Floats, static: ProgramState, kind: str) -> Iterate:
+    """``u = argmin`` of (T5) at a frozen normal reaction, judged with the static state before."""
+    rows = run.program.contact
+    k = run.solve(kind, reaction_contact(rows, reaction), partner=lambda k: paired(k, static))
+    if k.inner.point is not None:
+        bound = rows.coefficient * reaction
+        run.mapped("K", bound, rows.coefficient * _normal(k.inner.point))
+    return k
+
+
+def _s_step(run: Run, kinematic: ProgramState) -> Iterate:
+    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
+    contact = shift_contact(run.program.contact, slip_rate(run.program, kinematic))
+    return run.solve("S", contact, partner=lambda s: paired(kinematic, s))
+
+
+def _ends(run: Run, iterate: Iterate) -> bool:
+    return run.proven(iterate) or run.free(iterate)
+
+
+def _undecided(run: Run, first: Iterate) -> Coupled:
+    """No certificate within the budget: the bracket of T14, and no number."""
+    locked = first.inner.status is Status.LOCKED
+    upper = np.inf if first.inner.point is None else first.inner.point.load_factor
+    smooth = run.solve("frictionless", frictionless_contact(run.program.contact)).inner
+    lower = -np.inf if smooth.point is None else smooth.point.load_factor
+    status = Status.JAM if locked and max(run.rates, default=0.0) >= 1 else Status.NOT_CERTIFIED
+    candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
+    best = min(candidates, key=lambda iterate: _worst(iterate))
+    return run.end(status, best, bracket=(lower, upper))
+
+
+def _worst(iterate: Iterate) -> float:
+    assert iterate.certificate is not None
+    return float(np.nan_to_num(iterate.certificate.worst[1], nan=np.inf))
+
+
+def _normal(state: ProgramState) -> Floats:
+    return np.maximum(state.normal_reaction, 0.0)

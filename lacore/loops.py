@@ -1,0 +1,154 @@
+"""Single solves of the bracket (T14) and the fixed-point loops (T9-T11).
+
+A loop freezes the friction bounds ``mu t_n``, or the shifts ``mu ||u_t||``, or a share of both,
+solves the convex program, reads them off its answer and starts again.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lacore.anderson import Anderson
+from lacore.arrays import Floats
+from lacore.backend import PreparedSolver
+from lacore.coupling import Coupled, CouplingOptions, Iterate, Run
+from lacore.program import (
+    ContactRows,
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+    family_contact,
+    frictionless_contact,
+    stick_contact,
+)
+from lacore.state import ProgramState
+from lacore.status import Status
+
+OnIterate = Callable[[Iterate], None]
+Coupling = Callable[[KinematicProgram, PreparedSolver, bool, CouplingOptions, OnIterate], Coupled]
+
+
+def _single(kind: str, freeze: Callable[[ContactRows], FrozenContact]) -> Coupling:
+    """One solve with frozen contact laws, judged by these laws."""
+
+    def coupling(
+        program: KinematicProgram,
+        solver: PreparedSolver,
+        regularised: bool,
+        options: CouplingOptions,
+        on_iterate: OnIterate,
+    ) -> Coupled:
+        run = Run(program, solver, regularised, options, on_iterate)
+        contact = freeze(program.contact)
+        return run.judged(run.solve(kind, contact, contact), contact)
+
+    return coupling
+
+
+associated = _single("associated", associated_contact)
+frictionless = _single("frictionless", frictionless_contact)
+stick = _single("stick", stick_contact)
+
+
+def reaction_loop(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: OnIterate,
+) -> Coupled:
+    """Successive approximation on the normal reactions (T9), damped and accelerated."""
+    run = Run(program, solver, regularised, options, on_iterate)
+    return _family_loop(run, "reaction", 0.0)
+
+
+def shift_loop(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: OnIterate,
+) -> Coupled:
+    """Successive approximation on the slip rates (T10), damped and accelerated."""
+    run = Run(program, solver, regularised, options, on_iterate)
+    return _family_loop(run, "shift", 1.0)
+
+
+def kappa_loop(
+    program: KinematicProgram,
+    solver: PreparedSolver,
+    regularised: bool,
+    options: CouplingOptions,
+    on_iterate: OnIterate,
+) -> Coupled:
+    """Successive approximation on both (T11), damped and accelerated."""
+    run = Run(program, solver, regularised, options, on_iterate)
+    return _family_loop(run, "kappa", options.kappa)
+
+
+def slip_rate(program: KinematicProgram, state: ProgramState) -> Floats:
+    """``||u_t||`` at the contact points, shape (m,)."""
+    return np.asarray(np.linalg.norm(program.contact.slip(state.velocity), axis=1))
+
+
+def _family_loop(run: Run, kind: str, kappa: float) -> Coupled:
+    rows = run.program.contact
+    zero = frictionless_contact(rows)
+    if not rows.coulomb.any():
+        return run.judged(run.solve("single", zero))
+
+    start = run.options.start
+    if start == "associated":
+        first = run.solve(start, associated_contact(rows))
+        if first.inner.status is Status.LOCKED:  # no error: friction may well be finite (T13)
+            start = "zero"
+    if start == "zero":
+        first = run.solve(start, zero)
+        if first.inner.status is Status.UNSAFE:
+            return run.end(Status.INVALID_START)
+    if first.inner.point is None:
+        return run.end(first.inner.status)
+    return fixed_point(
+        run, kind, kappa, first.inner.point, Anderson(run.options.anderson, run.options.damping)
+    )
+
+
+def fixed_point(
+    run: Run, kind: str, kappa: float, start: ProgramState, mixing: Anderson
+) -> Coupled:
+    """The family loop from a state, until it is proven or the budget is spent."""
+    program, rows = run.program, run.program.contact
+    reaction_size = _size(start.normal_reaction)
+    slip_size = _size(start.velocity)
+
+    def read(state: ProgramState) -> Floats:
+        reaction, slip = state.normal_reaction, slip_rate(program, state)
+        return np.concatenate([(1 - kappa) / reaction_size * reaction, kappa / slip_size * slip])
+
+    def freeze(values: Floats) -> FrozenContact:
+        reaction, slip = np.split(values, 2)
+        reaction = reaction * reaction_size / (1 - kappa) if kappa < 1 else reaction
+        slip = slip * slip_size / kappa if kappa > 0 else slip
+        return family_contact(rows, kappa, reaction, slip)
+
+    values = np.maximum(read(start), 0.0)
+    while not run.exhausted:
+        iterate = run.solve(kind, freeze(values))
+        point, status = iterate.inner.point, iterate.inner.status
+        # At these bounds or shifts only: neither proves anything of the Coulomb problem (T13).
+        if status is Status.UNSAFE or (status is Status.LOCKED and kappa > 0):
+            return run.end(Status.NOT_CONVERGED)
+        out_of_budget = status in (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+        if point is None or out_of_budget or run.proven(iterate) or run.free(iterate):
+            return run.judged(iterate)
+        image = read(point)
+        run.mapped(kind, values, image)
+        values = np.maximum(mixing.step(values, image), 0.0)
+    status = run.iterates[-1].inner.status
+    finished = status in (Status.SOLVED, Status.ALMOST_SOLVED)
+    return run.end(Status.NOT_CONVERGED if finished else status)
+
+
+def _size(values: Floats) -> float:
+    """Largest absolute value, 1 where all are zero."""
+    return float(np.abs(values).max(initial=0.0)) or 1.0
