@@ -5,16 +5,27 @@ from math import pi
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.blocks import BlockAssembly
+from lacore.bonds import ROUND_OFF, Opening, random_bond, regular_bond, windows
 from lacore.errors import InputError, is_number, is_plane_vector, require_count, require_positive
 from lacore.interfaces import Friction
 from lacore.joints import JointFriction
 
+__all__ = [
+    "Opening",
+    "arch",
+    "random_bond",
+    "rectangle",
+    "regular_bond",
+    "running_bond",
+    "stack",
+    "windows",
+]
 Rows = Sequence[Sequence[float]]
-_ROUND_OFF = 1e-9  # of the width of a row: widths written in decimals add up to this
 
 
-def rectangle(left: float, right: float, bottom: float, top: float) -> np.ndarray:
+def rectangle(left: float, right: float, bottom: float, top: float) -> Floats:
     """Vertices (4, 2) of an upright rectangle, counterclockwise."""
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
@@ -32,7 +43,7 @@ def running_bond(
 
     Args:
         rows: courses, bottom first, each from left to right: widths in blocks, an opening as
-            minus its width: ``[1, .5, -1, .5, 1]``.
+            minus its width: ``[1, .5, -1, .5, 1]``; `regular_bond` and `random_bond` make some.
         friction: law of all joints; `joint_friction` for single pairs.
         block: width and height of a block, m.
         base: whether a block ``base`` of full width, one block high, lies below ``y = 0``.
@@ -57,7 +68,7 @@ def running_bond(
     return BlockAssembly(bodies, friction, joint_friction)
 
 
-def _joints_of_courses(rows: Rows) -> list[np.ndarray]:
+def _joints_of_courses(rows: Rows) -> list[Floats]:
     """Ends of all entries of each course, from 0 on, in blocks."""
     if not len(rows):
         raise InputError("running_bond.rows", rows, "there is no course", "give at least one")
@@ -67,7 +78,7 @@ def _joints_of_courses(rows: Rows) -> list[np.ndarray]:
         if not len(row) or not all(is_number(width) and abs(width) > 0 for width in row):
             raise InputError(where, row, "not widths", "give numbers != 0, openings below 0")
         ends.append(np.concatenate([[0.0], np.cumsum(np.abs(row))]))
-        if abs(ends[-1][-1] - ends[0][-1]) > _ROUND_OFF * ends[0][-1]:
+        if abs(ends[-1][-1] - ends[0][-1]) > ROUND_OFF * ends[0][-1]:
             raise InputError(
                 where,
                 list(row),
