@@ -166,7 +166,8 @@ def require_no_slits(
             (names[a], names[b]),
             f"these blocks nearly touch: a gap of {slits.gap[0]:.3g} m, less than {NEAR:.0%} of"
             f" the edge (such gaps: {slits.first.size})",
-            f"close the gap, or give a tolerance above {slits.gap.max():.3g} m",
+            f"close the gap, give a tolerance above {slits.gap.max():.3g} m, or widen it if it is"
+            " meant",
         )
 
 
