@@ -85,18 +85,7 @@ class BlockAssembly:
         names = tuple(outlines)
         points, block = shapely.get_coordinates(polygons, return_index=True)
         area = np.asarray(shapely.area(polygons))
-        if self.tolerance is None:
-            tolerance = _TOLERANCE * float(np.mean(np.sqrt(area)))
-        else:
-            require_positive("BlockAssembly.tolerance", self.tolerance)
-            tolerance = float(self.tolerance)
-        if tolerance < _DIGITS * np.abs(points).max():
-            raise InputError(
-                "BlockAssembly.tolerance",
-                tolerance,
-                f"coordinates as large as {np.abs(points).max():.3g} m are not that precise",
-                "put the origin near the blocks, or give a larger tolerance",
-            )
+        tolerance = _length_tolerance(self.tolerance, area, np.abs(points).max())
         require_apart(names, polygons, tolerance, "BlockAssembly.blocks")
         edges = outline_edges(polygons, tolerance)
         require_no_slits(names, polygons, edges, tolerance, "BlockAssembly.blocks")
@@ -178,6 +167,21 @@ class BlockAssembly:
         if chosen.size == 0:
             raise InputError(field, None, "an empty outline", "select at least one edge")
         return chosen
+
+
+def _length_tolerance(given: float | None, area: Floats, farthest: float) -> float:
+    """The tolerance in m, refused where coordinates up to `farthest` do not resolve it."""
+    if given is not None:
+        require_positive("BlockAssembly.tolerance", given)
+    tolerance = _TOLERANCE * np.mean(np.sqrt(area)) if given is None else given
+    if tolerance < _DIGITS * farthest:
+        raise InputError(
+            "BlockAssembly.tolerance",
+            tolerance,
+            f"coordinates as large as {farthest:.3g} m are not that precise",
+            "put the origin near the blocks, or give a larger tolerance",
+        )
+    return float(tolerance)
 
 
 def RigidBlock(vertices: npt.ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
