@@ -2,7 +2,8 @@
 
 ``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
 plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
-costs are stress bounds and duals are stresses.
+costs are stress bounds and duals are stresses. A cone of one row, ``|v| <= t``, is the two rows
+``t - v >= 0`` and ``t + v >= 0``: rigid blocks and frames in the plane are linear programs.
 
 Regularised, every row v of a law becomes ``v - e`` with an elastic share e and its energy
 ``K e^2/2``, K the stiffness: ``min bound ||v - e|| + K ||e||^2/2`` is the Huber law of T17 and T18,
@@ -15,7 +16,7 @@ from typing import Any
 
 import clarabel
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.program import FrozenContact, KinematicProgram, interleaved
@@ -27,9 +28,9 @@ from lacore.state import ProgramState
 class Pattern:
     """Which contact points need which rows; a form is rebuilt only when it changes."""
 
-    friction: Bools  # cost g ||u_t||
+    friction: Bools  # cost g ||u_t||; where g = 0 the dual cone would have no interior
     stick: Bools  # u_t = 0
-    dilatancy: tuple[float, ...]
+    dilatancy: Floats
 
     @classmethod
     def of(cls, contact: FrozenContact, softened: bool) -> "Pattern":
@@ -40,7 +41,7 @@ class Pattern:
         return cls(
             friction=np.isfinite(bound) & (bound > 0),
             stick=np.isinf(bound),
-            dilatancy=tuple(contact.dilatancy),
+            dilatancy=contact.dilatancy.copy(),
         )
 
     def same(self, other: "Pattern") -> bool:
@@ -48,7 +49,7 @@ class Pattern:
         return (
             np.array_equal(self.friction, other.friction)
             and np.array_equal(self.stick, other.stick)
-            and self.dilatancy == other.dilatancy
+            and np.array_equal(self.dilatancy, other.dilatancy)
         )
 
 
@@ -78,11 +79,49 @@ class _Law:
         return csr_matrix(wide - csr_matrix((share, (own, first + own)), wide.shape))
 
 
+@dataclass(frozen=True)
+class _Norm:
+    """Cones ``||follow|| <= lead``, `count` of them, with `dim` rows of `follow` in each."""
+
+    count: int
+    dim: int
+
+    @property
+    def linear(self) -> bool:
+        """Whether they are pairs of half-spaces."""
+        return self.dim == 1
+
+    @property
+    def cones(self) -> list[Any]:
+        """Those of Clarabel."""
+        return [] if self.linear else [clarabel.SecondOrderConeT(1 + self.dim)] * self.count
+
+    def rows(self, lead: Sparse, follow: Sparse) -> Sparse:
+        """The rows whose values are in the cones."""
+        if self.linear:
+            return csr_matrix(vstack([lead - follow, lead + follow]))
+        return interleaved(lead, 1, follow, self.dim)
+
+    def offset(self, lead: Floats) -> Floats:
+        """What is added to the rows where `lead` is added to the lead."""
+        if self.linear:
+            return np.concatenate([lead, lead])
+        return np.column_stack([lead, np.zeros((self.count, self.dim))]).ravel()
+
+    def duals(self, z: Floats) -> Floats:
+        """Multipliers of lead and follow, shape (count, 1 + dim)."""
+        if self.linear:
+            below, above = z.reshape(2, -1)
+            return np.column_stack([below + above, above - below])
+        return z.reshape(-1, 1 + self.dim)
+
+
 class ConicForm:
     """The form for one pattern of contact rows; no penalties: exact.
 
     Attributes:
         quadratic, matrix, cones: P, A and the cones.
+        linear: whether it is a linear program.
     """
 
     def __init__(
@@ -92,10 +131,11 @@ class ConicForm:
         pattern: Pattern,
         penalty: Penalties | None,
     ) -> None:
-        self._program, self._pattern, self._penalty = program, pattern, penalty
+        self._program, self._pattern = program, pattern
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
+        self._voluminous = [_filled(group.volumetric) for group in program.groups]
 
         def slip(mask: Bools) -> _Law:
             rows = points.tangential[np.repeat(mask, dim)]
@@ -104,17 +144,18 @@ class ConicForm:
         def opening(mask: Bools) -> _Law:
             return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
 
-        volumes = [_Law(g.volumetric, 1, g.weights, stiff.bulk) for g in program.groups]
+        groups = list(zip(program.groups, self._voluminous, strict=True))
+        volumes = [_Law(g.volumetric[own], 1, g.weights[own], stiff.bulk) for g, own in groups]
         strains = [
-            _Law(g.rows, g.dim, g.weights, np.inf)
-            if penalty is None
+            _Law(g.rows, g.dim, g.weights, stiff.eta)
+            if penalty is None or not own.any()
             else _Law(
                 interleaved(g.rows, g.dim, g.volumetric * g.volumetric_factor, 1),
                 g.dim + 1,
                 g.weights,
                 stiff.eta,
             )
-            for g in program.groups
+            for g, own in groups
         ]
         equal = [*volumes, slip(pattern.stick)]
         unilateral = [opening(~self._dilatant), opening(self._dilatant), slip(self._dilatant)]
@@ -126,28 +167,31 @@ class ConicForm:
         starts = first + np.cumsum([0, *(law.softened for law in laws)])
         columns = int(starts[-1])
         over = [law.over(columns, int(start)) for law, start in zip(laws, starts[:-1], strict=True)]
-
         load = _wide(csr_matrix(program.reference_load[None, :]), columns)
-        blocks = [load, *over[: len(equal)]]
-        self.cones: list[Any] = [clarabel.ZeroConeT(sum(block.shape[0] for block in blocks))]
         free, lifting, sliding = over[len(equal) : len(equal) + 3]
-        blocks.append(-free)
-        if free.shape[0]:
-            self.cones.append(clarabel.NonnegativeConeT(free.shape[0]))
         dilated = diags_array(np.repeat(contact.dilatancy[self._dilatant], dim)) @ sliding
-        blocks.append(-interleaved(lifting, 1, csr_matrix(dilated), dim))
-        self.cones += [clarabel.SecondOrderConeT(1 + dim)] * lifting.shape[0]
-        for law, rows, norm in zip(normed, over[len(equal) + 3 :], norms[:-1], strict=True):
+        self._norms = [_Norm(lifting.shape[0], dim)]
+        normed_rows = [self._norms[0].rows(lifting, csr_matrix(dilated))]
+        for law, rows, start in zip(normed, over[len(equal) + 3 :], norms[:-1], strict=True):
             own = np.arange(law.weights.size)
-            bound = csr_matrix((np.ones(own.size), (own, norm + own)), (own.size, columns))
-            blocks.append(-interleaved(bound, 1, rows, law.dim))
-            self.cones += [clarabel.SecondOrderConeT(1 + law.dim)] * own.size
-        self._sizes = [block.shape[0] for block in blocks]
-        self.matrix = csr_matrix(vstack(blocks, format="csr"))
+            bound = csr_matrix((np.ones(own.size), (own, start + own)), (own.size, columns))
+            self._norms.append(_Norm(own.size, law.dim))
+            normed_rows.append(self._norms[-1].rows(bound, rows))
+        # All half-spaces are one cone, before the others.
+        self._order = sorted(range(len(self._norms)), key=lambda k: not self._norms[k].linear)
+        blocks = [load, *over[: len(equal)], -free, *(-normed_rows[k] for k in self._order)]
+        self._ends = np.cumsum([block.shape[0] for block in blocks])
+        self.matrix = csc_matrix(vstack(blocks, format="csc"))
+        flat = free.shape[0] + sum(2 * norm.count for norm in self._norms if norm.linear)
+        self.cones: list[Any] = [clarabel.ZeroConeT(int(self._ends[len(equal)]))]
+        self.cones += [clarabel.NonnegativeConeT(flat)] if flat else []
+        for k in self._order:
+            self.cones += self._norms[k].cones
         soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
         own = np.arange(first, columns)
         self._soft = np.concatenate([*soft, np.zeros(0)])
-        self.quadratic = csr_matrix((self._soft, (own, own)), (columns, columns))
+        self.quadratic = csc_matrix((self._soft, (own, own)), (columns, columns))
+        self.linear = penalty is None and all(norm.linear for norm in self._norms if norm.count)
 
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
@@ -159,42 +203,44 @@ class ConicForm:
 
     def offset(self, contact: FrozenContact) -> Floats:
         """b: ``F0.U = 1`` and the shifts of the contact rows."""
-        points = self._program.contact
-        shift = points.weights * contact.shift
-        cones = np.zeros((int(self._dilatant.sum()), 1 + points.tangent_dim))
-        cones[:, 0] = shift[self._dilatant]
+        shift = self._program.contact.weights * contact.shift
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
-        first = self.cones[0].dim
-        given = [shift[~self._dilatant], cones.ravel()]
-        np.concatenate(given, out=b[first : first + sum(part.size for part in given)])
+        free, *cones = np.split(b, self._ends)[len(self._program.groups) + 2 : -1]
+        free[:] = shift[~self._dilatant]
+        cones[self._order.index(0)][:] = self._norms[0].offset(shift[self._dilatant])
         return b
 
     def point(self, x: Floats, z: Floats, contact: FrozenContact) -> ProgramState:
         """Velocity and duals in the signs of `ProgramState` (T35)."""
         program, pattern, dilatant = self._program, self._pattern, self._dilatant
-        load, *duals = np.split(z, np.cumsum(self._sizes)[:-1])
-        count, width = len(program.groups), 1 + program.contact.tangent_dim
-        extra = 0 if self._penalty is None else 1  # softened, theta is a row of the norm too
-        stick, plain, pressed = duals[count : count + 3]
-        cones = pressed.reshape(-1, width)
+        load, *duals = np.split(z, self._ends[:-1])
+        count, dim = len(program.groups), program.contact.tangent_dim
+        means, (stick, plain), rest = duals[:count], duals[count : count + 2], duals[count + 2 :]
+        by_norm = dict(zip(self._order, rest, strict=True))
+        pressed, *strains, rubbed = (norm.duals(by_norm[k]) for k, norm in enumerate(self._norms))
         normal = np.zeros(program.contact.count)
-        tangential = np.zeros((normal.size, width - 1))
+        tangential = np.zeros((normal.size, dim))
         normal[~dilatant] = plain
-        normal[dilatant] = cones[:, 0]
-        tangential[dilatant] = contact.dilatancy[dilatant, None] * cones[:, 1:]
-        tangential[pattern.stick] -= stick.reshape(-1, width - 1)
-        tangential[pattern.friction] += duals[-1].reshape(-1, width)[:, 1:]
-        stresses, means = [], []
-        for group, mean, strain in zip(program.groups, duals, duals[count + 3 : -1], strict=False):
-            shear = -strain.reshape(-1, 1 + group.dim + extra)[:, 1:]
+        normal[dilatant] = pressed[:, 0]
+        tangential[dilatant] = contact.dilatancy[dilatant, None] * pressed[:, 1:]
+        tangential[pattern.stick] -= stick.reshape(-1, dim)
+        tangential[pattern.friction] += rubbed[:, 1:]
+        stresses, mean_stresses = [], []
+        for group, own, mean, strain in zip(
+            program.groups, self._voluminous, means, strains, strict=True
+        ):
+            shear = -strain[:, 1:]
             stresses.append(shear[:, : group.dim])
-            means.append(mean + group.volumetric_factor * shear[:, group.dim :].sum(axis=1))
+            # Softened, theta is a row of the norm too.
+            total = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
+            total[own] += mean
+            mean_stresses.append(total)
         return ProgramState(
             velocity=x[: program.n],
             load_factor=-float(load[0]),
             stress=tuple(stresses),
-            mean_stress=tuple(means),
+            mean_stress=tuple(mean_stresses),
             normal_reaction=normal,
             tangential_reaction=tangential,
         )
@@ -208,3 +254,8 @@ class ConicForm:
 def _wide(rows: Sparse, columns: int) -> Sparse:
     """The same rows with empty columns appended."""
     return csr_matrix((rows.data, rows.indices, rows.indptr), (rows.shape[0], columns))
+
+
+def _filled(rows: Sparse) -> Bools:
+    """Which rows have an entry; the others would say ``0 = 0``."""
+    return np.asarray(abs(rows).sum(axis=1)).ravel() > 0

@@ -9,10 +9,13 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from backends import clarabel_socp
+from backends._conic_form import ConicForm, Pattern
 from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.regularization import Penalties
 from lacore.status import Status
+from tests.backends.hand_made import CONIC, LINEAR, check_answer, random_linear_program
 
 # The default tolerance is 1e-9 on scaled residuals; numbers here are of order one to ten.
 BAR = 1e-7
@@ -157,6 +160,44 @@ def test_a_dead_load_that_drives_makes_the_load_factor_negative():
     assert point.load_factor == pytest.approx(LENGTH * 0.7 - 3.0, abs=BAR)
 
 
+# Cones of one row are half-spaces, those of more rows are not.
+
+
+@pytest.mark.parametrize("name", [*LINEAR, *CONIC])
+def test_known_programs(name):
+    """Both kinds of rows, with every dual and its sign."""
+    known = (LINEAR | CONIC)[name]
+    answer = solve(known.program, known.contact)
+    assert answer.status is Status.SOLVED
+    check_answer(known, answer.point, BAR)
+
+
+def form(stated, held, penalty=None):
+    softened = penalty is not None
+    return ConicForm(stated, held, Pattern.of(held, softened=softened), penalty)
+
+
+@pytest.mark.parametrize("name", [*LINEAR, *CONIC])
+def test_one_row_makes_no_cone(name):
+    """Plane blocks and frames are linear programs; `linear` and the cones say so."""
+    known = (LINEAR | CONIC)[name]
+    built = form(known.program, known.contact)
+    curved = [cone for cone in built.cones if isinstance(cone, clarabel.SecondOrderConeT)]
+    assert built.linear == (not curved) == (name in LINEAR)
+    assert built.matrix.shape[0] == sum(cone.dim for cone in built.cones)
+
+
+@pytest.mark.parametrize("penalty", [None, Penalties(1.0, 1.0, 1.0, 1.0)])
+def test_rows_of_no_volume_are_not_there(penalty):
+    """A hinge has no theta: no equality says 0 = 0, and no cone gets a row of zeros."""
+    cones = [group([1.0, 0.0], [0.0, 0.0], 1.0, 2.0), group([0.0, 1.0], [1.0, -1.0], 1.0, 2.0)]
+    built = form(program(cones, no_contact(2), [1.0, 1.0]), frozen(), penalty)
+    rows = abs(built.matrix).sum(axis=1)
+    assert built.cones[0].dim == 2  # F0.U = 1 and one theta
+    assert np.all(rows > 0)
+    assert [cone.dim for cone in built.cones[1:]] == ([4] if penalty is None else [2, 3])
+
+
 # Programs of random numbers.
 
 
@@ -247,6 +288,31 @@ def test_a_change_of_costs_builds_nothing(built):
     assert len(built) == 1
     solver.solve(SEQUENCE[3])
     assert len(built) == 2
+
+
+@pytest.mark.parametrize("linear", [True, False])
+def test_alternation_builds_two_forms(built, linear):
+    """Bounds and shifts in turn (T12), of which every one answers like a fresh solver."""
+    stated = (random_linear_program if linear else _random)(0)
+    turns = [
+        frozen(bound, dilatancy, shift)
+        for size in (0.1, 0.2, 0.3)
+        for bound, dilatancy, shift in (([size] * 4, 0.0, 0.0), ([0.0] * 4, 0.5, size))
+    ]
+    solver = prepared(stated)
+    answers = [solver.solve(held) for held in turns]
+    assert len(built) == 2
+    solver.solve(frozen([np.inf] * 4))  # a third takes the place of the oldest
+    solver.solve(turns[-1])
+    assert len(built) == 3
+    solver.solve(turns[0])
+    assert len(built) == 4
+    for held, answer in zip(turns, answers, strict=True):
+        same(answer, solve(stated, held))
+
+
+def _random(seed):
+    return random_program(np.random.default_rng(seed))
 
 
 def test_a_failed_solve_spoils_nothing():
