@@ -62,16 +62,17 @@ def residuals(s: Stated) -> dict[str, float]:
     dead_power, live = np.sum(s.dead * s.velocity), np.sum(s.reference * s.velocity)
     power = np.abs(friction).sum() + np.abs(dead_power)
     coulomb = friction + s.normal_force * opening + s.tangential_force * slip
-    return {
-        "equilibrium": np.abs((balance / [1, 1, size])[~s.fixed]).max() / forces,
-        "tension": -s.normal_force.min() / forces,
-        "cone": np.max(np.abs(s.tangential_force) - s.mu * s.normal_force) / forces,
-        "penetration": -opening.min() / speed,
-        "support": np.abs(s.velocity[s.fixed]).max(initial=0.0) / speed,
-        "normalisation": np.abs(live - 1),
-        "coulomb": np.abs(coulomb).sum() / power,
-        "power": np.abs(s.load_factor * live + dead_power - friction.sum()) / power,
-    }
+    with np.errstate(invalid="ignore", divide="ignore"):  # 0/0 is NaN, and NaN is refused
+        return {
+            "equilibrium": np.abs((balance / [1, 1, size])[~s.fixed]).max() / forces,
+            "tension": -s.normal_force.min() / forces,
+            "cone": np.max(np.abs(s.tangential_force) - s.mu * s.normal_force) / forces,
+            "penetration": -opening.min() / speed,
+            "support": np.abs(s.velocity[s.fixed]).max(initial=0.0) / speed,
+            "normalisation": np.abs(live - 1),
+            "coulomb": np.abs(coulomb).sum() / power,
+            "power": np.abs(s.load_factor * live + dead_power - friction.sum()) / power,
+        }
 
 
 def accepts(s: Stated, tolerance: float = 1e-6) -> bool:

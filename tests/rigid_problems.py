@@ -73,8 +73,7 @@ def wedge(mu=0.3, half_angle=0.2, up=False):
     t, h = np.tan(half_angle), 1.0
     blocks = {
         "base": box(-8, 8, -1, 0),
-        "wedge": np.array([(-0.5, 0.0), (0.5, 0.0), (0.5 + h * t, h), (-0.5 - h * t, h)])
-        + [0, 0.2],
+        "wedge": [(-0.5, 0.2), (0.5, 0.2), (0.5 + h * t, 0.2 + h), (-0.5 - h * t, 0.2 + h)],
         "left": np.array([(-5, 0), (-0.5 + 0.2 * t, 0), (-0.5 - h * t, 0.2 + h), (-5, 0.2 + h)]),
         "right": np.array([(0.5 - 0.2 * t, 0), (5, 0), (5, 0.2 + h), (0.5 + h * t, 0.2 + h)]),
     }
