@@ -33,6 +33,7 @@ from verification.conformance.programs import (
     sequence,
     slope,
 )
+from verification.conformance.rigid_programs import RIGID
 
 _PATIENCE = 10.0  # s that a solve of a program of a few unknowns may take before it is stopped
 _NO_HOPE = 1.0  # s for one that has no answer
@@ -261,7 +262,7 @@ def pickles(bench: Bench) -> Iterator[Finding]:
 _FRICTION = next(worked for worked in WORKED if worked.name == "friction")
 
 EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
-    **{worked.name: worked_exercise(worked) for worked in WORKED},
+    **{worked.name: worked_exercise(worked) for worked in (*WORKED, *RIGID)},
     "repeated solves": repeated_solves,
     "two solvers": two_solvers,
     "iteration limit": iteration_limit,
