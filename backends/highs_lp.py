@@ -1,31 +1,17 @@
-"""HiGHS on programs whose cones are all of one row: rigid blocks and frames in the plane, an LP.
-
-Each |v| is split, ``v = p - q`` with p, q >= 0, so that the row dual of the split is the stress
-or the tangential reaction itself. Rows are multiplied by their integration weight as in (T34).
-
-minimise   bound.(p + q) - Fd.U
-subject to F0.U = 1              dual: load factor
-           w theta U = 0         dual: -mean stress
-           w D U - p + q = 0     dual: -stress; of contact points, w T U: tangential reaction
-           w N U - d (p + q) >= -w s            dual: normal reaction
-
-Sticking is p = q = 0. A change of bounds, sticking and shifts leaves the rows as they are.
-"""
+"""HiGHS on programs whose cones are all of one row: rigid blocks and frames in the plane, an LP."""
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import highspy
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
 
-from lacore.arrays import Floats
+from backends._linear_form import LinearForm
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.state import ProgramState
 from lacore.status import Status
 
 STATUS_MAP = {
@@ -51,6 +37,7 @@ STATUS_MAP = {
     "kMemoryLimit": Status.FAILED,
 }
 _SMALLEST_TOLERANCE = 1e-10
+_KEPT = 2  # models: a coupling loop alternates between bounds and shifts (T12)
 
 
 @dataclass(frozen=True)
@@ -101,7 +88,7 @@ class Highs:
         return f"HiGHS {highspy.Highs().version()}"
 
     def prepare(self, program: KinematicProgram, options: HighsOptions) -> "HighsSolver":
-        """Put down the rows that no frozen contact changes."""
+        """Nothing yet: the rows depend on which points are dilatant."""
         return HighsSolver(program, options)
 
 
@@ -109,8 +96,45 @@ class HighsSolver:
     """HiGHS at work on one program."""
 
     def __init__(self, program: KinematicProgram, options: HighsOptions) -> None:
-        self._form, self._options = _LinearForm(program), options
-        self._dilatancy: Floats | None = None
+        self._program, self._options = program, options
+        self._models: list[_Model] = []  # the one asked last comes last
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve from the last vertex of the same rows."""
+        begin = time.perf_counter()
+        answer = self._model(contact).solve(contact)
+        return replace(answer, solve_time=time.perf_counter() - begin)
+
+    def _model(self, contact: FrozenContact) -> "_Model":
+        """The model for a contact: one of the last, or a new one in place of the oldest.
+
+        A coupling loop alternates between bounds and shifts (T12): each starts from the last
+        vertex of its own kind. A change of dilatancy alone passes the rows anew, with the basis.
+        """
+        form = LinearForm(self._program, contact)
+        known = [model for model in self._models if model.alike(form)]
+        if not known:
+            for model in self._models[: 1 - _KEPT]:
+                model.close()
+            self._models = self._models[1 - _KEPT :]
+            known = [_Model(self._options)]
+        model = known[0]
+        model.take(form)
+        self._models = [other for other in self._models if other is not model] + [model]
+        return model
+
+    def close(self) -> None:
+        """Drop the models."""
+        for model in self._models:
+            model.close()
+
+
+class _Model:
+    """HiGHS with one set of rows, and the vertex that it found last."""
+
+    def __init__(self, options: HighsOptions) -> None:
+        self._options = options
+        self._form: LinearForm | None = None
         self._highs = highspy.Highs()
         for name, value in {
             "output_flag": False,
@@ -124,16 +148,24 @@ class HighsSolver:
         }.items():
             self._highs.setOptionValue(name, value)
 
+    def alike(self, form: LinearForm) -> bool:
+        """Whether rows and columns mean the same, so that the last vertex is one to start from."""
+        return self._form is not None and np.array_equal(self._form.split, form.split)
+
+    def take(self, form: LinearForm) -> None:
+        """Pass the rows, unless they are there; a model that is alike keeps its vertex."""
+        if self._form is not None and np.array_equal(self._form.dilatancy, form.dilatancy):
+            return
+        basis = self._highs.getBasis()
+        self._highs.passModel(_model(form))
+        if self._form is not None and basis.valid:
+            self._highs.setBasis(basis)
+        self._form = form
+
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve from the last vertex; a change of dilatancy alone passes the rows anew."""
-        begin = time.perf_counter()
+        """Solve from the last vertex."""
         highs, form = self._highs, self._form
-        if self._dilatancy is None or not np.array_equal(contact.dilatancy, self._dilatancy):
-            basis = highs.getBasis()
-            highs.passModel(form.model(contact.dilatancy))
-            if self._dilatancy is not None and basis.valid:
-                highs.setBasis(basis)
-            self._dilatancy = contact.dilatancy
+        assert form is not None
         columns = np.arange(form.columns, dtype=np.int32)
         rows = np.arange(form.rows, dtype=np.int32)
         highs.changeColsCost(columns.size, columns, form.cost(contact))
@@ -155,7 +187,7 @@ class HighsSolver:
             status=status,
             native_status=native,
             iterations=max(info.simplex_iteration_count, 0) + max(info.ipm_iteration_count, 0),
-            solve_time=time.perf_counter() - begin,
+            solve_time=0.0,
             point=point,
         )
 
@@ -172,88 +204,15 @@ class HighsSolver:
         self._highs.clear()
 
 
-class _LinearForm:
-    """Columns (U, p, q), p and q of all cones and then of all contact points; rows as above."""
-
-    def __init__(self, program: KinematicProgram) -> None:
-        self._program, contact = program, program.contact
-        groups = [group for group in program.groups if group.weights.size]
-        self._cones, self._points = sum(g.weights.size for g in groups), contact.count
-        self._split = self._cones + self._points
-        self.columns = program.n + 2 * self._split
-        self.rows = 1 + self._cones + self._split + self._points
-        blocks: list[Any] = [csr_array(program.reference_load[None, :])]
-        blocks += [diags_array(group.weights) @ group.volumetric for group in groups]
-        blocks += [diags_array(group.weights) @ group.rows for group in groups]
-        if self._points:
-            weights = diags_array(contact.weights)
-            blocks += [weights @ contact.tangential, weights @ contact.normal]
-        self._velocity = vstack(blocks)
-
-    def model(self, dilatancy: Floats) -> Any:
-        """The rows; costs and bounds follow."""
-        split, points = np.arange(self._split), np.arange(self._points)
-        first = 1 + self._cones
-        at = (
-            np.concatenate([first + split, first + self._split + points]),
-            np.concatenate([split, self._cones + points]),
-        )
-        p, q = (
-            coo_array(
-                (np.concatenate([np.full(self._split, sign), -dilatancy]), at),
-                shape=(self.rows, self._split),
-            )
-            for sign in (-1.0, 1.0)
-        )
-        matrix = csc_array(hstack([self._velocity, p, q]))
-        matrix.eliminate_zeros()
-        lp = highspy.HighsLp()
-        lp.num_col_, lp.num_row_ = self.columns, self.rows
-        lp.col_cost_ = lp.col_lower_ = lp.col_upper_ = np.zeros(self.columns)
-        lp.row_lower_ = lp.row_upper_ = np.zeros(self.rows)
-        lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-        lp.a_matrix_.start_ = matrix.indptr.astype(np.int32)
-        lp.a_matrix_.index_ = matrix.indices.astype(np.int32)
-        lp.a_matrix_.value_ = matrix.data
-        return lp
-
-    def cost(self, contact: FrozenContact) -> Floats:
-        """Dead load, stress bounds, friction bounds; none on what sticks."""
-        bounds = [group.bound for group in self._program.groups]
-        split = np.concatenate([*bounds, np.where(np.isinf(contact.bound), 0.0, contact.bound)])
-        return np.concatenate([-self._program.dead_load, split, split])
-
-    def column_bounds(self, contact: FrozenContact) -> tuple[Floats, Floats]:
-        """U is free; p and q are not negative, and zero where a point sticks."""
-        free = np.full(self._program.n, np.inf)
-        split = np.where(np.isinf(contact.bound), 0.0, np.inf)
-        split = np.concatenate([np.full(self._cones, np.inf), split])
-        lower = np.concatenate([-free, np.zeros(2 * self._split)])
-        return lower, np.concatenate([free, split, split])
-
-    def row_bounds(self, contact: FrozenContact) -> tuple[Floats, Floats]:
-        """Equalities, then openings."""
-        equal = np.zeros(self.rows - self._points)
-        equal[0] = 1.0
-        opening = -self._program.contact.weights * contact.shift
-        upper = np.full(self._points, np.inf)
-        return np.concatenate([equal, opening]), np.concatenate([equal, upper])
-
-    def point(self, x: Floats, y: Floats) -> ProgramState:
-        """Velocity and duals in the signs of `ProgramState`."""
-        program = self._program
-        sizes = [group.weights.size for group in program.groups]
-        ends = np.cumsum([1, *sizes, *sizes, self._points])
-        alpha, *body, slip, opening = np.split(y, ends)
-        mean, stress = body[: len(sizes)], body[len(sizes) :]
-        return ProgramState(
-            velocity=x[: program.n],
-            load_factor=float(alpha[0]),
-            stress=tuple(
-                -part.reshape(-1, group.dim)
-                for part, group in zip(stress, program.groups, strict=True)
-            ),
-            mean_stress=tuple(-part for part in mean),
-            normal_reaction=opening,
-            tangential_reaction=slip.reshape(-1, program.contact.tangent_dim),
-        )
+def _model(form: LinearForm) -> Any:
+    """The rows of a form for HiGHS; costs and bounds follow."""
+    matrix = form.matrix()
+    lp = highspy.HighsLp()
+    lp.num_col_, lp.num_row_ = form.columns, form.rows
+    lp.col_cost_ = lp.col_lower_ = lp.col_upper_ = np.zeros(form.columns)
+    lp.row_lower_ = lp.row_upper_ = np.zeros(form.rows)
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    lp.a_matrix_.start_ = matrix.indptr.astype(np.int32)
+    lp.a_matrix_.index_ = matrix.indices.astype(np.int32)
+    lp.a_matrix_.value_ = matrix.data
+    return lp

@@ -118,6 +118,34 @@ def test_a_solve_starts_from_the_vertex_before():
     assert solver.solve(frozen(1.001 * SEQUENCE[0].bound)).iterations < first
 
 
+def test_an_alternation_starts_from_the_vertices_of_its_kind():
+    """Bounds and shifts in turn (T12): the second round starts where the first one ended."""
+    program = random_linear_program(0)
+    turns = [frozen([0.3, 0.2, 0.1, 0.4]), frozen([0.0] * 4, 0.5, 0.2)]
+    solver = prepared(program)
+    first = [solver.solve(held) for held in turns]
+    again = [solver.solve(held) for held in turns]
+    assert all(answer.iterations > 0 for answer in first)
+    assert [answer.iterations for answer in again] == [0, 0]
+    assert [answer.point.load_factor for answer in again] == [
+        pytest.approx(answer.point.load_factor, rel=EXACT) for answer in first
+    ]
+    # A third kind of rows takes the place of the oldest.
+    solver.solve(frozen([0.0] * 4, [0.5, 0.5, 0.0, 0.0]))
+    assert solver.solve(turns[1]).iterations == 0
+    assert solver.solve(turns[0]).iterations > 0
+
+
+def test_a_little_more_dilatancy_starts_from_the_vertex_before():
+    """As continuation in the friction coefficient asks."""
+    solver = prepared(random_linear_program(0))
+    first = solver.solve(frozen([0.0] * 4, 0.5))
+    more = frozen([0.0] * 4, 0.501)
+    assert solver.solve(more).iterations < first.iterations
+    fresh = solve(random_linear_program(0), more)
+    assert solver.solve(more).point.load_factor == pytest.approx(fresh.point.load_factor, rel=EXACT)
+
+
 def test_a_failed_solve_spoils_nothing():
     solver = prepared(sliding_block((1.0, 0.0), (-5.0, 3.0)))
     statuses = [solver.solve(frozen([bound])).status for bound in (2.0, 1.0, np.inf, 2.0)]
@@ -150,7 +178,7 @@ def test_the_time_limit_is_that_of_one_solve():
     for k in range(10**4):
         answer = solver.solve(frozen(np.random.default_rng(k).uniform(0.1, 1, 4)))
         assert answer.status is Status.SOLVED
-        spent = solver._highs.getRunTime()
+        spent = solver._models[0]._highs.getRunTime()
         if spent > limit:
             return
     pytest.fail(f"the clock of HiGHS reached {spent} s only")
@@ -161,10 +189,11 @@ def test_unbounded_or_infeasible_is_found_out():
     for table, status in ((LOCKED, Status.LOCKED), (UNSAFE, Status.UNSAFE)):
         for program, contact in table.values():
             solver = prepared(program)
+            model = solver._model(contact)
             native = []
-            solver._highs.setOptionValue("allow_unbounded_or_infeasible", True)
-            run = solver._run
-            solver._run = lambda run=run, native=native: native.append(run()) or native[-1]
+            model._highs.setOptionValue("allow_unbounded_or_infeasible", True)
+            run = model._run
+            model._run = lambda run=run, native=native: native.append(run()) or native[-1]
             assert solver.solve(contact).status is status
             assert "kUnboundedOrInfeasible" not in native[1:]
 
