@@ -8,6 +8,7 @@ from lacore.bodies import Body
 from lacore.certificate import Certificate
 from lacore.criteria import VonMises
 from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
+from lacore.frames import Frame
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
 from lacore.isolation import SolverProcess
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
@@ -27,6 +28,7 @@ __all__ = [
     "Coulomb",
     "Discretisation",
     "Fix",
+    "Frame",
     "InputError",
     "Interface",
     "LacoreError",

@@ -16,6 +16,8 @@ from lacore.contact_points import ContactPoints, contact_rows
 from lacore.dofs import BodyDofs, number
 from lacore.elimination import NodeConditions, free_basis, held, join
 from lacore.errors import InputError
+from lacore.frame_dofs import FrameDofs
+from lacore.frames import Frame
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem, vertex_at
 from lacore.program import (
@@ -45,6 +47,7 @@ class Discretisation:
         held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
         bodies: continua by name.
         assemblies: rigid blocks by name.
+        frames: frames by name; their hinges are the groups of these names.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
@@ -58,15 +61,17 @@ class Discretisation:
     held_nodes: Bools
     bodies: Mapping[str, BodyDofs]
     assemblies: Mapping[str, RigidDofs]
+    frames: Mapping[str, FrameDofs]
     points: ContactPoints
     shared_corners: Bools
     natural: Scales
 
     @property
     def n_elements(self) -> int:
-        """Triangles and rigid blocks."""
+        """Triangles, rigid blocks and rigid pieces of members."""
         triangles = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
-        return int(triangles) + sum(len(dofs.body.names) for dofs in self.assemblies.values())
+        blocks = sum(len(dofs.body.names) for dofs in self.assemblies.values())
+        return int(triangles) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())
 
 
 def discretise(problem: Problem) -> Discretisation:
@@ -87,13 +92,22 @@ def discretise(problem: Problem) -> Discretisation:
         if isinstance(body, BlockAssembly):
             assemblies[name] = RigidDofs(body, n)
             n += assemblies[name].count
+    frames: dict[str, FrameDofs] = {}
+    for name, body in problem.bodies.items():
+        if isinstance(body, Frame):
+            frames[name] = FrameDofs(body, n)
+            n += frames[name].count
+    rigid: dict[str, RigidDofs | FrameDofs] = {**assemblies, **frames}  # in order of unknowns
 
-    contact, points = contact_rows(problem.interfaces, {**bodies, **assemblies}, n)
+    contact, points = contact_rows(problem.interfaces, {**bodies, **rigid}, n)
     full = KinematicProgram(
-        groups=tuple(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
+        groups=(
+            *(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
+            *(group for name, dofs in frames.items() for group in dofs.groups(name, n)),
+        ),
         contact=contact,
-        reference_load=_load_vector(problem.reference_loads, bodies, assemblies, footings, n),
-        dead_load=_load_vector(problem.dead_loads, bodies, assemblies, footings, n),
+        reference_load=_load_vector(problem.reference_loads, bodies, rigid, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, rigid, footings, n),
     )
     supports = [support for support in problem.supports if support.body in bodies]
     conditions = join(
@@ -111,7 +125,7 @@ def discretise(problem: Problem) -> Discretisation:
                 free_basis(conditions, node_dofs, [f.name for f in footings]),
                 *(
                     dofs.free([s for s in problem.supports if s.body == name])
-                    for name, dofs in assemblies.items()
+                    for name, dofs in rigid.items()
                 ),
             ],
             format="csr",
@@ -138,22 +152,27 @@ def discretise(problem: Problem) -> Discretisation:
         held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
         bodies=bodies,
         assemblies=assemblies,
+        frames=frames,
         points=points,
         shared_corners=_shared_corners(program.contact, points, problem),
-        natural=_natural_scales(program, [*bodies.values(), *assemblies.values()], 1 / size),
+        natural=_natural_scales(program, bodies, rigid, 1 / size),
     )
 
 
 def _natural_scales(
-    program: KinematicProgram, bodies: Sequence[BodyDofs | RigidDofs], velocity: float
+    program: KinematicProgram,
+    bodies: Mapping[str, BodyDofs],
+    rigid: Mapping[str, RigidDofs | FrameDofs],
+    velocity: float,
 ) -> Scales:
-    """Scales of the answer: strengths where there are any, else those of the dead load.
+    """Scales of the answer: strengths of continua, else of hinges, else those of the dead load.
 
     Raises:
         InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
     """
-    length = sqrt(sum(body.extent for body in bodies))
-    strengths = [sqrt(3) * float(group.bound.max()) for group in program.groups]
+    length = sqrt(sum(body.extent for body in (*bodies.values(), *rigid.values())))
+    yielding = program.groups[: len(bodies)] or program.groups
+    strengths = [sqrt(3) * float(group.bound.max()) for group in yielding]
     if not strengths:
         limit = program.contact.limit
         strengths = [
@@ -260,17 +279,17 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
 def _load_vector(
     loads: Sequence[Load],
     bodies: Mapping[str, BodyDofs],
-    assemblies: Mapping[str, RigidDofs],
+    rigid: Mapping[str, RigidDofs | FrameDofs],
     footings: Sequence[RigidFooting],
     n: int,
 ) -> Floats:
     """Nodal forces of loads, shape (n,), N/m; a footing's load acts on its own unknown."""
     total = np.zeros(n)
-    first = n - sum(rigid.count for rigid in assemblies.values())
+    first = n - sum(dofs.count for dofs in rigid.values())
     for load in loads:
-        if load.body in assemblies:
-            rigid = assemblies[load.body]
-            total[rigid.offset : rigid.offset + rigid.count] += rigid.force(load)
+        if load.body in rigid:
+            own = rigid[load.body]
+            total[own.offset : own.offset + own.count] += own.force(load)
             continue
         dofs = bodies[load.body]
         if isinstance(load, RigidFooting):
@@ -318,7 +337,7 @@ def _unloaded(footing: RigidFooting) -> RigidFooting:
 
 
 def _load_size(load: Floats, node_dofs: Ints) -> float:
-    """Sum of the magnitudes of all nodal, footing and block forces, N/m."""
+    """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m."""
     nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
     return float(nodal + np.abs(load[node_dofs.size :]).sum())
 

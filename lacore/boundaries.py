@@ -8,16 +8,18 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies import Body
 from lacore.errors import InputError, suggest
 
-Where = str | Callable[[Floats], Bools]
+Where = str | tuple[str, ...] | Callable[[Floats], Bools]  # names: of blocks, nodes, members
 # Shares of an edge: inside it, so that `<` and `<=` with a vertex select the same, and close to its
 # ends, so that a predicate that ends just past a vertex is seen; 1e-3 leaves room for slack.
 _SAMPLES = np.array([1e-3, *np.linspace(0.0, 1.0, 17)[1:-1], 1 - 1e-3])
 
 
 def where_name(where: Where) -> str:
-    """A name for messages and tables: that of the boundary, or of the function."""
+    """A name for messages and tables: that of the boundary, of the parts, or of the function."""
     if isinstance(where, str):
         return where
+    if isinstance(where, tuple):
+        return "+".join(map(str, where))
     name = getattr(where, "__name__", "")
     return name if name.isidentifier() else "part"
 

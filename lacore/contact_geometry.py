@@ -10,9 +10,12 @@ from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import Where, boundary_facets, facet_geometry, where_name
 from lacore.errors import InputError
+from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.touching import Edges, near_misses, touching
 
+AnyBody = Body | BlockAssembly | Frame
+_SAME_FACE = 1 - 1e-9  # cosine between the normals of faces on one line
 _TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
 
 
@@ -21,8 +24,8 @@ class Segments:
     """Straight parts along which one edge of the slave touches one of the master.
 
     Attributes:
-        slave, master: facets of a continuum or outline edges of an assembly, shape (k,); an
-            obstacle has the edges -1.
+        slave, master: facets of a continuum, outline edges of an assembly, or nodes of a frame,
+            shape (k,); an obstacle has the edges -1.
         start, end: shape (2, k).
         normal: unit vectors from the master into the slave, shape (2, k).
     """
@@ -34,8 +37,12 @@ class Segments:
     normal: Floats
 
 
-def boundary_edges(body: Body | BlockAssembly, where: Where, field: str) -> tuple[Ints, Edges]:
-    """Numbers and geometry of a part of the boundary of a body."""
+def boundary_edges(body: AnyBody, where: Where, field: str) -> tuple[Ints, Edges]:
+    """Numbers and geometry of a part of the boundary of a body; a node is an edge of length 0."""
+    if isinstance(body, Frame):
+        nodes = body.find(where, field)
+        place = body.position[:, nodes]
+        return nodes, Edges(place, place, np.zeros_like(place))
     if isinstance(body, BlockAssembly):
         edges = body.outline(where, field)
         every = body.edges
@@ -44,31 +51,46 @@ def boundary_edges(body: Body | BlockAssembly, where: Where, field: str) -> tupl
     return facets, Edges(*facet_geometry(body, facets))
 
 
-def tolerance(body: Body | BlockAssembly) -> float:
+def tolerance(body: AnyBody) -> float:
     """Distance up to which coordinates count as one, m."""
-    if isinstance(body, BlockAssembly):
+    if isinstance(body, BlockAssembly | Frame):
         assert body.tolerance is not None  # since it was built
         return body.tolerance
     return _TOUCH * body.size
 
 
-def interface_segments(
-    interface: Interface, bodies: Mapping[str, Body | BlockAssembly], field: str
-) -> Segments:
-    """The segments of an interface.
+def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Segments:
+    """The segments of an interface; those at nodes of a frame are points.
 
     Raises:
-        InputError: the two sides do not touch, or touch up to a small gap only.
+        InputError: the two sides do not touch, or touch up to a small gap only; a node at a corner,
+            or against an obstacle without a normal.
     """
     slave = bodies[interface.slave[0]]
     numbers, edges = boundary_edges(slave, interface.slave[1], f"{field}.slave")
     if isinstance(interface.master, RigidObstacle):
         _check_obstacle(edges, interface, slave, field)
         nothing = np.full(numbers.size, -1)
-        return Segments(numbers, nothing, edges.start, edges.end, -edges.normal)
+        normal = -edges.normal
+        if isinstance(slave, Frame):
+            normal = np.tile(_obstacle_normal(interface, field)[:, None], numbers.size)
+        return Segments(numbers, nothing, edges.start, edges.end, normal)
     master = bodies[interface.master[0]]
     others, facing = boundary_edges(master, interface.master[1], f"{field}.master")
     allowed = max(tolerance(slave), tolerance(master))
+    if isinstance(slave, Frame) and isinstance(master, Frame):
+        raise InputError(
+            field,
+            interface.name,
+            "nodes of two frames: there is no face whose normal they could slide across",
+            "join the frames, or let one of them stand on a body",
+        )
+    if isinstance(slave, Frame):
+        face, normal = _faces(slave, numbers, facing, allowed, interface, field)
+        return Segments(numbers, others[face], edges.start, edges.end, normal)
+    if isinstance(master, Frame):
+        face, normal = _faces(master, others, edges, allowed, interface, field)
+        return Segments(numbers[face], others, facing.start, facing.end, -normal)
     shared = touching(edges, facing, allowed)
     for gap in near_misses(edges, facing, allowed).gap[:1]:
         raise InputError(
@@ -93,9 +115,7 @@ def interface_segments(
     )
 
 
-def _check_obstacle(
-    edges: Edges, interface: Interface, body: Body | BlockAssembly, field: str
-) -> None:
+def _check_obstacle(edges: Edges, interface: Interface, body: AnyBody, field: str) -> None:
     obstacle = interface.master
     assert isinstance(obstacle, RigidObstacle)
     if obstacle.point is None or obstacle.normal is None:
@@ -119,3 +139,47 @@ def _check_obstacle(
             "the obstacle's normal points out of the body",
             "give the normal from the obstacle into the body",
         )
+
+
+def _obstacle_normal(interface: Interface, field: str) -> Floats:
+    """Unit normal of the obstacle that a node touches."""
+    assert isinstance(interface.master, RigidObstacle)
+    if interface.master.normal is None:
+        raise InputError(
+            field,
+            interface.name,
+            "a node of a frame has no shape that an obstacle could follow",
+            "give RigidObstacle(point=(x, y), normal=(nx, ny))",
+        )
+    normal = np.array(interface.master.normal)
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def _faces(
+    frame: Frame, nodes: Ints, faces: Edges, allowed: float, interface: Interface, field: str
+) -> tuple[Ints, Floats]:
+    """The face that each node of a frame lies on: numbers (k,) and outward normals (2, k)."""
+    along = faces.end - faces.start
+    length = np.linalg.norm(along, axis=0)
+    away = frame.position[:, nodes, None] - faces.start[:, None, :]  # (2, nodes, faces)
+    share = np.clip(np.sum(away * along[:, None, :], axis=0) / length**2, 0.0, 1.0)
+    gap = np.linalg.norm(away - share * along[:, None, :], axis=0)
+    face = np.argmin(gap, axis=1)
+    normal = faces.normal[:, face]
+    least = gap[np.arange(nodes.size), face]
+    for node in np.flatnonzero(least > allowed)[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"the node {frame.names[nodes[node]]!r} is {least[node]:.3g} m from the other side",
+            "move one body so that they touch",
+        )
+    cosine = np.einsum("ik,ij->kj", normal, faces.normal)
+    for node in np.flatnonzero(((gap <= allowed) & (cosine < _SAME_FACE)).any(axis=1))[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"the node {frame.names[nodes[node]]!r} stands on a corner, which has no normal",
+            "select the face that carries it, or move it off the corner",
+        )
+    return face, normal

@@ -3,7 +3,8 @@
 They stand at the Bernstein control values of the velocity jump on each segment, so that
 ``u_n >= 0`` holds along all of it and frozen friction dissipation is over-estimated: for a
 quadratic jump the ends and ``2 u_mid - (u_start + u_end)/2``, weights L/3 each; for the linear
-jump between rigid blocks the ends, weights L/2. Two bodies meet on the common refinement of their
+jump between rigid blocks the ends, weights L/2; a node of a frame is one point of weight 1 m, so
+that its tractions are forces. Two bodies meet on the common refinement of their
 edges, so that neither side is preferred. Control values that two segments share are one point.
 """
 
@@ -17,6 +18,7 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.contact_geometry import Segments, interface_segments
 from lacore.dofs import BodyDofs
+from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
 from lacore.rigid import RigidDofs
@@ -25,8 +27,9 @@ _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it,
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
 _SAME_PLACE = 1e-9  # of the extent of the contact
 _ROUND_OFF = 1e-13  # of an entry of order one
+_POINT = 1.0  # m, the weight of a node
 
-Dofs = BodyDofs | RigidDofs
+Dofs = BodyDofs | RigidDofs | FrameDofs
 
 
 @dataclass(frozen=True)
@@ -150,9 +153,12 @@ def _stations(
 
     start, end = segments.start, segments.end
     ends = [jump(start), jump(end)]
-    count, degree = interface.size, max(dofs.degree for dofs, _ in sides)
+    count, degrees = interface.size, [dofs.degree for dofs, _ in sides]
     values, places = [ends[0], ends[1]], [start, end]
-    if degree > 1:
+    length = np.linalg.norm(end - start, axis=0)
+    if min(degrees) == 0:
+        values, places, length = values[:1], places[:1], np.full(count, _POINT)
+    elif max(degrees) > 1:
         middle = (start + end) / 2
         values.append(
             [m * 2.0 - (a + b) * 0.5 for m, a, b in zip(jump(middle), *ends, strict=True)]
@@ -161,7 +167,7 @@ def _stations(
     copies = len(places)
     position, normal = np.concatenate(places, axis=1), np.tile(segments.normal, copies)
     moving = [dofs.moving(parts) for dofs, parts in sides]
-    size = max(float(np.ptp(position, axis=1).max(initial=0.0)), np.finfo(float).tiny)
+    size = float(np.ptp(position, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
     key = np.column_stack(
         [
             np.tile(interface, copies),
@@ -173,7 +179,6 @@ def _stations(
     )
     key = key + 0.0  # no minus zero
     _, first, point = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    length = np.linalg.norm(end - start, axis=0)
     at = first % count if count else first
     return _Station(
         position=position[:, first].T,

@@ -9,7 +9,7 @@ import numpy as np
 from lacore.boundaries import Where, where_name
 from lacore.errors import InputError, is_number, is_plane_vector, require_known
 
-COMPONENTS = ("x", "y", "xy", "normal", "tangential")
+COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
 
 
 def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
@@ -32,8 +32,9 @@ class Fix:
 
     Attributes:
         body: name of the body.
-        where: see `lacore.boundaries.boundary_facets`.
-        components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary.
+        where: see `lacore.boundaries.boundary_facets`; of a frame its nodes, see `Frame.find`.
+        components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes
+            of a frame also ``rotation``, and ``clamped`` for all three, but no normal.
     """
 
     body: str
@@ -46,7 +47,10 @@ class Fix:
 
 @dataclass(frozen=True)
 class Traction:
-    """Uniform traction `vector` [Pa] on a part of the boundary."""
+    """Uniform traction `vector` [Pa] on a part of the boundary.
+
+    On a frame `where` names a member, and the vector is a force per length of it.
+    """
 
     body: str
     where: Where
@@ -93,7 +97,7 @@ class PointForce:
     Attributes:
         body: name of the body. A continuum yields under it: mesh dependent.
         at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
-            centroid) or of a node of a frame.
+            centroid) or of a node of a frame, or a place on a member of one: a node is put there.
         vector: N/m.
         where: the block that carries it, where `at` lies on several.
     """

@@ -7,15 +7,21 @@ from typing import Any
 
 import numpy as np
 
+from lacore.arrays import Floats, Ints
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
-from lacore.contact_geometry import Segments, boundary_edges, interface_segments
-from lacore.errors import InputError, suggest
+from lacore.contact_geometry import AnyBody, Segments, boundary_edges, interface_segments
+from lacore.errors import InputError, require_known, suggest
+from lacore.frame_dofs import COMPONENTS as NODE_COMPONENTS
+from lacore.frame_dofs import FrameDofs
+from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.rigid import RigidDofs
 
 _TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
+_SAME_NORMAL = 9  # digits to which the normals of two faces count as one
+_Place = tuple[str, int, tuple[float, float]]  # body, edge, and for a node the normal of its face
 
 
 @dataclass(frozen=True)
@@ -23,7 +29,7 @@ class Problem:
     """A limit analysis problem: find the load factor alpha of ``alpha F0 + Fd`` at collapse (T5).
 
     Attributes:
-        bodies: named bodies.
+        bodies: named bodies; frames with a node wherever a `PointForce` acts on a member.
         reference_loads: the loads that the load factor multiplies (F0).
         supports: fixed boundaries.
         interfaces: contact with friction.
@@ -33,7 +39,7 @@ class Problem:
         InputError: anything that cannot be right: see the messages.
     """
 
-    bodies: Mapping[str, Body | BlockAssembly]
+    bodies: Mapping[str, AnyBody]
     reference_loads: Sequence[Load]
     supports: Sequence[Fix] = ()
     interfaces: Sequence[Interface] = ()
@@ -53,12 +59,12 @@ class Problem:
                 "give bodies={'name': Body(...)}",
             )
         for name, body in self.bodies.items():
-            if not isinstance(body, Body | BlockAssembly):
+            if not isinstance(body, Body | BlockAssembly | Frame):
                 raise InputError(
                     f"Problem.bodies[{name!r}]",
                     body,
                     "not a Body",
-                    "give a lacore.Body or a lacore.BlockAssembly",
+                    "give a lacore.Body, BlockAssembly or Frame",
                 )
         object.__setattr__(self, "bodies", MappingProxyType(dict(self.bodies)))
         for attribute in ("reference_loads", "supports", "interfaces", "dead_loads"):
@@ -73,6 +79,7 @@ class Problem:
                 "there is none, so nothing that the load factor could multiply",
                 "give at least one load",
             )
+        self._split_frames()
         for attribute, items in (
             ("reference_loads", self.reference_loads),
             ("dead_loads", self.dead_loads),
@@ -83,10 +90,30 @@ class Problem:
             where = f"Problem.supports[{index}]"
             if not isinstance(support, Fix):
                 raise InputError(where, support, "not a support", "give lacore.Fix")
-            boundary_edges(self._body(support.body, where), support.where, f"{where}.where")
+            body = self._body(support.body, where)
+            boundary_edges(body, support.where, f"{where}.where")
+            if isinstance(body, Frame):
+                require_known(f"{where}.components", support.components, NODE_COMPONENTS)
+            elif support.components in ("rotation", "clamped"):
+                raise InputError(
+                    f"{where}.components",
+                    support.components,
+                    "only nodes of a frame have a rotation to hold",
+                    "hold x and y along an edge",
+                )
         self._check_interfaces()
 
-    def _body(self, name: str, where: str) -> Body | BlockAssembly:
+    def _split_frames(self) -> None:
+        """Put a node wherever a point force acts on a member: it may hinge there."""
+        bodies = dict(self.bodies)
+        for load in (*self.reference_loads, *self.dead_loads):
+            if isinstance(load, PointForce) and not isinstance(load.at, str):
+                body = bodies.get(load.body)
+                if isinstance(body, Frame):
+                    bodies[load.body] = body.split_at([load.at])
+        object.__setattr__(self, "bodies", MappingProxyType(bodies))
+
+    def _body(self, name: str, where: str) -> AnyBody:
         if not isinstance(name, str) or name not in self.bodies:
             raise InputError(f"{where}.body", name, "no such body", suggest(str(name), self.bodies))
         return self.bodies[name]
@@ -97,6 +124,8 @@ class Problem:
         body = self._body(load.body, where)
         if isinstance(body, BlockAssembly):
             RigidDofs(body, 0).force(load)
+        elif isinstance(body, Frame):
+            FrameDofs(body, 0).force(load)
         elif isinstance(load, PointForce):
             vertex_at(body, load.at, f"{where}.at")
         elif not isinstance(load, BodyForce):
@@ -121,13 +150,13 @@ class Problem:
 
     def _check_sharing(self, contacts: list[tuple[int, Segments]]) -> None:
         """No two interfaces on one place: an edge may meet several bodies, each of them once."""
-        taken: dict[tuple[str, int], dict[tuple[str, int], int]] = {}
+        taken: dict[_Place, dict[_Place, int]] = {}
         for index, segments in contacts:
             interface = self.interfaces[index]
             sides = [(interface.slave[0], segments.slave)]
             if not isinstance(interface.master, RigidObstacle):
                 sides.append((interface.master[0], segments.master))
-            ends = [[(name, int(edge)) for edge in edges] for name, edges in sides]
+            ends = [self._places(name, edges, segments.normal) for name, edges in sides]
             for one, other in zip(ends[0], ends[-1], strict=True):
                 for edge, facing in {one: other, other: one}.items():
                     known = taken.setdefault(edge, {})
@@ -141,6 +170,13 @@ class Problem:
                             "give each part of a boundary one interface",
                         )
                     known[facing] = index
+
+    def _places(self, name: str, edges: Ints, normal: Floats) -> list["_Place"]:
+        """Keys of edges; a node of a frame may stand in a corner, against two faces."""
+        if not isinstance(self.bodies[name], Frame):
+            return [(name, int(edge), (0.0, 0.0)) for edge in edges]
+        turned = (np.round(normal.T, _SAME_NORMAL) + 0.0).tolist()
+        return [(name, int(node), (x, y)) for node, (x, y) in zip(edges, turned, strict=True)]
 
     def _check_isolated(self, contacts: list[tuple[int, Segments]]) -> None:
         """Each block touches something, or a support holds it."""

@@ -83,38 +83,66 @@ class LimitState:
 
         Of a continuum at the P2 nodes (vertices, then edge midpoints), shape (2, nodes), m/s. Of
         rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
-        shape (3, blocks).
+        shape (3, blocks). Of a frame the same of its nodes, shape (3, nodes).
         """
         u = self._point().velocity
         nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
-        rigid = {name: dofs.motion(u) for name, dofs in self.discretisation.assemblies.items()}
-        return nodal | rigid
+        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.assemblies.items()}
+        frames = {name: dofs.motion(u) for name, dofs in self.discretisation.frames.items()}
+        return nodal | blocks | frames
 
     @property
     def stress(self) -> dict[str, Floats]:
-        """Stress (xx, yy, zz, xy) at the strain points by body, shape (elements, 3, 4), Pa.
+        """Stress (xx, yy, zz, xy) at the strain points of continua, shape (elements, 3, 4), Pa.
 
         Tension is positive.
         """
         point = self._point()
         result = {}
-        for group, s, p in zip(
-            self.discretisation.full.groups, point.stress, point.mean_stress, strict=True
+        # Hinges come after the continua.
+        for name, s, p in zip(
+            self.discretisation.bodies, point.stress, point.mean_stress, strict=False
         ):
             # Conjugate to (eps_xx - eps_yy, gamma): s_xx = -s_yy = s[0], s_xy = s[1], s_zz = 0.
             parts = np.stack([p + s[:, 0], p - s[:, 0], p, s[:, 1]], axis=-1)
-            result[group.name] = parts.reshape(-1, 3, 4)
+            result[name] = parts.reshape(-1, 3, 4)
         return result
 
     @property
     def dissipation(self) -> dict[str, Floats]:
-        """Plastic power of each element per area by body, shape (elements,), W/m^2 at F0.u = 1."""
+        """Plastic power of elements per area by continuum, shape (elements,), W/m^2 at F0.u = 1."""
         u = self._point().velocity
         return {
-            group.name: group.dissipation(u).reshape(-1, 3).sum(axis=1)
+            name: group.dissipation(u).reshape(-1, 3).sum(axis=1)
             / group.weights.reshape(-1, 3).sum(axis=1)
-            for group in self.discretisation.full.groups
+            for name, group in zip(
+                self.discretisation.bodies, self.discretisation.full.groups, strict=False
+            )
         }
+
+    @property
+    def hinges(self) -> pd.DataFrame:
+        """Potential plastic hinges of frames: place, moment and M_p (N), rotation rate (rad/s).
+
+        One row an end of a rigid piece that carries moment, two where a member goes through a
+        node. The moment is that of the member on its node, the rotation rate (at ``F0.u = 1``) that
+        of the member against its node, both anticlockwise: a hinge dissipates their product. Where
+        equal members meet, any split of the rotation between their ends is as good. `state` is
+        ``turns`` or ``rests``.
+        """
+        point, frames = self._point(), self.discretisation.frames
+        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+        tables = []
+        for group, stress in zip(self.discretisation.full.groups, point.stress, strict=True):
+            if group.name in frames:
+                dofs = frames[group.name]
+                rate = group.cone_vectors(point.velocity)[:, 0]
+                table = dofs.hinges(rate, stress[:, 0])
+                turns = np.abs(rate) * dofs.body.size > rest
+                table["state"] = np.where(turns, "turns", "rests")
+                table.insert(0, "frame", group.name)
+                tables.append(table)
+        return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
 
     @property
     def reactions(self) -> pd.DataFrame:

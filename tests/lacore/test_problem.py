@@ -133,7 +133,7 @@ def test_obstacle_that_touches():
         (lambda: la.RigidObstacle(point=(0, 0)), ("RigidObstacle", "both or none")),
         (lambda: la.RigidObstacle((0, 0), (0, 0)), ("RigidObstacle.normal", "vector != 0")),
         (lambda: la.RigidObstacle((0, np.nan), (0, 1)), ("RigidObstacle", "point=(x, y)")),
-        (lambda: la.Fix("a", "top", "z"), ("Fix.components = 'z'", "known names: normal")),
+        (lambda: la.Fix("a", "top", "z"), ("Fix.components = 'z'", "known names: clamped, normal")),
         (lambda: la.Fix("a", "top", "norml"), ("did you mean 'normal'?",)),
         (lambda: la.Traction("a", "top", (0, 0)), ("Traction.vector", "zero", "!= 0")),
         (lambda: la.Traction("a", "top", (0, np.nan)), ("Traction.vector", "finite", "Pa")),
