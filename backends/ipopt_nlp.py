@@ -264,6 +264,10 @@ def _solver(
             # platens and blocks, 0.2 needs half the iterations of the default 0.5.
             "alpha_red_factor": 0.2,
             "nlp_scaling_method": "none",
+            # A block that touches nothing has no stiffness: without a floor the next Newton step is
+            # as long as the perturbation is small, and the watchdog takes it unseen.
+            "watchdog_shortened_iter_trigger": 0,
+            "min_hessian_perturbation": 1e-4,
             "fast_step_computation": "yes",  # convex: no residual of a step needs a second look
         },
     }
