@@ -3,8 +3,12 @@
 A K-step minimises over velocities at frozen reactions, an S-step maximises over statically
 admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
 other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
-the other is an admissible pair; its gap falls from step to step, and a pair without a gap is a
-Coulomb limit state. Where the gap stalls above zero, other reactions are tried.
+the other is an admissible pair; one without a gap is a Coulomb limit state.
+
+Which reactions the next K-step gets is free. Measured on 300 random walls and on walls of 1 000
+blocks: the mean of those of both steps needs the fewest solves and certifies 92 %; the damped
+reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
+They are tried in this order: together 99.7 %.
 """
 
 from collections.abc import Callable
@@ -27,7 +31,8 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _FALLS = 0.9  # of the least gap so far: anything above is a stall
-_PATIENCE = 6  # escapes in a row that may fail
+_PATIENCE = 4  # steps in a row without progress
+_LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 
@@ -52,8 +57,8 @@ def certified_loop(
     static = anchor.inner.point
     if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
         return run.judged(anchor)
-    for escape in (_damped, _averaged, _shifted):
-        found = escape(run, static)
+    for attempt in (_averaged, _damped, _alternated, _shifted):
+        found = attempt(run, static)
         if found is not None:
             return run.judged(found)
     return _undecided(run, first)
@@ -75,35 +80,41 @@ def _anchor(run: Run) -> Iterate:
     return k if k.inner.point is None else _s_step(run, k.inner.point)
 
 
-def _damped(run: Run, static: ProgramState) -> Iterate | None:
-    return _alternate(run, static, lambda last, _, k: (last + k) / 2)
-
-
 def _averaged(run: Run, static: ProgramState) -> Iterate | None:
-    """For reactions far from vertices, of large walls (T12b)."""
-    return _alternate(run, static, lambda last, s, k: (last + s + k) / 3)
+    """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
+    return _alternate(run, static, "K", _PATIENCE, lambda _, s, k: (s + k) / 2)
 
 
-def _alternate(run: Run, static: ProgramState, blend: Blend) -> Iterate | None:
+def _damped(run: Run, static: ProgramState) -> Iterate | None:
+    """The damped reaction iteration; S-steps only look for a pair. Slow, and rarely in vain."""
+    return _alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
+
+
+def _alternated(run: Run, static: ProgramState) -> Iterate | None:
+    """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
+    return _alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
+
+
+def _alternate(
+    run: Run, static: ProgramState, kind: str, patience: int, blend: Blend
+) -> Iterate | None:
     """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall."""
     reaction, least, failed = _normal(static), np.inf, 0
-    while not run.exhausted and failed <= _PATIENCE:
-        k = _k_step(run, reaction, static, "escape" if failed else "K")
-        if k.inner.status is Status.UNSAFE and failed:  # more friction than of an admissible state
+    while not run.exhausted and failed <= patience:
+        k = _k_step(run, reaction, static, kind)
+        if k.inner.status is Status.UNSAFE:  # less friction than any admissible state needs
             reaction = np.maximum(reaction, _normal(static))
-            k = _k_step(run, reaction, static, "escape")
+            k = _k_step(run, reaction, static, kind)
         if k.inner.point is None or _ends(run, k):
             return k if _ends(run, k) else None
         s = _s_step(run, k.inner.point)
         if s.inner.point is None or _ends(run, s):
             return s if _ends(run, s) else None
         assert s.certificate is not None
-        static = s.inner.point
-        if s.certificate.gap <= _FALLS * least:
-            reaction, failed = _normal(static), 0
-        else:
-            reaction, failed = blend(reaction, _normal(static), _normal(k.inner.point)), failed + 1
-        least = min(least, s.certificate.gap)
+        static, gap = s.inner.point, s.certificate.gap
+        failed = 0 if gap <= _FALLS * least else failed + 1
+        least = min(least, gap)
+        reaction = blend(reaction, _normal(static), _normal(k.inner.point))
     return None
 
 

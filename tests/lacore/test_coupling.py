@@ -281,14 +281,7 @@ def test_free_without_any_support():
     [
         1e-1,
         1e-2,
-        pytest.param(
-            1e-4,
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="natural stress is the strength, whatever the load: powers of 1e-4 of it"
-                " are known to 1e-5 at a tolerance of 1e-9, and the loop cannot certify 1e-6",
-            ),
-        ),
+        1e-4,
     ],
 )
 def test_a_small_load_on_a_strong_block_is_not_free(p):
