@@ -22,7 +22,8 @@ class Certificate:
 
     Scales are global: the total load for forces, the largest nodal velocity for velocities, the
     largest strain rate (or velocity over body length, when the mechanism is rigid) for strain
-    rates, the power turned over ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers.
+    rates, the power turned over ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers, where
+    dilatant friction counts with its dilatancy as mu.
 
     Attributes:
         equilibrium: largest nodal force out of balance, with the reported load factor and dead
@@ -89,7 +90,9 @@ def certify(
     dissipated = program.plastic_dissipation(u) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
     by_shift = float(rows.weights @ (t_n * shift))
-    power = _nonzero(dissipated + abs(dead_power))
+    # Dilatant friction dissipates nothing; what it lifts against counts in its place.
+    lifted = float(rows.weights @ (dilatancy * np.maximum(t_n, 0.0) * slip_rate))
+    power = _nonzero(dissipated + lifted + abs(dead_power))
     forces = _nonzero(
         abs(state.load_factor) * float(np.abs(program.reference_load).sum())
         + float(np.abs(program.dead_load).sum())

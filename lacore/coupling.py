@@ -180,7 +180,7 @@ class Run:
     def _mismatch(self, contact: FrozenContact, normal_reaction: Floats) -> float:
         coulomb = self.program.contact.coulomb
         new = reaction_contact(self.program.contact, normal_reaction).bound[coulomb]
-        largest = max(float(np.abs(normal_reaction).max(initial=0.0)), np.finfo(float).tiny)
+        largest = max(float(np.abs(normal_reaction).max(initial=0.0)), float(np.finfo(float).tiny))
         return float(np.abs(new - contact.bound[coulomb]).max(initial=0.0)) / largest
 
     @property

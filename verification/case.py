@@ -1,26 +1,39 @@
 """What a verification case is: a problem, its reference, and how far a result may lie from it."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
 import lacore as la
+from lacore.errors import require_known
 
 SOLVER = 1e-6  # relative: bar of the certificate, so what a certified value may be off by
 EXACT = 1e-5  # relative: the exact mechanism lies in the velocity space, what is left is solving
 
 
+JAM = "only the certified loop can tell jamming; the reaction loop does not converge"
+CLAMPED = "penalties cannot hold a structure whose clamping forces nothing determines"
+
+
 @dataclass(frozen=True)
 class Reference:
-    """A load factor to compare with.
+    """What must come out: a load factor, an interval of them, or a status.
 
     Attributes:
-        value: in units of the case.
+        value: in units of the case; of an interval its lower end. +inf where the status is LOCKED
+            or JAM, -inf where it is UNSAFE.
         formula: as text.
         source: where it comes from.
-        kind: ``exact``, ``exact, numerical`` (integrated to all digits given) or ``bracket``.
+        kind: ``exact``, ``exact, numerical`` (integrated to all digits given), ``bracket``,
+            ``interval`` (of Coulomb load factors: any certified one inside is right) or ``status``.
         half_width: the reference is ``value +- half_width``.
+        up_to: upper end of an interval.
+        status: with which a Coulomb loop must end.
+        associated: load factor with associated friction, +inf where nothing bounds it; None where
+            it is not known, or no other.
+        complete: whether there are no other Coulomb load factors; else the interval is that of one
+            mechanism, others may carry other loads, and only `associated` bounds them.
     """
 
     value: float
@@ -28,6 +41,37 @@ class Reference:
     source: str
     kind: str
     half_width: float = 0.0
+    up_to: float | None = None
+    status: la.Status = la.Status.SOLVED
+    associated: float | None = None
+    complete: bool = True
+
+    @property
+    def low(self) -> float:
+        """Lower end of what is right."""
+        return self.value - self.half_width
+
+    @property
+    def high(self) -> float:
+        """Upper end of what is right."""
+        return self.value + self.half_width if self.up_to is None else self.up_to
+
+    @property
+    def text(self) -> str:
+        """For tables: ``[1.26667, 1.6]``, ``2.197 ± 0.003``, ``jam``."""
+        if self.status is not la.Status.SOLVED:
+            return self.status.label
+        if self.up_to is not None:
+            return f"[{self.value:.7g}, {self.up_to:.7g}]"
+        return f"{self.value:.7g}" + (f" ± {self.half_width:g}" if self.half_width else "")
+
+    def of_associated(self) -> "Reference":
+        """What associated friction must give, where that is known."""
+        assert self.associated is not None
+        status = la.Status.LOCKED if self.associated == inf else la.Status.SOLVED
+        return Reference(
+            self.associated, f"associated: {self.formula}", self.source, self.kind, status=status
+        )
 
 
 @dataclass(frozen=True)
@@ -37,11 +81,18 @@ class Band:
     Attributes:
         below, above: of the reference, both >= 0.
         reason: how they were derived.
+        scale: load factor that stands for the size of the dead loads. They pass their errors on to
+            a reference that is small against them, or 0: `below` and `above` are of the larger.
     """
 
     below: float
     above: float
     reason: str
+    scale: float = 0.0
+
+    def size(self, value: float) -> float:
+        """What the band of a value is relative to; an infinite one needs none."""
+        return max(abs(value), self.scale) if isfinite(value) else 0.0
 
 
 @dataclass(frozen=True)
@@ -96,6 +147,21 @@ def exact_patch(why: str) -> Band:
     )
 
 
+def rigid(dead: float) -> Band:
+    """Band of rigid blocks and frames: there is no discretisation error.
+
+    Args:
+        dead: load factor at which the live load is as large as the dead load.
+    """
+    return Band(
+        below=SOLVER,
+        above=SOLVER,
+        reason=f"Rigid bodies are exact: what is left is what the certificate lets through,"
+        f" {SOLVER:g} of the load factor or, if larger, of the dead loads.",
+        scale=dead,
+    )
+
+
 @dataclass(frozen=True)
 class Variant:
     """One setting of a case's parameters.
@@ -103,15 +169,21 @@ class Variant:
     Attributes:
         name: unique in the case.
         parameters: keyword arguments of `Case.build`, `Case.reference` and `Case.band`.
-        meshes: levels that are run by default.
+        meshes: levels that are run by default; none: coarse and medium, or the only one there is.
+        exact_only: why regularised backends cannot do it; empty where they can.
     """
 
     name: str
-    parameters: Mapping[str, float | bool]
-    meshes: tuple[str, ...] = ("coarse", "medium")
+    parameters: Mapping[str, float | bool | str]
+    meshes: tuple[str, ...] = ()
+    exact_only: str = ""
 
 
-@dataclass(frozen=True)
+BLOCKS: Mapping[str, Mapping[str, Any]] = {"blocks": {}}
+"""The one level of a case without meshes."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Case:
     """A verification case.
 
@@ -122,12 +194,14 @@ class Case:
         unit: of the load factor.
         explanation: paragraphs; indented ones are a sketch.
         hand_calculation: how the reference is found with pencil and paper, line by line.
-        meshes: levels, coarse to fine: keyword arguments of `build`.
+        meshes: levels, coarse to fine: keyword arguments of `build`; rigid bodies have none.
         build: the problem, from those of a mesh level and a variant.
         reference: the reference of a variant.
         band: allowed error from the number of elements and the parameters of a variant.
         variants: settings, in the order of the report.
         sweep: parameter against which a figure of the load factor is drawn; empty for none.
+        valid: whether the closed form holds at the parameters of a variant; its docstring says why.
+        on_demand: whether it is run only when it is named.
     """
 
     id: str
@@ -136,16 +210,43 @@ class Case:
     unit: str
     explanation: str
     hand_calculation: str
-    meshes: Mapping[str, Mapping[str, Any]]
+    meshes: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: BLOCKS)
     build: Callable[..., la.Problem]
     reference: Callable[..., Reference]
     band: Callable[..., Band]
     variants: tuple[Variant, ...]
     sweep: str = ""
+    valid: Callable[..., bool] | None = None
+    on_demand: bool = False
+
+    @property
+    def meshed(self) -> bool:
+        """Whether there are meshes to choose from."""
+        return "blocks" not in self.meshes
+
+    def levels(self, variant: Variant, asked: Sequence[str] = ()) -> tuple[str, ...]:
+        """Mesh levels to run of a variant: those asked for, or its own.
+
+        Raises:
+            InputError: an unknown level, of a case that has meshes.
+        """
+        if not self.meshed:
+            return tuple(self.meshes)
+        for mesh in asked:
+            require_known(f"mesh of case {self.id!r}", mesh, self.meshes)
+        return tuple(dict.fromkeys(asked or variant.meshes or ("coarse", "medium")))
 
     def problem(self, variant: Variant, mesh: str) -> la.Problem:
         """The problem of a variant on a mesh level."""
         return self.build(**self.meshes[mesh], **variant.parameters)
+
+    def reference_of(self, variant: Variant) -> Reference:
+        """The reference of a variant."""
+        return self.reference(**variant.parameters)
+
+    def band_of(self, variant: Variant, elements: int) -> Band:
+        """The band of a variant."""
+        return self.band(elements, **variant.parameters)
 
 
 @dataclass(frozen=True)
@@ -156,11 +257,29 @@ class Allowed:
     high: float = inf
 
     def holds(self, value: float) -> bool:
-        """Whether a finite value lies inside."""
-        return isfinite(value) and self.low <= value <= self.high
+        """Whether a value lies inside; never NaN."""
+        return self.low <= value <= self.high
+
+    def __str__(self) -> str:
+        return f"[{self.low:.7g}, {self.high:.7g}]"
 
 
 def allowed_values(reference: Reference, band: Band) -> Allowed:
-    """Interval of a reference (positive) widened by its own uncertainty and by the band."""
-    low, high = reference.value - reference.half_width, reference.value + reference.half_width
-    return Allowed(low * (1 - band.below), high * (1 + band.above))
+    """Load factors that are right: those of a reference, widened by the band."""
+    low, high = reference.low, reference.high
+    if not reference.complete:
+        assert reference.associated is not None
+        low, high = -inf, reference.associated
+    return Allowed(low - band.below * band.size(low), high + band.above * band.size(high))
+
+
+def upper_values(reference: Reference, band: Band) -> Allowed:
+    """Values of what bounds every Coulomb load factor from above (T14)."""
+    top = reference.low if reference.up_to is None else reference.up_to
+    return Allowed(low=top - band.below * band.size(top))
+
+
+def lower_values(reference: Reference, band: Band) -> Allowed:
+    """Values of what bounds every Coulomb load factor from below (T14)."""
+    bottom = reference.value + reference.half_width
+    return Allowed(high=bottom + band.above * band.size(bottom))

@@ -13,9 +13,10 @@ import click
 
 import lacore as la
 from lacore.errors import require_positive
+from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
 from verification.catalogue import catalogue
-from verification.compare import ON_DEMAND, TIME_LIMIT, plan, run_all, tally
+from verification.compare import ON_DEMAND, TIME_LIMIT, efforts, plan, run_all, tally
 from verification.machine import describe
 from verification.report.page import write
 
@@ -64,7 +65,15 @@ _json_option = click.option(
     "--meshes",
     callback=_list,
     metavar="A,B",
-    help="Mesh levels: coarse, medium, fine; default: those of each variant.",
+    help="Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have"
+    " none.",
+)
+@click.option(
+    "--couplings",
+    callback=_list,
+    metavar="A,B",
+    help=f"Coupling loops: {', '.join(COUPLINGS)}; default: that of each backend. Where they are"
+    " named, a table says how many runs each certified.",
 )
 @click.option(
     "--out",
@@ -88,6 +97,7 @@ def compare(
     cases: tuple[str, ...],
     backends: list[str],
     meshes: list[str],
+    couplings: list[str],
     out: Path,
     time_limit: float,
     as_json: bool,
@@ -103,9 +113,10 @@ def compare(
       lacore compare
       lacore compare prandtl-punch deformable-block:sliding --backends clarabel
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
+      lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
-    runs = plan(cases, backends, meshes)
+    runs = plan(cases, backends, meshes, couplings)
     with terminal.watching(len(runs)) as watch:
         outcomes = run_all(
             runs, out / "results.csv", watch.start, watch.iterate, watch.finish, time_limit
@@ -116,10 +127,19 @@ def compare(
     count = tally(outcomes)
     if as_json:
         rows = [outcome.row.record() for outcome in outcomes]
-        document = {"summary": vars(count), "report": str(page), "machine": about, "rows": rows}
+        document = {
+            "summary": vars(count),
+            "couplings": [vars(effort) for effort in efforts(outcomes)],
+            "report": str(page),
+            "machine": about,
+            "rows": rows,
+        }
         _print_json(document)
     else:
-        terminal.show_results(terminal.table_console(), outcomes)
+        console = terminal.table_console()
+        terminal.show_results(console, outcomes)
+        if couplings:
+            terminal.show_efforts(console, outcomes)
         click.echo(f"\n{count.text}\nResults: {out / 'results.csv'}\nReport:  {page}")
     if not count.passed:
         click.echo("nothing was verified: no run passed", err=True)
@@ -137,6 +157,12 @@ def list_cases(as_json: bool) -> None:
             "variants": [variant.name for variant in case.variants],
             "meshes": list(case.meshes),
             "tags": list(case.tags),
+            "run": "when named" if case.on_demand else "by default",
+            "exact backends only": [
+                f"{variant.name}: {variant.exact_only}"
+                for variant in case.variants
+                if variant.exact_only
+            ],
         }
         for case in catalogue().values()
     ]

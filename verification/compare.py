@@ -3,18 +3,35 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf, nan
 from pathlib import Path
+from statistics import median
 
 import lacore as la
 from lacore.backend import load_backend
 from lacore.coupling import Iterate
 from lacore.errors import require_known
+from lacore.solving import COUPLINGS, coupling_for
+from verification.case import Case, Variant
 from verification.catalogue import catalogue, find
-from verification.harness import COLUMNS, FAIL, PASS, SKIPPED, Outcome, Run, execute
+from verification.harness import (
+    COLUMNS,
+    FAIL,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+    Outcome,
+    Row,
+    Run,
+    execute,
+)
 from verification.store import ResultFile
 
 ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
 """Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
+
+LINEAR = ("highs",)
+"""Those of them that rigid bodies are compared with."""
 
 TIME_LIMIT = 600.0  # s, of one inner solve: ten times what the largest default run needs
 
@@ -23,40 +40,80 @@ def plan(
     names: Sequence[str] = (),
     backends: Sequence[str] = (),
     meshes: Sequence[str] = (),
+    couplings: Sequence[str] = (),
 ) -> list[Run]:
     """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
-    Without `backends` all registered ones but those `ON_DEMAND`; ``all`` is every one of them, and
-    variants of a family are named as ``cvxpy:SCS``. Without `meshes` the default levels of each
-    variant.
+    Without `names` all cases but those on demand. Without `backends` all registered ones but those
+    `ON_DEMAND`, of rigid bodies those of linear programs too, and without the regularised ones
+    where they cannot do a case; ``all`` is every one of them, and variants of a family are named as
+    ``cvxpy:SCS``. Without `meshes` the default levels of each variant. Without `couplings` the
+    default one of each backend, and with exact ones ``associated`` where its value is known.
 
     Raises:
         InputError: an unknown name.
     """
     if list(backends) == ["all"]:
         backends = la.backend_names()
-    backends = backends or [name for name in la.backend_names() if name not in ON_DEMAND]
     for name in backends:
         with suppress(la.CapabilityError):  # rows say so
             load_backend(name)
+    for name in couplings:
+        require_known("coupling", name, COUPLINGS)
     picked: dict[str, list[str]] = {}
-    for name in names or catalogue():
+    for name in names or (case.id for case in catalogue().values() if not case.on_demand):
         case, variants = find(name)
         chosen = picked.setdefault(case.id, [])
         chosen += [variant.name for variant in variants if variant.name not in chosen]
-    runs = []
-    for case_id, chosen in picked.items():
-        case = catalogue()[case_id]
-        for mesh in meshes:
-            require_known(f"mesh of case {case_id!r}", mesh, case.meshes)
-        for variant in case.variants:
-            if variant.name in chosen:
-                runs += [
-                    Run(case, variant, mesh, backend)
-                    for mesh in dict.fromkeys(meshes or variant.meshes)
-                    for backend in dict.fromkeys(backends)
-                ]
-    return runs
+    return [
+        _run(case, variant, mesh, backend, coupling)
+        for case in map(catalogue().__getitem__, picked)
+        for variant in case.variants
+        if variant.name in picked[case.id]
+        for mesh in case.levels(variant, meshes)
+        for backend in dict.fromkeys(backends or _default_backends(case, variant))
+        for coupling in dict.fromkeys(couplings or _default_couplings(case, variant, backend))
+    ]
+
+
+def _run(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
+    """A run, skipped where it is known that the backend cannot do it."""
+    known = coupling == "associated" and case.reference_of(variant).associated is not None
+    skip, insist = "", coupling is None or known
+    with suppress(la.CapabilityError):  # of a missing backend the row says so
+        engine = load_backend(backend)
+        insist |= coupling == coupling_for(engine, None)
+        if engine.capabilities.regularised and variant.exact_only:
+            skip = f"exact backends only: {variant.exact_only}"
+        else:
+            try:
+                coupling_for(engine, coupling)
+            except la.InputError as error:
+                skip = str(error)
+    return Run(case, variant, mesh, backend, coupling, insist, skip)
+
+
+def _default_backends(case: Case, variant: Variant) -> list[str]:
+    """Backends that a comparison runs when none is named."""
+    linear = () if case.meshed else LINEAR
+    return [
+        name
+        for name in la.backend_names()
+        if (name not in ON_DEMAND or name in linear)
+        and not (variant.exact_only and _regularised(name))
+    ]
+
+
+def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
+    known = case.reference_of(variant).associated is not None
+    return [None, "associated"] if known and not _regularised(backend) else [None]
+
+
+def _regularised(backend: str) -> bool:
+    """Whether a backend is known to be regularised; not of one that is missing."""
+    with suppress(la.CapabilityError):
+        return load_backend(backend).capabilities.regularised
+    return False
 
 
 @dataclass(frozen=True)
@@ -66,17 +123,64 @@ class Tally:
     passed: int
     failed: int
     skipped: int
+    no_result: int
 
     @property
     def text(self) -> str:
         """One line."""
-        return f"{self.passed} pass, {self.failed} FAIL, {self.skipped} skipped"
+        text = f"{self.passed} pass, {self.failed} FAIL, {self.skipped} skipped"
+        return text + (f", {self.no_result} no result" if self.no_result else "")
 
 
 def tally(outcomes: Sequence[Outcome]) -> Tally:
     """Count verdicts."""
     verdicts = [outcome.row.verdict for outcome in outcomes]
-    return Tally(verdicts.count(PASS), verdicts.count(FAIL), verdicts.count(SKIPPED))
+    return Tally(*(verdicts.count(kind) for kind in (PASS, FAIL, SKIPPED, NO_RESULT)))
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a coupling came to with one backend.
+
+    Attributes:
+        backend, coupling: names.
+        cases: runs that were to end with a number.
+        solved: how many of them ended with a certified one.
+        median, most: inner solves of these; NaN without any.
+        failed: runs judged wrong.
+    """
+
+    backend: str
+    coupling: str
+    cases: int
+    solved: int
+    median: float
+    most: float
+    failed: int
+
+
+def efforts(outcomes: Sequence[Outcome]) -> list[Effort]:
+    """Each coupling with each backend, over all runs with a finite reference or none."""
+    by_pair: dict[tuple[str, str], list[Row]] = {}
+    for row in (outcome.row for outcome in outcomes):
+        if row.verdict != SKIPPED:
+            by_pair.setdefault((row.backend, row.coupling), []).append(row)
+    found = []
+    for (backend, coupling), rows in by_pair.items():
+        finite = [row for row in rows if abs(row.reference) != inf]
+        solves = [row.outer_iterations for row in finite if row.status == la.Status.SOLVED.label]
+        found.append(
+            Effort(
+                backend,
+                coupling,
+                cases=len(finite),
+                solved=len(solves),
+                median=median(solves) if solves else nan,
+                most=max(solves, default=nan),
+                failed=sum(row.verdict == FAIL for row in rows),
+            )
+        )
+    return found
 
 
 def run_all(

@@ -1,18 +1,30 @@
-"""Run one case variant on one mesh with one backend, and judge it: one row a run."""
+"""Run one case variant on one mesh with a backend and a coupling, and judge it: one row a run."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from math import nan
+from math import inf, isfinite, nan
 from typing import Any
 
 import lacore as la
 from lacore.coupling import Iterate
-from verification.case import Allowed, Band, Case, Reference, Variant, allowed_values
+from verification.case import (
+    Allowed,
+    Band,
+    Case,
+    Reference,
+    Variant,
+    allowed_values,
+    lower_values,
+    upper_values,
+)
 
-PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
+PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
-DEFAULT = "default"
+BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
+"""Couplings that bound the Coulomb load factors (T14) instead of finding one."""
+_CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
+"""What statuses say of the load factor: they are claims, right or wrong, like a number."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +35,10 @@ class Row:
         case, variant, backend, coupling, mesh: what was run.
         n_elements, n_dofs: triangles and rigid blocks; unknowns after supports.
         load_factor, reference: in units of the case.
-        error: ``load_factor / reference - 1``.
+        reference_to: upper end of the reference, where it is an interval.
+        expected: the reference as text: number, interval or status.
+        error: distance from the reference, relative to its size or that of the dead loads; 0 inside
+            an interval.
         rigor, status: labels.
         lower, upper: the load factor again, where rigor proves it to be such a bound.
         outer_iterations: inner solves of the coupling loop.
@@ -31,7 +46,8 @@ class Row:
         build_time, solve_time: s.
         peak_memory_mb: largest resident memory of the backend's process; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
-        verdict: ``pass``, ``FAIL`` or ``skipped``; `why` says why.
+        verdict: ``pass``, ``FAIL``, ``skipped``, or ``no result`` of a coupling that is not the
+            default and claims nothing; `why` says why.
         why: the rule that gave the verdict, with its numbers.
         alpha_reg, regularised_lambda, P: the values of T19, as load factors.
         energy: C of T19.
@@ -47,6 +63,8 @@ class Row:
     n_dofs: float = nan
     load_factor: float = nan
     reference: float = nan
+    reference_to: float = nan
+    expected: str = ""
     error: float = nan
     rigor: str = ""
     lower: float = nan
@@ -64,7 +82,7 @@ class Row:
     regularised_lambda: float = nan
     P: float = nan
     energy: float = nan
-    parameters: dict[str, float | bool] = field(default_factory=dict)
+    parameters: dict[str, float | bool | str] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
         """As columns."""
@@ -88,17 +106,28 @@ COLUMNS = [
 
 @dataclass(frozen=True)
 class Run:
-    """What to run."""
+    """What to run.
+
+    Attributes:
+        case, variant, mesh, backend: names and things.
+        coupling: None is the default of the backend.
+        insist: whether to end without a result is a failure.
+        skip: why it is not run after all.
+    """
 
     case: Case
     variant: Variant
     mesh: str
     backend: str
+    coupling: str | None = None
+    insist: bool = True
+    skip: str = ""
 
     @property
     def label(self) -> str:
         """For progress."""
-        return f"{self.case.id}:{self.variant.name} {self.mesh} {self.backend}"
+        names = (f"{self.case.id}:{self.variant.name}", self.mesh, self.backend, self.coupling)
+        return " ".join(name for name in names if name)
 
 
 @dataclass(frozen=True)
@@ -110,29 +139,46 @@ class Outcome:
     state: la.LimitState | None
 
 
-def judge(state: la.LimitState, reference: Reference, band: Band) -> tuple[str, str]:
+def judge(
+    state: la.LimitState, reference: Reference, band: Band, insist: bool = True
+) -> tuple[str, str]:
     """Verdict on a result, and why.
 
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
-    lowered by C; and C must be small, or the verdict would be worth nothing.
+    lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
+    the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
+    claims nothing is none.
     """
-    if state.status is not la.Status.SOLVED:
-        return FAIL, f"not solved: {state.message}"
-    allowed = allowed_values(reference, band)
-    value = state.load_factor
-    energy = 0.0
+    if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
+        return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
+    allowed_of = BOUNDS.get(state.coupling, allowed_values)
+    if state.coupling == "associated" and reference.associated is not None:
+        reference, allowed_of = reference.of_associated(), allowed_values
+    found_only = {state.status, reference.status} - {la.Status.SOLVED}
+    if allowed_of is allowed_values and found_only:
+        verdict = PASS if state.status is reference.status else FAIL
+        return verdict, f"{state.status.label}, expected {reference.text}"
+    return _judge_value(state, reference, band, allowed_of(reference, band))
+
+
+def _judge_value(
+    state: la.LimitState, reference: Reference, band: Band, allowed: Allowed
+) -> tuple[str, str]:
+    value = _CLAIMED.get(state.status, state.load_factor)
     if state.regularised is not None:
         energy = max(state.regularised.energy, 0.0)
-        if not energy <= STRONG * abs(value):
+        if not energy <= STRONG * band.size(value):
             return FAIL, (
                 f"regularisation too strong to judge: C = {energy:.3g} is above"
                 f" {100 * STRONG:g} % of the value; lower r"
             )
         allowed = Allowed(allowed.low - energy, allowed.high)
     verdict = PASS if allowed.holds(value) else FAIL
-    sign = "in" if verdict == PASS else "not in"
-    return verdict, f"{value:.7g} {sign} [{allowed.low:.7g}, {allowed.high:.7g}]"
+    why = f"{value:.7g} {'in' if verdict == PASS else 'not in'} {allowed}"
+    if not (reference.complete or reference.low <= value <= reference.high):
+        why += f"; listed are {reference.text}"
+    return verdict, why
 
 
 def execute(
@@ -185,7 +231,7 @@ def run_one(
         "case": run.case.id,
         "variant": run.variant.name,
         "backend": run.backend,
-        "coupling": DEFAULT,
+        "coupling": run.coupling or "",
         "mesh": run.mesh,
         "parameters": dict(run.variant.parameters),
     }
@@ -196,24 +242,51 @@ def run_one(
     names["n_dofs"] = discretisation.program.n
     names["build_time"] = assembled.build_time
     try:
-        reference = run.case.reference(**run.variant.parameters)
-        names["reference"] = reference.value
-        band = run.case.band(names["n_elements"], **run.variant.parameters)
+        reference = run.case.reference_of(run.variant)
+        names |= _about(reference)
+        band = run.case.band_of(run.variant, discretisation.n_elements)
+        if run.skip:
+            return _skipped(run, names, run.skip)
         state = la.solve(
             discretisation,
             backend=run.backend,
+            coupling=run.coupling,
             options=options,
             on_iterate=on_iterate,
             process=process,
         )
     except la.CapabilityError as error:
-        row = Row(**names, status="skipped", message=str(error), verdict=SKIPPED, why=str(error))
-        return Outcome(run, row, None)
+        return _skipped(run, names, str(error))
     except Exception as error:  # a broken backend must not take the others' results with it
         return Outcome(run, _failed(names, error), None)
     names["coupling"] = state.coupling
-    verdict, why = judge(state, reference, band)
-    return Outcome(run, _row(names, state, reference, verdict, why), state)
+    verdict, why = judge(state, reference, band, run.insist)
+    if state.coupling == "associated" and reference.associated is not None:
+        reference = reference.of_associated()
+        names |= _about(reference)
+    distance = _distance(state.load_factor, reference, band)
+    return Outcome(run, _row(names, state, distance, verdict, why), state)
+
+
+def _about(reference: Reference) -> dict[str, Any]:
+    up_to = nan if reference.up_to is None else reference.up_to
+    return {"reference": reference.value, "reference_to": up_to, "expected": reference.text}
+
+
+def _distance(value: float, reference: Reference, band: Band) -> float:
+    """Relative distance from a reference; NaN without a value, or of another Coulomb state."""
+    nearest = reference.value
+    if reference.up_to is not None:
+        nearest = min(max(value, nearest), reference.up_to)
+        if not (reference.complete or reference.low <= value <= reference.high):
+            return nan
+    size = abs(nearest) or band.scale
+    return (value - nearest) / size if isfinite(nearest) and size > 0 else nan
+
+
+def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:
+    row = Row(**names, status="skipped", message=why, verdict=SKIPPED, why=why)
+    return Outcome(run, row, None)
 
 
 def _failed(names: dict[str, Any], error: Exception) -> Row:
@@ -221,14 +294,12 @@ def _failed(names: dict[str, Any], error: Exception) -> Row:
     return Row(**names, status="failed", message=message, verdict=FAIL, why=message)
 
 
-def _row(
-    names: dict[str, Any], state: la.LimitState, reference: Reference, verdict: str, why: str
-) -> Row:
+def _row(names: dict[str, Any], state: la.LimitState, error: float, verdict: str, why: str) -> Row:
     values = state.regularised
     return Row(
         **names,
         load_factor=state.load_factor,
-        error=state.load_factor / reference.value - 1,
+        error=error,
         rigor=state.rigor.label,
         upper=state.load_factor if state.rigor is la.Rigor.UPPER else nan,
         status=state.status.label,

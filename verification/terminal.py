@@ -18,8 +18,10 @@ from rich.progress import (
 )
 from rich.table import Table
 
+import lacore as la
 from lacore.coupling import Iterate
-from verification.harness import FAIL, PASS, SKIPPED, Outcome, Run
+from verification.compare import efforts
+from verification.harness import FAIL, PASS, SKIPPED, Outcome, Row, Run
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 120
@@ -81,34 +83,38 @@ def table_console() -> Console:
 
 
 def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
-    """Table of all rows, a heading for each case and variant; then what did not pass, and why."""
+    """Table of all rows, a heading for each case and variant; then what did not pass, and why.
+
+    A heading names the reference interval, where there is one.
+    """
     console.print(_line(*_HEAD), style="bold", highlight=False, markup=False)
     before = ""
     for row in (outcome.row for outcome in outcomes):
         name = f"{row.case}:{row.variant}"
         if name != before:
-            console.print(name, style="cyan", highlight=False, markup=False)
+            within = f"   any of {row.expected}" if row.expected.startswith("[") else ""
+            console.print(name + within, style="cyan", highlight=False, markup=False)
         before = name
         line = _line(
             row.mesh,
             row.backend,
+            row.coupling,
             _number(row.load_factor, ".6f"),
-            _number(row.reference, ".6f"),
+            _expected(row),
             _number(100 * row.error, "+.4f"),
-            row.rigor,
-            row.status,
+            row.rigor if row.status == la.Status.SOLVED.label else row.status,
             _number(row.outer_iterations, ".0f"),
             _number(row.build_time, ".2f"),
             _number(row.solve_time, ".2f"),
             row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
-    skipped: dict[tuple[str, str], list[str]] = {}
+    skipped: dict[tuple[str, str, str], list[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         if row.verdict == SKIPPED:
-            skipped.setdefault((row.backend, row.mesh), []).append(row.why)
-    for (backend, mesh), reasons in skipped.items():
-        text = f"\nskipped: {backend} on {mesh}, {len(reasons)} runs: {reasons[0]}"
+            skipped.setdefault((row.backend, row.mesh, row.why), []).append(row.why)
+    for (backend, mesh, why), rows in skipped.items():
+        text = f"\nskipped: {backend} on {mesh}, {len(rows)} runs: {why}"
         console.print(text, style="dim", markup=False, highlight=False)
     for outcome in outcomes:
         if outcome.row.verdict == FAIL:
@@ -116,14 +122,32 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             console.print(text, style="red", markup=False, highlight=False)
 
 
+def _expected(row: Row) -> str:
+    """The reference, as far as it fits: of an interval the end that a value in it is nearest to."""
+    if row.expected.startswith("["):
+        return "interval"
+    return _number(row.reference, ".6f") if isfinite(row.reference) else row.expected
+
+
+def show_efforts(console: Console, outcomes: Sequence[Outcome]) -> None:
+    """How each coupling fared: how many runs it certified, and with how many inner solves."""
+    line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format
+    _say(console, "\ncouplings, where a load factor exists", "cyan")
+    _say(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
+    for effort in efforts(outcomes):
+        shares = f"{effort.solved}/{effort.cases}"
+        solves = (_number(effort.median, "g"), _number(effort.most, "g"))
+        _say(console, line(effort.coupling, effort.backend, shares, *solves, effort.failed))
+
+
 _HEAD = (
     "mesh",
     "backend",
+    "coupling",
     "value",
     "reference",
     "error %",
-    "rigor",
-    "status",
+    "rigor/status",
     "iter",
     "build s",
     "solve s",
@@ -133,12 +157,12 @@ _HEAD = (
 
 def _line(*cells: str) -> str:
     formats = (
-        "  {:7}",
+        "  {:6}",
         "{:20}",  # clarabel-regularised
+        "{:12}",
         "{:>9}",
         "{:>9}",
         "{:>8}",
-        "{:13}",
         "{:15}",
         "{:>4}",
         "{:>7}",

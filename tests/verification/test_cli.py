@@ -11,6 +11,7 @@ import verification.cli as cli
 from tests.verification.test_harness import VARIANT, wrong_case
 from verification import conformance, doctor
 from verification.catalogue import catalogue
+from verification.compare import plan
 from verification.harness import Run
 
 # Every case, but not every variant: pictures take time.
@@ -19,6 +20,7 @@ RUN = [
     "deformable-block:crushing",
     "deformable-block:mu-0.7",
 ]
+PLANNED = plan(RUN, ["clarabel"], ["coarse"])
 
 
 def run(*arguments):
@@ -43,13 +45,13 @@ def test_compare_prints_a_table_that_fits(compared):
     result, _ = compared
     assert result.exit_code == 0, result.output
     assert "prandtl-punch:smooth" in result.stdout
-    assert re.search(r"coarse +clarabel +3\.000000 +3\.000000 .* pass", result.stdout)
+    assert re.search(r"coarse +clarabel +certified +3\.000000 +3\.000000 .* pass", result.stdout)
     assert max(map(len, result.stdout.split("Results:")[0].splitlines())) <= 120
 
 
 def test_compare_writes_rows_pictures_and_page(compared):
     _, out = compared
-    assert (out / "results.csv").read_text().count("\n") == 1 + len(RUN)
+    assert (out / "results.csv").read_text().count("\n") == 1 + len(PLANNED)
     assert (out / "pictures" / "prandtl-punch-smooth.png").read_bytes().startswith(b"\x89PNG")
     assert (out / "pictures" / "deformable-block-sweep.png").is_file()
 
@@ -91,7 +93,12 @@ def test_json_is_one_strict_document(tmp_path):
         "--out", str(tmp_path), "--json",
     )  # fmt: skip
     document = strict_json(result.stdout)
-    assert document["summary"] == {"passed": 2, "failed": 0, "skipped": 0}
+    assert document["summary"] == {
+        "passed": 2,
+        "failed": 0,
+        "skipped": 0,
+        "no_result": 0,
+    }
     (first, _) = document["rows"]
     assert first["alpha_reg"] is None
     assert first["load_factor"] == pytest.approx(0.32)

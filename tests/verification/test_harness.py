@@ -10,7 +10,7 @@ import verification.harness as harness
 from lacore.regularization import RegularisedValues
 from verification.case import Band, Reference
 from verification.catalogue import find
-from verification.compare import ON_DEMAND, plan, run_all, tally
+from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
 from verification.harness import FAIL, PASS, SKIPPED, Run, execute, judge
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
@@ -159,5 +159,5 @@ def test_plan_takes_variants_of_a_family_and_all_there_is():
 
 def test_default_plan_has_every_case_and_backend():
     runs = plan()
-    assert {run.backend for run in runs} == set(la.backend_names()) - set(ON_DEMAND)
-    assert {run.mesh for run in runs} == {"coarse", "medium"}
+    assert {run.backend for run in runs} == set(la.backend_names()) - set(ON_DEMAND) | set(LINEAR)
+    assert {run.mesh for run in runs} == {"coarse", "medium", "blocks"}

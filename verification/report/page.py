@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from lacore.errors import InputError
 from verification.case import EXACT, SOLVER, Case
-from verification.compare import tally
+from verification.compare import efforts, tally
 from verification.harness import FAIL, PASS, SKIPPED, STRONG, Outcome, Run
 from verification.report.figures import finest_exact, png, sweep_figure
 
@@ -54,10 +54,13 @@ class Section:
         """Values by variant, and formula with source, one pair a formula."""
         values: dict[str, list[str]] = {}
         for run in self.runs:
-            reference = self.case.reference(**run.variant.parameters)
-            width = f" ± {reference.half_width:g}" if reference.half_width else ""
-            text = f"{reference.formula} ({reference.kind}; {reference.source})"
-            values.setdefault(text, []).append(f"{run.variant.name}: {reference.value:.7g}{width}")
+            reference = self.case.reference_of(run.variant)
+            kinds = [(reference, "")]
+            if reference.associated is not None:
+                kinds.append((reference.of_associated(), ", associated"))
+            for one, suffix in kinds:
+                text = f"{one.formula} ({one.kind}; {one.source})"
+                values.setdefault(text, []).append(f"{run.variant.name}{suffix}: {one.text}")
         return [(", ".join(own), text) for text, own in values.items()]
 
     @property
@@ -68,7 +71,7 @@ class Section:
         for outcome in self.outcomes:
             name, elements = outcome.run.variant.name, outcome.row.n_elements
             if isfinite(elements) and elements > sizes.get(name, 0):
-                band = self.case.band(int(elements), **outcome.run.variant.parameters)
+                band = self.case.band_of(outcome.run.variant, int(elements))
                 texts[name], sizes[name] = band.reason, elements
         names: dict[str, list[str]] = {}
         for name, text in texts.items():
@@ -86,10 +89,14 @@ class Section:
 
     @property
     def worst_error(self) -> float:
-        """Largest error of an exact backend on the finest mesh run; NaN without any."""
+        """Largest error of an exact backend on the finest mesh run; NaN without any.
+
+        Of values that were found: a status has no error.
+        """
         exact = [o for o in self.outcomes if o.state is not None and o.state.regularised is None]
         finest = max((o.row.n_elements for o in exact), default=0)
         errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
+        errors = [error for error in errors if isfinite(error)]
         return max(errors, default=float("nan"))
 
 
@@ -112,6 +119,8 @@ def _pictures(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Picture]:
             yield Picture(f"{case.id}-sweep", text, png(figure))
     for name, outcome in finest_exact(outcomes).items():
         assert outcome.state is not None
+        if not case.meshed:  # until blocks can be drawn
+            continue
         caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
         yield Picture(f"{case.id}-{name}", caption, png(outcome.state.plot(), dpi=90))
 
@@ -156,6 +165,7 @@ def render(
         sections=parts,
         outcomes=outcomes,
         tally=tally,
+        efforts=efforts(outcomes),
         machine=machine,
         rules=rules,
         solve_time=sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time)),
