@@ -1,0 +1,226 @@
+"""Contact read segment by segment, for pictures: mean tractions, mean velocities, both sides."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lacore.arrays import Floats, Ints
+from lacore.assembly import Discretisation
+from lacore.contact_geometry import Segments, interface_segments
+from lacore.contact_points import Dofs
+from lacore.interfaces import RigidObstacle
+from lacore.result import LimitState
+from lacore.rigid import RigidDofs
+
+_MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
+_SAME = 1e-6  # of the extent of all contact, and of unit normals
+
+
+@dataclass(frozen=True)
+class SegmentedContact:
+    """One interface, or all joints of an assembly, on its k straight segments.
+
+    Attributes:
+        name: of the interface, or of the assembly.
+        segments: where they are; the edges of joints are -1.
+        sides: what touches there, slave first, with the parts that `Dofs.velocity_rows` asks for;
+            an obstacle is no side.
+        t_n, t_t: mean tractions on the slave, Pa, shape (k,); `t_t` along `tangent`.
+        u_n, u_t: mean relative velocities of the slave, m/s, shape (k,).
+        kind: ``stick``, ``slip`` or ``open``, shape (k,).
+    """
+
+    name: str
+    segments: Segments
+    sides: tuple[tuple[Dofs, Ints], ...]
+    t_n: Floats
+    t_t: Floats
+    u_n: Floats
+    u_t: Floats
+    kind: np.ndarray
+
+    @property
+    def tangent(self) -> Floats:
+        """The normals turned by +90 degrees, shape (2, k)."""
+        return np.stack([-self.segments.normal[1], self.segments.normal[0]])
+
+    @property
+    def deforms(self) -> bool:
+        """Whether a side is a continuum."""
+        return any(not isinstance(dofs, RigidDofs) for dofs, _ in self.sides)
+
+    @property
+    def coarse_edges(self) -> Ints:
+        """For each segment the edge it is part of, on the continuum with fewer edges there.
+
+        Tractions oscillate between the segments of two meshes; their means over an edge do not.
+        """
+        edges = (self.segments.slave, self.segments.master)
+        meshed = [
+            own
+            for own, (dofs, _) in zip(edges, self.sides, strict=False)
+            if not isinstance(dofs, RigidDofs)
+        ]
+        return min(meshed or edges[:1], key=lambda own: np.unique(own).size)
+
+    def moved(self, state: LimitState, stretch: float, along: Floats) -> list[Floats]:
+        """Points at shares `along` of the segments, displaced with each side, (k, points, 2).
+
+        An obstacle does not move. `stretch` is in s.
+        """
+        start, end = self.segments.start, self.segments.end
+        points = start[:, :, None] * (1 - along) + end[:, :, None] * along
+        flat = points.reshape(2, -1)
+        result = []
+        for dofs, parts in self.sides:
+            velocity = _velocity(state, dofs, np.repeat(parts, along.size), flat)
+            result.append((flat + stretch * velocity).reshape(points.shape).transpose(1, 2, 0))
+        if len(result) == 1:
+            result.append(points.transpose(1, 2, 0))
+        return result
+
+
+def segmented_contacts(
+    state: LimitState, fastest: float
+) -> tuple[list[SegmentedContact], list[SegmentedContact]]:
+    """Interfaces, in their order, and joints, one entry an assembly that has any.
+
+    Args:
+        state: a state with a point.
+        fastest: largest velocity, m/s; slip and opening are told from rest against it.
+    """
+    d = state.discretisation
+    dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies}
+    blocks = np.full((2, d.full.contact.count), -1)
+    for rigid_side in rigid_sides(d):
+        blocks[rigid_side.side, rigid_side.points] = rigid_side.blocks
+    interfaces, joints = [], []
+    for index, interface in enumerate(d.problem.interfaces):
+        segments = interface_segments(interface, d.problem.bodies, f"Problem.interfaces[{index}]")
+        slave = dofs[interface.slave[0]]
+        sides = [(slave, slave.parts(segments.slave))]
+        if not isinstance(interface.master, RigidObstacle):
+            master = dofs[interface.master[0]]
+            sides.append((master, master.parts(segments.master)))
+        number = np.full(segments.slave.size, index)
+        interfaces.append(_read(state, interface.name, segments, sides, number, blocks, fastest))
+    first = len(d.problem.interfaces)
+    for name, rigid in d.assemblies.items():
+        own = rigid.body.joints
+        if not own.count:
+            continue
+        edges = np.full(own.count, -1)
+        segments = Segments(edges, edges, own.start, own.end, own.normal)
+        sides = [(rigid, own.slave), (rigid, own.master)]
+        number = first + np.arange(own.count)
+        joints.append(_read(state, name, segments, sides, number, blocks, fastest))
+        first += own.count
+    return interfaces, joints
+
+
+@dataclass(frozen=True)
+class RigidSide:
+    """Contact points of one interface, or of all joints of an assembly, that act on rigid blocks.
+
+    Attributes:
+        side: 0 where the blocks are slaves, 1 where they are masters.
+        dofs: of the assembly.
+        points, blocks: contact points, and the block of `dofs` at each, shape (k,).
+    """
+
+    side: int
+    dofs: RigidDofs
+    points: Ints
+    blocks: Ints
+
+
+def rigid_sides(d: Discretisation) -> Iterator[RigidSide]:
+    """All sides of contact points that are rigid blocks."""
+    rows, first = d.full.contact, len(d.problem.interfaces)
+    for name, dofs in d.assemblies.items():
+        joints = dofs.body.joints
+        own = (rows.interface >= first) & (rows.interface < first + joints.count)
+        points = np.flatnonzero(own)
+        for side, blocks in enumerate((joints.slave, joints.master)):
+            yield RigidSide(side, dofs, points, blocks[rows.interface[points] - first])
+        first += joints.count
+        for index, interface in enumerate(d.problem.interfaces):
+            for side, part in enumerate((interface.slave, interface.master)):
+                if isinstance(part, RigidObstacle) or part[0] != name:
+                    continue
+                points = np.flatnonzero(rows.interface == index)
+                columns = rows.normal[points][:, dofs.offset : dofs.offset + dofs.count]
+                # A normal velocity feels u_x or u_y of its block, and no other block.
+                blocks = columns.indices[columns.indptr[:-1]].astype(np.int64) // 3
+                yield RigidSide(side, dofs, points, blocks)
+
+
+def _read(
+    state: LimitState,
+    name: str,
+    segments: Segments,
+    sides: Sequence[tuple[Dofs, Ints]],
+    number: Ints,
+    blocks: Ints,
+    fastest: float,
+) -> SegmentedContact:
+    rows = _control_points(state.discretisation, segments, sides, number, blocks)
+    table, found = state.reactions, rows >= 0
+    count = np.maximum(found.sum(axis=0), 1)
+
+    def total(column: str) -> Floats:
+        values = np.append(table[column].to_numpy(), 0.0)  # the last one: no point
+        return np.asarray(values[rows].sum(axis=0))
+
+    # A point that supports hold is no contact point: it is at rest, and its reaction unknown.
+    u_n, u_t = total("u_n") / len(rows), total("u_t") / len(rows)
+    rest = _MOVES * fastest
+    return SegmentedContact(
+        name=name,
+        segments=segments,
+        sides=tuple(sides),
+        t_n=total("t_n") / count,
+        t_t=total("t_t") / count,
+        u_n=u_n,
+        u_t=u_t,
+        kind=np.select([u_n > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
+    )
+
+
+def _control_points(
+    d: Discretisation,
+    segments: Segments,
+    sides: Sequence[tuple[Dofs, Ints]],
+    number: Ints,
+    blocks: Ints,
+) -> Ints:
+    """Contact points of segments: both ends, and the middle of quadratic jumps, (copies, k).
+
+    -1 where a support holds the point. The mean over the copies is that of the field (T28).
+    """
+    start, end = segments.start, segments.end
+    places = [start, end]
+    if max(dofs.degree for dofs, _ in sides) > 1:
+        places.append((start + end) / 2)
+    size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max())
+    part = np.full((2, number.size), -1)
+    for side, (dofs, parts) in enumerate(sides):
+        if isinstance(dofs, RigidDofs):
+            part[side] = parts
+
+    def key(place: Floats, normal: Floats, number: Ints, part: Ints) -> Floats:
+        return np.column_stack([place.T / size, normal.T, number, part.T])
+
+    points = d.points
+    tree = cKDTree(key(points.position.T, points.normal.T, d.full.contact.interface, blocks))
+    wanted = [key(place, segments.normal, number, part) for place in places]
+    _, found = tree.query(np.stack(wanted), distance_upper_bound=_SAME)
+    return np.where(found < d.full.contact.count, found, -1)
+
+
+def _velocity(state: LimitState, dofs: Dofs, parts: Ints, points: Floats) -> Floats:
+    """Velocity of parts of a body at points of shape (2, k), m/s, shape (2, k)."""
+    u = state.point.velocity if state.point is not None else np.zeros(0)
+    return np.stack([rows @ u for rows in dofs.velocity_rows(parts, points, u.size)])

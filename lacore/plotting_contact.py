@@ -1,0 +1,193 @@
+"""Pictures of contact: what it does, on the mechanism, and its tractions in panels."""
+
+from dataclasses import dataclass
+
+import matplotlib.colors
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+
+from lacore.arrays import Floats
+from lacore.contact_segments import SegmentedContact
+from lacore.result import LimitState
+
+COLOURS = {"stick": "#4d4d4d", "slip": "#0072b2", "open": "#e69f00"}  # legible to the colour-blind
+GROUND = "#8a8a8a"
+_ALONG = np.linspace(0.0, 1.0, 5)  # shares of a segment: edges of continua bend
+
+
+def draw_strips(axes: Axes, contact: SegmentedContact, depth: float) -> None:
+    """A strip on the obstacle's side of a continuum, coloured by what the contact does.
+
+    Args:
+        depth: of the strip, m.
+    """
+    strips = _strips(contact, depth)
+    for kind, colour in COLOURS.items():
+        chosen = strips[contact.kind == kind]
+        if chosen.size:
+            axes.add_collection(
+                PolyCollection(list(chosen), facecolors=colour, linewidths=0, zorder=1.5)
+            )
+
+
+def draw_ground(axes: Axes, contact: SegmentedContact, depth: float) -> None:
+    """The obstacle under rigid blocks, hatched."""
+    strips = _strips(contact, depth)
+    axes.add_collection(
+        PolyCollection(
+            list(strips),
+            facecolors="none",
+            edgecolors=GROUND,
+            hatch="//////",
+            linewidths=0,
+            zorder=1.4,
+        )
+    )
+    axes.add_collection(LineCollection(list(strips[:, :2]), colors="#222222", linewidths=1.2))
+
+
+def _strips(contact: SegmentedContact, depth: float) -> Floats:
+    """Corners of strips behind the contact, on the master's side, shape (k, 4, 2)."""
+    start, end, normal = contact.segments.start, contact.segments.end, contact.segments.normal
+    corners = [start, end, end - depth * normal, start - depth * normal]
+    return np.stack(corners).transpose(2, 0, 1)
+
+
+def draw_moved(
+    axes: Axes, contact: SegmentedContact, state: LimitState, stretch: float, width: float
+) -> None:
+    """Contact between displaced sides: lines where it is closed, filled gaps where it opens.
+
+    Args:
+        stretch: s, times the velocity is the displacement.
+        width: of the lines, points.
+    """
+    slave, master = contact.moved(state, stretch, _ALONG)
+    for order, (kind, colour) in enumerate(COLOURS.items()):
+        chosen = contact.kind == kind
+        if not chosen.any():
+            continue
+        if kind == "open":
+            gaps = np.concatenate([slave[chosen], master[chosen][:, ::-1]], axis=1)
+            axes.add_collection(
+                PolyCollection(
+                    list(gaps),
+                    facecolors=matplotlib.colors.to_rgba(colour, 0.85),
+                    edgecolors=colour,
+                    linewidths=0.5 * width,
+                    zorder=4,
+                )
+            )
+        else:
+            axes.add_collection(
+                LineCollection(
+                    list(slave[chosen]),
+                    colors=colour,
+                    linewidths=width if kind == "slip" else 0.6 * width,
+                    capstyle="butt",
+                    zorder=4 + 0.1 * order,
+                )
+            )
+
+
+@dataclass(frozen=True)
+class _Profile:
+    """Contact along one interface, edge by edge, in the direction of growing x (y, if vertical).
+
+    Attributes:
+        axis: what `arc` is, for the label.
+        arc: place of the ends of the edges along the interface, m, shape (edges + 1,).
+        t_n, t_t: mean tractions on the slave, Pa; t_t along the interface as drawn.
+        u_n, u_t: mean relative velocities, m/s; u_t along the interface as drawn.
+    """
+
+    axis: str
+    arc: Floats
+    t_n: Floats
+    t_t: Floats
+    u_n: Floats
+    u_t: Floats
+
+
+def _profile(contact: SegmentedContact) -> _Profile:
+    start, end, tangent = contact.segments.start, contact.segments.end, contact.tangent
+    # As one reads: from left to right, or upwards; along a curve, from its first edge on.
+    lead = tangent[:, 0]
+    sign = 1.0 if lead[np.argmax(np.abs(lead))] > 0 else -1.0
+    lead, tangent = sign * lead, sign * tangent
+    flip = np.sum((end - start) * tangent, axis=0) < 0
+    start, end = np.where(flip, end, start), np.where(flip, start, end)
+    order = np.argsort(lead @ start)
+    edge = contact.coarse_edges[order]
+    first = np.flatnonzero(np.append(True, edge[1:] != edge[:-1]))
+    lengths = np.linalg.norm(end - start, axis=0)[order]
+    length = np.add.reduceat(lengths, first)
+
+    def mean(values: Floats) -> Floats:
+        return np.asarray(np.add.reduceat(lengths * values[order], first) / length)
+
+    straight = np.isclose(np.abs(tangent), 1.0).all(axis=1)
+    origin = float(start[np.argmax(straight), order[0]]) if straight.any() else 0.0
+    return _Profile(
+        axis=f"{'xy'[int(np.argmax(straight))]} [m]" if straight.any() else "distance [m]",
+        arc=origin + np.concatenate([[0.0], np.cumsum(length)]),
+        t_n=mean(contact.t_n),
+        t_t=sign * mean(contact.t_t),
+        u_n=mean(contact.u_n),
+        u_t=sign * mean(contact.u_t),
+    )
+
+
+def draw_panel(
+    figure: Figure, cell: SubplotSpec, contact: SegmentedContact, fastest: float
+) -> None:
+    """Reactions and relative velocities along one interface, means over its edges as steps.
+
+    Args:
+        fastest: largest velocity, m/s: the unit of the velocities shown.
+    """
+    profile = _profile(contact)
+    halves = cell.subgridspec(1, 2, wspace=0.08)
+    left, right = figure.add_subplot(halves[0]), figure.add_subplot(halves[1])
+    for axes, lines, label, floor in (
+        (
+            left,
+            (
+                ("$t_n$ pressure", profile.t_n, "#222222"),
+                ("$t_t$ friction", profile.t_t, "#d55e00"),
+            ),
+            "traction [Pa]",
+            0.0,
+        ),
+        (
+            right,
+            (
+                ("$u_t$ slip", profile.u_t / fastest, "#0072b2"),
+                ("$u_n$ opening", profile.u_n / fastest, "#e69f00"),
+            ),
+            "velocity / largest",
+            0.05,  # round-off must not fill the panel
+        ),
+    ):
+        axes.axhline(0, color="#bbbbbb", lw=0.8)
+        for name, values, colour in lines:
+            axes.stairs(values, profile.arc, baseline=None, color=colour, lw=1.6, label=name)
+        axes.set_xlabel(f"{profile.axis} along {contact.name}", fontsize=9)
+        axes.set_ylabel(label, fontsize=9)
+        axes.tick_params(labelsize=8)
+        axes.margins(x=0.01, y=0.12)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, -floor), max(high, floor))
+        axes.legend(
+            fontsize=8,
+            frameon=False,
+            ncols=2,
+            loc="lower left",
+            bbox_to_anchor=(0, 1.0),
+            borderaxespad=0.1,
+        )
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)

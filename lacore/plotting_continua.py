@@ -1,0 +1,106 @@
+"""Pictures of continua: deformed meshes coloured by the density of dissipation."""
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from lacore.arrays import Floats, Ints
+from lacore.dofs import BodyDofs
+from lacore.result import LimitState
+
+BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
+"""How outlines before collapse are drawn."""
+RIGID = "#f3f3f0"  # where nothing is dissipated
+_DECADES = 3.0  # of dissipation density that the colours span
+_RIGID_SHARE = 1e-5  # of all power: below it the bodies move rigidly
+_SIDES = 6  # chords drawn for each curved edge of a deformed element
+
+
+def draw_continua(figure: Figure, axes: Axes, state: LimitState, stretch: float) -> bool:
+    """Continua displaced by `stretch` (s) times their velocity.
+
+    Returns:
+        whether there is a bar of colours: plastic dissipation.
+    """
+    dissipation = state.dissipation
+    if not dissipation:
+        return False
+    norm = _colour_scale(state, np.concatenate(list(dissipation.values())))
+    cmap = matplotlib.colormaps["YlOrRd"].with_extremes(under=RIGID, bad=RIGID)
+    picture = None
+    for name, body in state.discretisation.bodies.items():
+        outline, faces = _deformed(body, state.velocity[name], stretch)
+        axes.add_collection(LineCollection(boundary_lines(body), **BEFORE, zorder=1))
+        picture = PolyCollection(
+            list(faces),
+            array=dissipation[name] if norm else np.zeros_like(dissipation[name]),
+            norm=norm or LogNorm(1, 2),
+            cmap=cmap,
+            edgecolors=(0, 0, 0, 0.16),
+            linewidths=0.35,
+            zorder=2,
+        )
+        axes.add_collection(picture)
+        axes.add_collection(
+            LineCollection(list(outline), colors="#222222", linewidths=1.0, zorder=3)
+        )
+    if norm is None:
+        axes.set_title("no plastic dissipation: a rigid motion", fontsize=9, loc="right")
+    elif picture is not None:
+        bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
+        bar.set_label("dissipation density [W/m$^2$ per W of load]", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+    return norm is not None
+
+
+def boundary_lines(body: BodyDofs) -> list[Floats]:
+    """Edges of the boundary before collapse, each of shape (2, 2): ends, x and y."""
+    mesh = body.body.mesh
+    return list(mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(2, 1, 0))
+
+
+def _edge_curve(start: Floats, middle: Floats, end: Floats) -> Floats:
+    """Points on the quadratic edge through three nodes, shape (_SIDES, edges, 2), without end."""
+    s = np.linspace(0, 1, _SIDES, endpoint=False)[:, None, None]
+    return np.asarray(
+        (1 - s) * (1 - 2 * s) * start.T + 4 * s * (1 - s) * middle.T + s * (2 * s - 1) * end.T
+    )
+
+
+def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
+    """Scale of the densities; None where what there is of dissipation is round-off."""
+    point, program = state.point, state.discretisation.full
+    assert point is not None
+    plastic = program.plastic_dissipation(point.velocity)
+    slip, weights = program.contact.slip(point.velocity), program.contact.weights
+    friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())
+    if plastic <= _RIGID_SHARE * (plastic + friction):
+        return None
+    peak = float(density.max())
+    return LogNorm(float(np.clip(density.min(), peak * 10**-_DECADES, peak / 2)), peak)
+
+
+def _deformed(body: BodyDofs, velocity: Floats, stretch: float) -> tuple[Floats, Floats]:
+    """Boundary edges and element outlines of the deformed mesh, as polylines."""
+    mesh = body.body.mesh
+    moved = body.nodes + stretch * velocity
+    vertices = mesh.p.shape[1]
+
+    def curve(start: Ints, end: Ints, facet: Ints) -> Floats:
+        return _edge_curve(moved[:, start], moved[:, facet + vertices], moved[:, end])
+
+    # scikit-fem numbers the edges of a triangle (0, 1), (1, 2), (0, 2).
+    t, edge = mesh.t.astype(np.int64), mesh.t2f.astype(np.int64)
+    sides = [
+        curve(t[0], t[1], edge[0]),
+        curve(t[1], t[2], edge[1]),
+        curve(t[2], t[0], edge[2]),
+    ]
+    faces = np.concatenate(sides).transpose(1, 0, 2)
+    outer = mesh.boundary_facets()
+    start, end = mesh.facets[:, outer]
+    outline = np.concatenate([curve(start, end, outer), moved[:, end].T[None]])
+    return outline.transpose(1, 0, 2), faces
