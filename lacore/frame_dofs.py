@@ -190,20 +190,48 @@ class FrameDofs:
 
         A node where no member end carries moment has no rotation.
         """
-        body, pieces = self.body, self.body.pieces
-        held = np.zeros((len(body.names), 3), dtype=bool)
-        held[:, 2] = True
-        held[pieces.nodes[pieces.stiff], 2] = False
-        for support in supports:
-            held[body.find(support.where, "Fix.where")] |= np.array(COMPONENTS[support.components])
-        own = np.arange(pieces.start.size)
-        stretch = np.zeros((own.size, len(body.names), 3))
-        stretch[own, pieces.end, :2] = pieces.along.T
-        stretch[own, pieces.start, :2] = -pieces.along.T
+        pieces, held = self.body.pieces, self._held(supports)
+        turns = np.zeros(held.shape[0], dtype=bool)
+        turns[pieces.nodes[pieces.stiff]] = True
+        held[:, 2] |= ~turns
         moves = np.flatnonzero(~held.ravel())
         basis = np.zeros((self.count, moves.size))
         basis[moves, np.arange(moves.size)] = 1.0
-        return csr_matrix(basis @ _null_space(stretch.reshape(own.size, -1)[:, moves]))
+        return csr_matrix(basis @ _null_space(self._stretch()[:, moves]))
+
+    def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
+        """Places (2, k) of the held nodes, and what supports exert there: forces, moments (3, k).
+
+        Args:
+            force: what supports and members exert on the unknowns, shape (count,), N/m.
+            supports: of this frame. Where they are redundant along members, the least forces.
+        """
+        held = self._held(supports)
+        exerted = np.zeros(self.count)
+        own = np.flatnonzero(held.ravel())
+        columns = np.concatenate([np.eye(self.count)[:, own], self._stretch().T], axis=1)
+        exerted[own] = np.linalg.lstsq(columns, force)[0][: own.size]
+        nodes = held.any(axis=1)
+        result = exerted.reshape(-1, 3)[nodes].T
+        result[2] *= self.body.size
+        return self.body.position[:, nodes], result
+
+    def _held(self, supports: Iterable[Fix]) -> Bools:
+        """Which of u_x, u_y and w of each node supports hold, (N, 3)."""
+        held = np.zeros((len(self.body.names), 3), dtype=bool)
+        for support in supports:
+            nodes = self.body.find(support.where, "Fix.where")
+            held[nodes] |= np.array(COMPONENTS[support.components])
+        return held
+
+    def _stretch(self) -> Floats:
+        """Rows of the rate at which each piece would get longer, (P, count)."""
+        pieces = self.body.pieces
+        own = np.arange(pieces.start.size)
+        rows = np.zeros((own.size, len(self.body.names), 3))
+        rows[own, pieces.end, :2] = pieces.along.T
+        rows[own, pieces.start, :2] = -pieces.along.T
+        return rows.reshape(own.size, -1)
 
 
 def _null_space(conditions: Floats) -> Floats:

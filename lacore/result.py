@@ -174,7 +174,11 @@ class LimitState:
 
     @cached_property
     def support_reactions(self) -> pd.DataFrame:
-        """Forces of supports and rigid footings on the nodes that they hold or move, N/m."""
+        """Forces of supports and rigid footings on what they hold or move, N/m, and moments, N.
+
+        On the nodes of continua and of frames, and at the centroids of rigid blocks. A frame that
+        is held twice along a member gets the least of the forces that its supports may exert.
+        """
         point = self._point()
         force = out_of_balance(self.discretisation.full, point)
         frames = []
@@ -188,9 +192,21 @@ class LimitState:
                         "y": dofs.nodes[1, held],
                         "force_x": force[dofs.dofs[0, held]],
                         "force_y": force[dofs.dofs[1, held]],
+                        "moment": 0.0,
                     }
                 )
             )
+        supports = self.discretisation.problem.supports
+        for rigid in (self.discretisation.assemblies, self.discretisation.frames):
+            for name, part in rigid.items():
+                place, exerted = part.support_forces(
+                    force[part.offset : part.offset + part.count],
+                    [support for support in supports if support.body == name],
+                )
+                columns = dict(
+                    zip(("x", "y", "force_x", "force_y", "moment"), (*place, *exerted), strict=True)
+                )
+                frames.append(pd.DataFrame({"body": name, **columns}))
         return pd.concat(frames, ignore_index=True)
 
     def plot(self) -> "Figure":

@@ -135,6 +135,19 @@ class RigidDofs:
             )
         )
 
+    def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
+        """Centroids (2, k) of held blocks, and what supports exert there: forces, moments (3, k).
+
+        Args:
+            force: what supports exert on the unknowns, shape (count,), N/m.
+            supports: of this assembly.
+        """
+        edges = [self.body.outline(support.where, "Fix.where") for support in supports]
+        blocks = np.unique(self.parts(np.concatenate([np.zeros(0, dtype=np.int64), *edges])))
+        result = force.reshape(-1, 3)[blocks].T.copy()
+        result[2] *= self.body.radius[blocks]
+        return self.body.centroid[:, blocks], result
+
     def _hold(self, held: Floats, edges: Ints, points: Floats, components: str) -> None:
         """Add the directions that a support holds at points of edges to their Gram matrices."""
         blocks = self.parts(edges)

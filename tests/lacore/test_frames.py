@@ -183,6 +183,45 @@ def test_hinges_by_hand(problem, backend):
     assert taken == pytest.approx(given, rel=BAR)
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_support_reactions(backend):
+    """Clamped portal, h = 2, L = 4, under alpha (1, -1): H + V mechanism, alpha = 6/(h + L/2).
+
+    Both feet at M_p; the leeward column at M_p at its top too, so that its foot carries 2 M_p/h.
+    """
+    loads = [la.PointForce("frame", "B", RIGHT), la.PointForce("frame", (2.0, 2.0), DOWN)]
+    clamped = [la.Fix("frame", ("A", "D"), "clamped")]
+    state = solved(la.Problem({"frame": portal()}, loads, clamped), backend)
+    feet = state.support_reactions
+    assert feet[["x", "y"]].to_numpy().tolist() == [[0, 0], [4, 0]]
+    assert np.allclose(feet.moment, 1.0, rtol=BAR)  # against the sway, which is clockwise
+    assert feet.force_x[1] == pytest.approx(-1.0, rel=BAR)
+    assert feet.force_x.sum() == pytest.approx(-1.5, rel=BAR)
+    assert feet.force_y.sum() == pytest.approx(1.5, rel=BAR)
+    about_a = feet.moment.sum() + 4 * feet.force_y[1] - 1.5 * 2 - 1.5 * 2
+    assert about_a == pytest.approx(0, abs=8 * BAR)  # powers of up to 8
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.4])
+def test_support_reactions_of_blocks(slope):
+    """The base under a block that is pushed: weight, push and the moment of both."""
+    turn = np.array([[np.cos(slope), -np.sin(slope)], [np.sin(slope), np.cos(slope)]])
+    outlines = {"base": box(-1, 3, -1, 0) @ turn.T, "block": box(0, 2, 0, 1) @ turn.T}
+    problem = la.Problem(
+        {"blocks": la.BlockAssembly(outlines, 0.5)},
+        [la.PointForce("blocks", tuple(turn @ [0.0, 0.5]), tuple(turn @ RIGHT))],
+        [la.Fix("blocks", "base")],
+        dead_loads=[la.BodyForce("blocks", DOWN)],
+    )
+    state = solved(problem)
+    reaction, push = state.support_reactions.iloc[0], state.load_factor * (turn @ RIGHT)
+    forces = reaction[["force_x", "force_y"]].to_numpy(dtype=float)
+    assert forces == pytest.approx([-push[0], -push[1] + 6], abs=6 * BAR)
+    x, y = turn @ [0.0, 1.0]  # from the centre of the base to that of the block
+    moment = reaction.moment + (x * (push[1] - 2) - y * push[0])
+    assert moment == pytest.approx(0, abs=6 * BAR)
+
+
 def test_velocity_is_that_of_rigid_pieces():
     state = solved(pushed(0.35, 1.5))
     frame, u = portal(), state.velocity["frame"]
