@@ -57,7 +57,7 @@ def certified_loop(
     static = anchor.inner.point
     if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
         return run.judged(anchor)
-    for attempt in (_averaged, _damped, _alternated, _shifted):
+    for attempt in (averaged, _damped, alternated, _shifted):
         found = attempt(run, static)
         if found is not None:
             return run.judged(found)
@@ -80,7 +80,7 @@ def _anchor(run: Run) -> Iterate:
     return k if k.inner.point is None else _s_step(run, k.inner.point)
 
 
-def _averaged(run: Run, static: ProgramState) -> Iterate | None:
+def averaged(run: Run, static: ProgramState) -> Iterate | None:
     """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
     return _alternate(run, static, "K", _PATIENCE, lambda _, s, k: (s + k) / 2)
 
@@ -90,7 +90,7 @@ def _damped(run: Run, static: ProgramState) -> Iterate | None:
     return _alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
 
 
-def _alternated(run: Run, static: ProgramState) -> Iterate | None:
+def alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
     return _alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
 

@@ -6,17 +6,21 @@ the smallest and the largest load factor are one conic program each, and everyth
 carried too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.backend import PreparedSolver, checked_answer
+from lacore.assembly import Discretisation
+from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
 from lacore.certificate import Certificate, certify
+from lacore.conversion import point_in_program, point_in_si
 from lacore.faces import Face, faces, ray_program
-from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.isolation import preparing
+from lacore.program import FrozenContact, KinematicProgram, dimensionless, reaction_contact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -89,6 +93,40 @@ class Interval:
     def __str__(self) -> str:
         ends = f"{self.low:.6g} ({self.lower.status.label}), {self.high:.6g}"
         return f"[{ends} ({self.upper.status.label})]"
+
+
+def interval_of_state(
+    discretisation: Discretisation,
+    point: ProgramState,
+    backend: str,
+    options: Mapping[str, Any],
+    tolerance: float,
+) -> Interval:
+    """The interval of the mechanism of a state of a problem, all in SI units.
+
+    Of a state that is none of Coulomb (regularised, associated) nothing is certified.
+    """
+    engine = find_backend(backend)
+    program = dimensionless(discretisation.program, discretisation.natural)
+    with preparing(engine, read_options(engine, options)) as prepare:
+        found = load_factor_interval(
+            program, point_in_program(discretisation, point), prepare, tolerance
+        )
+    return interval_in_si(discretisation, found)
+
+
+def interval_in_si(discretisation: Discretisation, interval: Interval) -> Interval:
+    """An interval of the dimensionless program as one of its problem."""
+    scale = discretisation.natural.load_factor
+    lower, upper = (
+        replace(
+            end,
+            load_factor=end.load_factor * scale,
+            point=point_in_si(discretisation, end.point),
+        )
+        for end in (interval.lower, interval.upper)
+    )
+    return Interval(lower, upper)
 
 
 def load_factor_interval(

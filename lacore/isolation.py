@@ -13,7 +13,8 @@ import sys
 import threading
 import time
 import traceback
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
@@ -201,6 +202,18 @@ class IsolatedSolver:
         if self._process.held_by(self):
             self._process.hand_to(None)
             self._ask(self._limit, "close")
+
+
+@contextmanager
+def preparing(
+    backend: Backend, options: Any
+) -> Iterator[Callable[[KinematicProgram], PreparedSolver]]:
+    """A backend at work on one program after the other, isolated where it asks for it."""
+    if not backend.capabilities.isolated:
+        yield lambda program: backend.prepare(program, options)
+        return
+    with SolverProcess() as process:
+        yield lambda program: process.prepare(backend, program, options)
 
 
 def serve() -> None:

@@ -1,8 +1,9 @@
 """What a solve returns: the limit state, in SI units, with its proof."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pandas as pd
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.certificate import Certificate
+from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Rigor, Status
@@ -39,6 +41,8 @@ class LimitState:
         regularised: the values of T19 (regularised backends), as load factors.
         history: one row an inner solve: load factor, residuals, statuses, times.
         build_time, solve_time: s, wall clock: assembly, and everything after it.
+        options: of the backend, as they were given.
+        tolerance: bar for the residuals.
         message: the status in words, with what the backend added.
         discretisation: the assembled problem.
         point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa); None
@@ -58,6 +62,8 @@ class LimitState:
     history: pd.DataFrame
     build_time: float
     solve_time: float
+    options: Mapping[str, Any]
+    tolerance: float
     message: str
     discretisation: Discretisation
     point: ProgramState | None
@@ -170,6 +176,17 @@ class LimitState:
                 "u_t": u_t,
                 "state": np.select([u_n > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
             }
+        )
+
+    @cached_property
+    def interval(self) -> Interval:
+        """All load factors that this mechanism can carry, from two more solves (T14b a).
+
+        In SI units; each end with its own reactions and certificate. Computed when first asked for,
+        by the backend of this state.
+        """
+        return interval_of_state(
+            self.discretisation, self._point(), self.backend, self.options, self.tolerance
         )
 
     @cached_property

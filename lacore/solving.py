@@ -13,6 +13,7 @@ from lacore.assembly import Discretisation, discretise
 from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
 from lacore.certificate import certify
 from lacore.certified import certified_loop
+from lacore.conversion import point_in_si
 from lacore.coupling import Coupled, CouplingOptions, Iterate
 from lacore.errors import InputError, SolveError, require_known
 from lacore.isolation import SolverProcess
@@ -122,7 +123,7 @@ def solve(
         coupled = COUPLINGS[coupling](
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
-    state = _limit_state(
+    state = limit_state(
         problem,
         program,
         coupled,
@@ -131,6 +132,8 @@ def solve(
         regularised=regularised,
         build_time=build_time,
         solve_time=time.perf_counter() - built,
+        options=options or {},
+        tolerance=tolerance,
     )
     if throw and state.status is not Status.SOLVED:
         raise SolveError(state.message, state)
@@ -155,7 +158,7 @@ def coupling_for(backend: Backend, coupling: str | None) -> str:
     return coupling or "reaction"
 
 
-def _limit_state(
+def limit_state(
     discretisation: Discretisation,
     program: KinematicProgram,
     coupled: Coupled,
@@ -165,7 +168,10 @@ def _limit_state(
     regularised: bool,
     build_time: float,
     solve_time: float,
+    options: Mapping[str, Any],
+    tolerance: float,
 ) -> LimitState:
+    """The end of a loop on a dimensionless program as a state of its problem, in SI units."""
     final, scales = coupled.final, program.scales
     inner, point, certificate = final.inner, final.state, final.certificate
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
@@ -207,9 +213,11 @@ def _limit_state(
         history=history,
         build_time=build_time,
         solve_time=solve_time,
+        options=dict(options),
+        tolerance=tolerance,
         message=message,
         discretisation=discretisation,
-        point=None if point is None else _point_in_si(discretisation, point, scales),
+        point=None if point is None else point_in_si(discretisation, point),
     )
 
 
@@ -247,17 +255,4 @@ def _in_si(values: RegularisedValues | None, scales: Scales) -> RegularisedValue
             value * scales.load_factor
             for value in (values.plastic, values.alpha_reg, values.load_factor, values.multiplier)
         )
-    )
-
-
-def _point_in_si(
-    discretisation: Discretisation, point: ProgramState, scales: Scales
-) -> ProgramState:
-    return ProgramState(
-        velocity=np.asarray(discretisation.free_basis @ point.velocity) * scales.velocity,
-        load_factor=point.load_factor * scales.load_factor,
-        stress=tuple(stress * scales.stress for stress in point.stress),
-        mean_stress=tuple(mean * scales.stress for mean in point.mean_stress),
-        normal_reaction=point.normal_reaction * scales.stress,
-        tangential_reaction=point.tangential_reaction * scales.stress,
     )
