@@ -6,10 +6,12 @@ from lacore.backend import backend_names, find_backend
 from lacore.blocks import BlockAssembly, RigidBlock
 from lacore.bodies import Body
 from lacore.certificate import Certificate
+from lacore.coulomb_range import CoulombRange, coulomb_range
 from lacore.criteria import VonMises
 from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
 from lacore.frames import Frame
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
+from lacore.intervals import Interval
 from lacore.isolation import SolverProcess
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem
@@ -26,11 +28,13 @@ __all__ = [
     "CapabilityError",
     "Certificate",
     "Coulomb",
+    "CoulombRange",
     "Discretisation",
     "Fix",
     "Frame",
     "InputError",
     "Interface",
+    "Interval",
     "LacoreError",
     "LimitState",
     "PointForce",
@@ -47,6 +51,7 @@ __all__ = [
     "Tresca",
     "VonMises",
     "backend_names",
+    "coulomb_range",
     "discretise",
     "find_backend",
     "masonry",

@@ -78,6 +78,12 @@ def require_count(field: str, value: int) -> None:
         raise InputError(field, value, "more than solvers count to", f"give at most {_MOST}")
 
 
+def require_whole(field: str, value: int) -> None:
+    """Raise `InputError` unless `value` is a whole number from 0 on."""
+    if not (isinstance(value, Integral) and not isinstance(value, bool) and value >= 0):
+        raise InputError(field, value, "not a whole number", "give 0, 1, 2, ...")
+
+
 def require_positive(field: str, value: float) -> None:
     """Raise `InputError` unless `value` is a positive finite number."""
     if not (is_number(value) and value > 0):

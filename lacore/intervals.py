@@ -147,14 +147,14 @@ def load_factor_interval(
     if not program.contact.coulomb.any():  # the power balance of the mechanism leaves no choice
         unique = End(EndStatus.EXACT, point.load_factor, point, found)
         return Interval(unique, unique)
-    ends = (_proven_end(program, point, sign, prepare, tolerance) for sign in (-1.0, 1.0))
+    ends = (proven_end(program, point, sign, prepare, tolerance) for sign in (-1.0, 1.0))
     return Interval(*(end or End(EndStatus.FOUND, point.load_factor, point, found) for end in ends))
 
 
-def _proven_end(
+def proven_end(
     program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
 ) -> End | None:
-    """The end in the direction of `sign`, by the first face that proves one; None: by none."""
+    """The end on the side of `sign`, by the first face that proves one; None: by none."""
     for face in faces(program, point):
         solved = replace(face.program, reference_load=sign * face.program.reference_load)
         dual, status = _solve(solved, face.contact, prepare)

@@ -1,0 +1,236 @@
+"""`coulomb_range`: the lowest and the highest Coulomb load factor that can be certified (T14b)."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.assembly import Discretisation, discretise
+from lacore.backend import find_backend, read_options
+from lacore.conversion import point_in_program
+from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
+from lacore.coupling import Coupled
+from lacore.errors import InputError, require_whole
+from lacore.isolation import preparing
+from lacore.problem import Problem
+from lacore.program import dimensionless
+from lacore.result import LimitState
+from lacore.solving import limit_state, solve
+from lacore.status import Status
+
+_SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
+_COLUMNS = ["restart", "origin", "low", "high", "low_end", "high_end", "residual", "solves"]
+_CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
+
+
+@dataclass(frozen=True)
+class CoulombRange:
+    """The lowest and the highest Coulomb load factor found, in SI units.
+
+    Each is proven to be one, by its certificate. That there is none lower or higher is proven only
+    by `bracket`, where they reach it; otherwise it is merely what the search found.
+
+    Attributes:
+        status: SOLVED where states were found; else what `solve` says of the problem.
+        lowest, highest: their states; None where none was found. Of a mechanism that carries any
+            load factor (`high` = inf) `highest` is a state with a large one.
+        low, high: their load factors; NaN where nothing is certified, +inf of a LOCKED problem.
+        bracket: proven bounds of every Coulomb load factor, frictionless and associated (T14);
+            -inf and inf where there is none.
+        states: one row a certified state: restart, origin (of what reactions it settled: of the
+            ``certified`` state of `solve`, the ``associated`` one, a ``continuation`` in friction,
+            the ``low end`` or ``high end`` of the state before), low and high load factor of its
+            mechanism, what each end is worth (`EndStatus`), the largest residual of both ends,
+            inner solves so far.
+        backend: name.
+        seed, restarts: of the search.
+        solves: inner solves of the search.
+        solve_time: s, wall clock.
+        message: the status in words.
+    """
+
+    status: Status
+    lowest: LimitState | None
+    highest: LimitState | None
+    low: float
+    high: float
+    bracket: tuple[float, float]
+    states: pd.DataFrame
+    backend: str
+    seed: int
+    restarts: int
+    solves: int
+    solve_time: float
+    message: str
+
+    @property
+    def lowest_proven(self) -> bool:
+        """Whether there is proven to be no lower Coulomb load factor."""
+        return _reached(self.low, self.bracket[0])
+
+    @property
+    def highest_proven(self) -> bool:
+        """Whether there is proven to be no higher Coulomb load factor."""
+        return _reached(self.high, self.bracket[1])
+
+    def summary(self) -> str:
+        """What was found, and what of it is proven, as plain text."""
+        below, above = self.bracket
+        lines = [f"Coulomb load factors: {self.low:.6g} to {self.high:.6g}"]
+        if self.lowest is None or self.highest is None:
+            lines = [f"no certified Coulomb load factor: {self.message}"]
+        lines.append(
+            f"  proven: every one lies in [{below:.6g}, {above:.6g}] (frictionless, associated)"
+        )
+        for name, value, state, proven in (
+            ("lowest", self.low, self.lowest, self.lowest_proven),
+            ("highest", self.high, self.highest, self.highest_proven),
+        ):
+            if state is None or state.certificate is None:
+                continue
+            residual, size = state.certificate.worst
+            other = "lower" if name == "lowest" else "higher"
+            lines.append(
+                f"  proven: {value:.6g} is one, by its certificate (largest residual {size:.1e},"
+                f" {residual})"
+            )
+            if proven:
+                lines.append(f"  proven: none is {other}, it reaches its bound")
+            else:
+                lines.append(f"  found, not proven: that none is {other}")
+        lines.append(
+            f"  {len(self.states)} certified states in {self.solves} solves by {self.backend},"
+            f" {self.restarts} restarts, seed {self.seed}, {self.solve_time:.1f} s"
+        )
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+def coulomb_range(
+    problem: Problem | Discretisation,
+    backend: str = "clarabel",
+    *,
+    seed: int = 0,
+    restarts: int = 8,
+    tolerance: float = 1e-6,
+    options: Mapping[str, Any] | None = None,
+    on_progress: Callable[[Mapping[str, Any]], None] | None = None,
+) -> CoulombRange:
+    """Search for the lowest and the highest Coulomb load factor (T14b).
+
+    Args:
+        problem: the problem, or its discretisation.
+        backend: an exact one.
+        seed: of the random shaking of reactions; the same seed finds the same states.
+        restarts: further searches from shaken reactions, after the one from those of the associated
+            problem.
+        tolerance: bar for the residuals of every state.
+        options: of the backend, by name.
+        on_progress: called with the row of each certified state as it is found.
+
+    Raises:
+        InputError: an unknown name, an option out of range, a regularised backend.
+        CapabilityError: the backend is missing, or cannot take the problem.
+    """
+    require_whole("seed", seed)
+    require_whole("restarts", restarts)
+    engine = find_backend(backend)
+    if engine.capabilities.regularised:
+        raise InputError(
+            "backend", backend, "is regularised: it certifies no Coulomb state", "take 'clarabel'"
+        )
+    begin = time.perf_counter()
+    if isinstance(problem, Problem):
+        problem = discretise(problem)
+    given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
+    first = solve(problem, coupling="certified", **given)
+    program = dimensionless(problem.program, problem.natural)
+    scale = problem.natural.load_factor
+    rows: list[dict[str, Any]] = []
+
+    def note(found: Found) -> None:
+        rows.append(_row(found, scale) | {"solves": search.solves})
+        if on_progress is not None:
+            on_progress(rows[-1])
+
+    with ExitStack() as stack:
+        settings = read_options(engine, options or {})
+        # One for the search and one for the ends: an isolated process holds one program.
+        prepare, prepare_ends = (stack.enter_context(preparing(engine, settings)) for _ in range(2))
+        solver = prepare(program)
+        stack.callback(solver.close)
+        bounds, admissible = bracket(program, solver, tolerance)
+        search = Search(
+            program=program,
+            solver=solver,
+            prepare=prepare_ends,
+            tolerance=tolerance,
+            bounds=bounds,
+            rng=np.random.default_rng(seed),
+            on_found=note,
+        )
+        known = None if first.point is None else point_in_program(problem, first.point)
+        start = known if admissible is None else admissible
+        if first.status in _SEARCHED and start is not None:
+            search.run(known if first.status is Status.SOLVED else None, start, restarts)
+    ends = {}
+    for side, found in search.best.items():
+        end = found.end(side)
+        last = replace(found.iterates[-1], state=end.point, certificate=end.certificate)
+        ends[side] = replace(
+            limit_state(
+                problem,
+                program,
+                Coupled(Status.SOLVED, found.iterates, last),
+                backend=backend,
+                coupling="certified",
+                regularised=False,
+                build_time=first.build_time,
+                solve_time=time.perf_counter() - begin,
+                options=options or {},
+                tolerance=tolerance,
+            ),
+            load_factor=end.load_factor * scale,
+        )
+    nothing = np.inf if first.status is Status.LOCKED else np.nan
+    return CoulombRange(
+        status=Status.SOLVED if ends else first.status,
+        lowest=ends.get(LOW),
+        highest=ends.get(HIGH),
+        low=ends[LOW].load_factor if ends else nothing,
+        high=ends[HIGH].load_factor if ends else nothing,
+        bracket=(bounds[0] * scale, bounds[1] * scale),
+        states=pd.DataFrame(rows, columns=_COLUMNS),
+        backend=backend,
+        seed=seed,
+        restarts=restarts,
+        solves=search.solves + len(first.history) + 2,
+        solve_time=time.perf_counter() - begin,
+        message=first.message,
+    )
+
+
+def _row(found: Found, scale: float) -> dict[str, Any]:
+    lower, upper = found.interval.lower, found.interval.upper
+    return {
+        "restart": found.restart,
+        "origin": found.origin,
+        "low": lower.load_factor * scale,
+        "high": upper.load_factor * scale,
+        "low_end": lower.status.label,
+        "high_end": upper.status.label,
+        "residual": max(lower.certificate.worst[1], upper.certificate.worst[1]),
+    }
+
+
+def _reached(value: float, bound: float) -> bool:
+    """Whether a load factor is at a bound; both may be infinite."""
+    if not (np.isfinite(value) and np.isfinite(bound)):
+        return value == bound
+    return abs(value - bound) <= _CLOSE * max(abs(value), abs(bound))

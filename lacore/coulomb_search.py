@@ -1,0 +1,214 @@
+"""Search for low and high Coulomb load factors among different mechanisms (T14b b).
+
+A state is settled from reactions by alternation (T12), and its mechanism carries an interval. From
+an end of it the same reactions, shaken a little, often settle at a mechanism that reaches further:
+so on, until none does. Such a climb starts from the associated reactions, shaken, from the best end
+so far, shaken, and, for the low side, from the end of a continuation: friction grows in steps from
+little, where load factors are unique or nearly so, and each step starts at the low end before it.
+
+A search finds; that there is nothing lower or higher, it does not prove.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import PreparedSolver, checked_answer
+from lacore.certificate import certify
+from lacore.certified import alternate
+from lacore.coupling import CouplingOptions, Iterate, Run
+from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
+from lacore.program import KinematicProgram, associated_contact, frictionless_contact
+from lacore.solving import kinematic_load_factor
+from lacore.state import ProgramState
+from lacore.status import Status
+
+LOW, HIGH = -1.0, 1.0
+_STEPS = 10  # of friction
+_SETTLE = 24  # inner solves from one start; most certify within 6
+_SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds less on the low side
+_SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # at an end, one try each
+_BEST = 0.1  # at the best end, in each restart
+_FURTHER = 1e-7  # of the size of load factors; less is round-off of interior-point methods
+
+
+@dataclass(frozen=True)
+class Found:
+    """One certified mechanism, in the units of the program.
+
+    Attributes:
+        restart: 0 is the unshaken start.
+        origin: of what reactions it settled: ``certified``, ``associated``, ``continuation``,
+            ``best``, ``low end``, ``high end``.
+        interval: what it carries.
+        iterates: the inner solves that led to it.
+    """
+
+    restart: int
+    origin: str
+    interval: Interval
+    iterates: tuple[Iterate, ...]
+
+    def end(self, side: float) -> End:
+        """The lower or the upper end."""
+        return self.interval.lower if side < 0 else self.interval.upper
+
+
+def bracket(
+    program: KinematicProgram, solver: PreparedSolver, tolerance: float
+) -> tuple[tuple[float, float], ProgramState | None]:
+    """Bounds of all Coulomb load factors (T14), and the associated state where there is one.
+
+    Below, by admissible stresses and reactions without friction; above, by a velocity that the
+    associated law admits. Each needs its own half of the residuals only.
+    """
+    frozen = frictionless_contact(program.contact), associated_contact(program.contact)
+    below, above = (checked_answer(program, False, solver.solve(f)) for f in frozen)
+    lower = np.inf if below.status is Status.LOCKED else -np.inf
+    if below.point is not None:
+        seen = certify(program, below.point, frozen[0])
+        if all(v <= tolerance for v in (seen.equilibrium, seen.yield_violation, seen.cone)):
+            lower = below.point.load_factor
+    upper = np.inf
+    if above.point is not None:
+        seen = certify(program, above.point, frozen[1])
+        if all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
+            upper = kinematic_load_factor(program, above.point, frozen[1])
+    return (lower, upper), above.point
+
+
+@dataclass
+class Search:
+    """A search on one program.
+
+    Attributes:
+        program: dimensionless.
+        solver: at work on it; friction grows in what is frozen, so that it serves all steps.
+        prepare: for the programs of the ends.
+        tolerance: bar for all residuals.
+        bounds: proven bounds of all load factors (T14): an end that reaches its bound ends a climb.
+        rng: of the shaking.
+        on_found: called for each certified mechanism.
+        best: the mechanism that reaches furthest on each side.
+        solves: inner solves so far, those of the ends included.
+    """
+
+    program: KinematicProgram
+    solver: PreparedSolver
+    prepare: Prepare
+    tolerance: float
+    bounds: tuple[float, float]
+    rng: np.random.Generator
+    on_found: Callable[[Found], None]
+    best: dict[float, Found] = field(default_factory=dict)
+    solves: int = 0
+    _visited: dict[float, list[float]] = field(default_factory=lambda: {LOW: [], HIGH: []})
+
+    def run(self, certified: ProgramState | None, start: ProgramState, restarts: int) -> None:
+        """Search from a certified state, if there is one, and from admissible reactions.
+
+        From these once as they are, and `restarts` times shaken.
+        """
+        if certified is not None:
+            self._climb_both(self._found(certified, 0, "certified"))
+        for restart in range(restarts + 1):
+            spread = _SHAKEN if restart else 0.0
+            if not (self._bounded(LOW) and self._bounded(HIGH)):
+                self._climb_both(self._found(self._shaken(start, spread), restart, "associated"))
+            if not self._bounded(LOW):
+                ready = self._continued(start, spread)
+                self._climb(self._found(ready, restart, "continuation"), LOW)
+            for side in (LOW, HIGH) if restart else ():
+                if side in self.best and not self._bounded(side):
+                    shaken = self._shaken(self.best[side].end(side).point, _BEST)
+                    self._climb(self._found(shaken, restart, "best"), side)
+
+    def _climb_both(self, found: Found | None) -> None:
+        for side in (LOW, HIGH):
+            self._climb(found, side)
+
+    def _climb(self, found: Found | None, side: float) -> None:
+        """From the end of an interval to that of the next, until none reaches further."""
+        origin = "low end" if side < 0 else "high end"
+        tries = list(_SPREADS)
+        while found is not None and tries and not self._bounded(side):
+            end = found.end(side)
+            arrived = len(tries) == len(_SPREADS)
+            if arrived and (end.status is EndStatus.UNBOUNDED or self._left(side, end)):
+                return
+            other = self._found(self._shaken(end.point, tries.pop(0)), found.restart, origin)
+            if other is not None and self._beyond(side, other.end(side), end):
+                found, tries = other, list(_SPREADS)
+
+    def _continued(self, start: ProgramState, spread: float) -> ProgramState:
+        """Reactions after steps of growing friction along the low ends, shaken at each."""
+        for share in np.arange(1, _STEPS) / _STEPS:
+            rows = self.program.contact
+            scaled = replace(rows, coefficient=float(share) * rows.coefficient)
+            program = replace(self.program, contact=scaled)
+            settled = self._settled(program, self._shaken(start, spread))
+            if settled is not None:
+                end = proven_end(program, settled[0], LOW, self._counted, self.tolerance)
+                start = settled[0] if end is None else end.point
+        return self._shaken(start, spread)
+
+    def _settled(
+        self, program: KinematicProgram, start: ProgramState
+    ) -> tuple[ProgramState, Run] | None:
+        """The certified state that alternation reaches from reactions."""
+        options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
+        run = Run(program, self.solver, False, options, lambda _: None)
+        last = alternate(run, start)
+        self.solves += len(run.iterates)
+        if last is None or last.state is None or not run.proven(last):
+            return None
+        return last.state, run
+
+    def _found(self, start: ProgramState, restart: int, origin: str) -> Found | None:
+        """The mechanism that settles from reactions, noted."""
+        settled = self._settled(self.program, start)
+        if settled is None:
+            return None
+        state, run = settled
+        interval = load_factor_interval(self.program, state, self._counted, self.tolerance)
+        found = Found(restart, origin, interval, tuple(run.iterates))
+        for side in (LOW, HIGH):
+            best = self.best.get(side)
+            if best is None or self._beyond(side, found.end(side), best.end(side)):
+                self.best[side] = found
+        self.on_found(found)
+        return found
+
+    def _counted(self, program: KinematicProgram) -> PreparedSolver:
+        self.solves += 1
+        return self.prepare(program)
+
+    def _beyond(self, side: float, end: End, other: End) -> bool:
+        """Whether an end is further out than another one, by more than round-off."""
+        return side * (end.load_factor - other.load_factor) > _FURTHER * self._size
+
+    def _left(self, side: float, end: End) -> bool:
+        """Whether a climb came to this end before; notes it."""
+        known = self._visited[side]
+        if any(abs(alpha - end.load_factor) <= _FURTHER * self._size for alpha in known):
+            return True
+        known.append(end.load_factor)
+        return False
+
+    def _bounded(self, side: float) -> bool:
+        """Whether the best end has reached what bounds every Coulomb load factor."""
+        if side not in self.best:
+            return False
+        alpha, bound = self.best[side].end(side).load_factor, self.bounds[int(side > 0)]
+        return not side * (bound - alpha) > self.tolerance * self._size
+
+    @property
+    def _size(self) -> float:
+        """Size of load factors."""
+        return max([abs(bound) for bound in self.bounds if np.isfinite(bound)], default=0.0) or 1.0
+
+    def _shaken(self, state: ProgramState, spread: float) -> ProgramState:
+        factors: Floats = np.exp(spread * self.rng.standard_normal(state.normal_reaction.size))
+        return replace(state, normal_reaction=factors * np.maximum(state.normal_reaction, 0.0))
