@@ -93,11 +93,12 @@ class CoulombRange:
             if state is None or state.certificate is None:
                 continue
             residual, size = state.certificate.worst
+            worst = f"(largest residual {size:.1e}, {residual})"
             other = "lower" if name == "lowest" else "higher"
-            lines.append(
-                f"  proven: {value:.6g} is one, by its certificate (largest residual {size:.1e},"
-                f" {residual})"
-            )
+            if np.isinf(value):
+                lines.append(f"  proven: a mechanism carries any higher one {worst}")
+                continue
+            lines.append(f"  proven: {value:.6g} is one, by its certificate {worst}")
             if proven:
                 lines.append(f"  proven: none is {other}, it reaches its bound")
             else:
