@@ -57,7 +57,7 @@ def certified_loop(
     static = anchor.inner.point
     if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
         return run.judged(anchor)
-    for attempt in (averaged, _damped, alternated, _shifted):
+    for attempt in (averaged, _damped, _alternated, _shifted):
         found = attempt(run, static)
         if found is not None:
             return run.judged(found)
@@ -90,7 +90,7 @@ def _damped(run: Run, static: ProgramState) -> Iterate | None:
     return _alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
 
 
-def alternated(run: Run, static: ProgramState) -> Iterate | None:
+def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
     return _alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
 

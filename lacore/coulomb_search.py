@@ -17,7 +17,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.certified import alternate
+from lacore.certified import averaged
 from lacore.coupling import CouplingOptions, Iterate, Run
 from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact
@@ -157,10 +157,10 @@ class Search:
     def _settled(
         self, program: KinematicProgram, start: ProgramState
     ) -> tuple[ProgramState, Run] | None:
-        """The certified state that alternation reaches from reactions."""
+        """The certified state that alternation reaches from reactions (T12)."""
         options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
         run = Run(program, self.solver, False, options, lambda _: None)
-        last = alternate(run, start)
+        last = averaged(run, start)
         self.solves += len(run.iterates)
         if last is None or last.state is None or not run.proven(last):
             return None
