@@ -18,6 +18,7 @@ from verification.catalogue import catalogue
 VARIANTS = [
     pytest.param(case, variant, id=f"{case.id}-{variant.name}")
     for case in catalogue().values()
+    if "coarse" in case.meshes  # rigid bodies: test_walls and the conformance suite
     for variant in case.variants
 ]
 SLOW = pytest.mark.slow
