@@ -10,6 +10,8 @@ from lacore.arrays import Floats, Ints
 from lacore.assembly import Discretisation
 from lacore.contact_geometry import Segments, interface_segments
 from lacore.contact_points import Dofs
+from lacore.dofs import BodyDofs
+from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
 from lacore.result import LimitState
 from lacore.rigid import RigidDofs
@@ -48,8 +50,13 @@ class SegmentedContact:
 
     @property
     def deforms(self) -> bool:
-        """Whether a side is a continuum."""
-        return any(not isinstance(dofs, RigidDofs) for dofs, _ in self.sides)
+        """Whether a side is a continuum that touches along edges."""
+        return not self.pointwise and any(isinstance(dofs, BodyDofs) for dofs, _ in self.sides)
+
+    @property
+    def pointwise(self) -> bool:
+        """Whether a side is the nodes of a frame."""
+        return any(isinstance(dofs, FrameDofs) for dofs, _ in self.sides)
 
     @property
     def coarse_edges(self) -> Ints:
@@ -61,7 +68,7 @@ class SegmentedContact:
         meshed = [
             own
             for own, (dofs, _) in zip(edges, self.sides, strict=False)
-            if not isinstance(dofs, RigidDofs)
+            if isinstance(dofs, BodyDofs)
         ]
         return min(meshed or edges[:1], key=lambda own: np.unique(own).size)
 
@@ -92,7 +99,7 @@ def segmented_contacts(
         fastest: largest velocity, m/s; slip and opening are told from rest against it.
     """
     d = state.discretisation
-    dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies}
+    dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies, **d.frames}
     blocks = np.full((2, d.full.contact.count), -1)
     for rigid_side in rigid_sides(d):
         blocks[rigid_side.side, rigid_side.points] = rigid_side.blocks
@@ -196,15 +203,16 @@ def _control_points(
     number: Ints,
     blocks: Ints,
 ) -> Ints:
-    """Contact points of segments: both ends, and the middle of quadratic jumps, (copies, k).
+    """Contact points of segments, (copies, k): both ends, and the middle of quadratic jumps.
 
+    A node of a frame is one.
     -1 where a support holds the point. The mean over the copies is that of the field (T28).
     """
     start, end = segments.start, segments.end
-    places = [start, end]
-    if max(dofs.degree for dofs, _ in sides) > 1:
-        places.append((start + end) / 2)
-    size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max())
+    degrees = [dofs.degree for dofs, _ in sides]
+    places = [start, end, (start + end) / 2]
+    places = places[: 1 if min(degrees) == 0 else 1 + max(degrees)]
+    size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max()) or 1.0
     part = np.full((2, number.size), -1)
     for side, (dofs, parts) in enumerate(sides):
         if isinstance(dofs, RigidDofs):

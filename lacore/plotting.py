@@ -16,7 +16,6 @@ from lacore.contact_segments import SegmentedContact, segmented_contacts
 from lacore.plotting_blocks import (
     FIXED,
     draw_blocks,
-    draw_forces,
     held_blocks,
     vertex_velocity,
 )
@@ -29,6 +28,8 @@ from lacore.plotting_contact import (
     draw_strips,
 )
 from lacore.plotting_continua import draw_continua
+from lacore.plotting_forces import draw_forces
+from lacore.plotting_frames import draw_foot, draw_frames, draw_moments, turning
 from lacore.result import LimitState
 from lacore.status import Status
 
@@ -40,7 +41,7 @@ _POINTS = 72.0  # an inch
 _PAGE = 9.0  # inches
 _TALLEST = 6.5  # inches, of one picture
 _NARROWEST = 3.7  # inches, of one of two pictures: its legend needs that
-_WIDE = 0.6  # height over width: below it two pictures stand above each other
+_WIDE = 0.4  # height over width: below it two pictures stand above each other
 _CROWD = 300  # blocks: above it they do so below twice that
 _LINE = 0.07  # of the side of a block: width of contact lines
 _THRUST = 0.2  # of the side of a block: width of the thickest line of thrust
@@ -48,9 +49,10 @@ _TINY = np.finfo(float).tiny
 
 
 def plot_mechanism(state: LimitState) -> Figure:
-    """Picture of the mechanism: deformed meshes, displaced blocks, dissipation, slip and opening.
+    """Picture of the mechanism: deformed meshes, displaced blocks and frames, what contact does.
 
-    With rigid blocks a second picture shows the forces in their joints as lines of thrust. Below,
+    With rigid blocks or frames a second picture shows what they carry: the forces in joints as
+    lines of thrust, the moments of members, the reactions of feet, and the live loads. Below,
     for each interface of a continuum, means over its edges of reactions and velocities: point
     values of reactions oscillate and mean nothing.
 
@@ -65,27 +67,33 @@ def plot_mechanism(state: LimitState) -> Figure:
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0
     stretch = min(_STRETCH * size / fastest, _TURN / max(_spin(state), _TINY))
     extent = np.ptp(np.concatenate([places, places + stretch * velocities], axis=1), axis=1)
+    extent = np.maximum(extent, _STRETCH * size)  # a single beam has no height
     interfaces, joints = segmented_contacts(state, fastest)
     panels = [contact for contact in interfaces if contact.deforms]
 
-    layout = _layout(extent, _blocks(state), len(panels))
+    layout = _layout(extent, _rigid_parts(state), len(panels))
     axes, *others = layout.pictures
     colours = draw_continua(layout.figure, axes, state, stretch)
     draw_blocks(axes, state, stretch, fastest)
     width = float(np.clip(_LINE * layout.points * _block_size(state, extent), 0.5, 3.5))
+    hinges = draw_frames(axes, state, stretch, fastest)
     for contact in [*interfaces, *joints]:
+        if contact.pointwise:
+            draw_foot(axes, contact, state, stretch, size)
+            continue
         if len(contact.sides) == 1 and contact.deforms:
             draw_strips(axes, contact, _STRIP * size)
             continue
         if len(contact.sides) == 1:
             draw_ground(axes, contact, _GROUND * size)
         draw_moved(axes, contact, state, stretch, width)
-    _frame(axes, _handles(state, [*interfaces, *joints]), layout.columns)
+    handles = [*_handles(state, [*interfaces, *joints]), *hinges]
+    _frame(axes, handles, layout.columns)
     for picture in others:
         thickest = float(np.clip(_THRUST * layout.points * _block_size(state, extent), 2.0, 6.0))
-        handles = draw_forces(picture, state, thickest)
+        handles = [*draw_moments(picture, state), *draw_forces(picture, state, thickest)]
         for contact in interfaces:
-            if len(contact.sides) == 1:
+            if len(contact.sides) == 1 and not contact.pointwise:
                 draw_ground(picture, contact, _GROUND * size)
         _frame(picture, handles, layout.columns)
         if layout.columns > 1:
@@ -153,20 +161,29 @@ def _outline(state: LimitState) -> tuple[Floats, Floats]:
     d, velocity = state.discretisation, state.velocity
     places = [dofs.nodes for dofs in d.bodies.values()]
     places += [dofs.body.edges.start for dofs in d.assemblies.values()]
+    places += [dofs.body.position for dofs in d.frames.values()]
     moves = [velocity[name] for name in d.bodies]
     moves += [vertex_velocity(dofs, velocity[name]) for name, dofs in d.assemblies.items()]
+    moves += [velocity[name][:2] for name in d.frames]
     return np.concatenate(places, axis=1), np.concatenate(moves, axis=1)
 
 
 def _spin(state: LimitState) -> float:
-    """Largest rate of rotation of a block, rad/s."""
-    rates = [np.abs(state.velocity[name][2]).max() for name in state.discretisation.assemblies]
-    return float(max(rates, default=0.0))
+    """Largest rate of rotation of a block or a member, rad/s."""
+    d, velocity = state.discretisation, state.velocity
+    rates = [velocity[name][2] for name in d.assemblies]
+    rates += [turning(dofs, velocity[name]) for name, dofs in d.frames.items()]
+    return max((float(np.abs(rate).max()) for rate in rates), default=0.0)
 
 
 def _blocks(state: LimitState) -> int:
     """Number of rigid blocks."""
     return sum(len(dofs.body.names) for dofs in state.discretisation.assemblies.values())
+
+
+def _rigid_parts(state: LimitState) -> int:
+    """Number of rigid blocks and frames: of what a second picture shows the forces."""
+    return _blocks(state) + len(state.discretisation.frames)
 
 
 def _block_size(state: LimitState, extent: Floats) -> float:
@@ -187,14 +204,14 @@ def _title(state: LimitState) -> str:
 
 
 def _parts(state: LimitState) -> str:
-    """What the structure consists of: ``96 elements, 1 rigid block``."""
+    """What the structure consists of: ``96 elements, 1 rigid block, 3 members``."""
     d = state.discretisation
-    elements = sum(body.body.mesh.nelements for body in d.bodies.values())
-    blocks = _blocks(state)
-    parts = [f"{elements} elements"] if elements else []
-    if blocks:
-        parts.append(f"{blocks} rigid block{'s' if blocks > 1 else ''}")
-    return ", ".join(parts)
+    counts = {
+        "element": sum(body.body.mesh.nelements for body in d.bodies.values()),
+        "rigid block": _blocks(state),
+        "member": sum(len(dofs.body.member_names) for dofs in d.frames.values()),
+    }
+    return ", ".join(f"{n} {name}{'s' if n > 1 else ''}" for name, n in counts.items() if n)
 
 
 def _handles(state: LimitState, contacts: Sequence[SegmentedContact]) -> list[Artist]:
@@ -205,7 +222,8 @@ def _handles(state: LimitState, contacts: Sequence[SegmentedContact]) -> list[Ar
     assemblies = state.discretisation.assemblies.values()
     if any(held_blocks(state, dofs).any() for dofs in assemblies):
         handles.append(Patch(facecolor=FIXED, edgecolor="#666666", hatch="////", label="fixed"))
-    if any(len(contact.sides) == 1 and not contact.deforms for contact in contacts):
+    bare = [contact for contact in contacts if len(contact.sides) == 1 and not contact.deforms]
+    if bare:
         handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
     for kind, colour in COLOURS.items():
         if any((contact.kind == kind).any() for contact in contacts):

@@ -74,10 +74,11 @@ def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
     """Scale of the densities; None where what there is of dissipation is round-off."""
     point, program = state.point, state.discretisation.full
     assert point is not None
-    plastic = program.plastic_dissipation(point.velocity)
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
     friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())
-    if plastic <= _RIGID_SHARE * (plastic + friction):
+    powers = zip(state.discretisation.bodies.values(), state.dissipation.values(), strict=True)
+    plastic = sum(float((body.basis.dx.sum(axis=1) * power).sum()) for body, power in powers)
+    if plastic <= _RIGID_SHARE * (program.plastic_dissipation(point.velocity) + friction):
         return None
     peak = float(density.max())
     return LogNorm(float(np.clip(density.min(), peak * 10**-_DECADES, peak / 2)), peak)

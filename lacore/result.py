@@ -227,7 +227,7 @@ class LimitState:
         return pd.concat(frames, ignore_index=True)
 
     def plot(self) -> "Figure":
-        """Picture of the mechanism: deformed mesh, dissipation, slip and opening on interfaces."""
+        """Picture of the mechanism and of its forces: see `lacore.plotting.plot_mechanism`."""
         from lacore.plotting import plot_mechanism
 
         return plot_mechanism(self)

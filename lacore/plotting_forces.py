@@ -1,0 +1,220 @@
+"""Pictures of forces: lines of thrust between blocks, reactions of feet, live loads."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+
+from lacore.arrays import Floats
+from lacore.contact_segments import rigid_sides
+from lacore.interfaces import RigidObstacle
+from lacore.plotting_blocks import fill_blocks, held_blocks, outlines
+from lacore.plotting_continua import boundary_lines
+from lacore.result import LimitState
+
+THRUST = "#b2182b"
+LOAD = "#0f7b3f"
+_FAINTEST = 1e-3  # of the largest force: lines of thrust below it would not be seen
+_SHORTEST = 0.3  # of the radius of the smaller block
+_FEW = 10  # arrows that have room to be thick
+_MANY = 150  # arrows a reader tells apart
+_OF_FRAMES = 0.16  # of the size of a frame: length of the longest arrow
+
+
+def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
+    """The structure before collapse with its loads, and the forces that its contacts carry.
+
+    A line of thrust passes through the centre of pressure of each joint in the direction of its
+    force, and ends in both blocks where it comes closest to their centroids, and at what is fixed;
+    its width is the force. Contacts between continua are left out: their panels show them.
+
+    Args:
+        thickest: width of the line of the largest force, points.
+
+    Returns:
+        handles of a legend.
+    """
+    for dofs in state.discretisation.assemblies.values():
+        fill_blocks(axes, outlines(dofs, dofs.body.edges.start), held_blocks(state, dofs), 1.0)
+    for body in state.discretisation.bodies.values():
+        axes.add_collection(
+            LineCollection(boundary_lines(body), colors="#555555", linewidths=0.9, zorder=1)
+        )
+    handles = []
+    forces = contact_forces(state)
+    size = np.linalg.norm(forces.force, axis=0)
+    peak = float(size.max(initial=0.0))
+    if peak > 0:
+        seen = size > _FAINTEST * peak
+        lines = np.concatenate([forces.lines[0][:, :, seen], forces.lines[1][:, :, seen]], axis=2).T
+        widths = np.tile(np.maximum(thickest * size[seen] / peak, 0.3), 2)
+        axes.add_collection(
+            LineCollection(
+                list(lines), colors=THRUST, linewidths=widths, capstyle="round", zorder=3
+            )
+        )
+        handles.append(
+            Line2D([], [], color=THRUST, lw=4, label=f"contact force (max {peak:.3g} N/m)")
+        )
+    handles += _draw_feet(axes, state)
+    handles += _draw_loads(axes, state)
+    return handles
+
+
+@dataclass(frozen=True)
+class ContactForces:
+    """Resultants of the contact between each two blocks, or a block and anything else.
+
+    Attributes:
+        force: on the slave, N/m, shape (2, k).
+        centre: of pressure, m, shape (2, k).
+        lines: from the centre into the slave, and into the master: (2, ends, k) each; of no
+            length into what is no block, or a fixed one.
+    """
+
+    force: Floats
+    centre: Floats
+    lines: tuple[Floats, Floats]
+
+
+def contact_forces(state: LimitState) -> ContactForces:
+    """Resultant force of each joint, at its centre of pressure."""
+    d, table = state.discretisation, state.reactions
+    m = d.full.contact.count
+    blocks = np.full((2, m), -1)
+    centroid, radius = np.full((2, 2, m), np.nan), np.full((2, m), np.nan)
+    for part in rigid_sides(d):
+        blocks[part.side, part.points] = part.blocks
+        held = held_blocks(state, part.dofs)[part.blocks]
+        centroid[part.side][:, part.points] = np.where(
+            held, np.nan, part.dofs.body.centroid[:, part.blocks]
+        )
+        radius[part.side, part.points] = part.dofs.body.radius[part.blocks]
+    rigid = np.flatnonzero((blocks >= 0).any(axis=0))
+    normal, place = d.points.normal[rigid].T, d.points.position[rigid].T
+    key = np.column_stack(
+        [d.full.contact.interface[rigid], blocks[:, rigid].T, np.round(normal.T, 9)]
+    )
+    _, first, group = np.unique(key + 0.0, axis=0, return_index=True, return_inverse=True)
+    group, k = group.ravel(), first.size
+
+    def total(values: Floats) -> Floats:
+        return np.stack([np.bincount(group, row, k) for row in values]).astype(np.float64)
+
+    t_n, t_t, length = (table[name].to_numpy()[rigid] for name in ("t_n", "t_t", "length"))
+    tangent = np.stack([-normal[1], normal[0]])
+    force = total(length * (t_n * normal + t_t * tangent))
+    pressed = total((length * t_n)[None])[0]
+    # Without pressure (cohesion alone) the middle of the joint has to do.
+    weight = np.where((pressed > 0)[group], length * t_n, length)
+    centre = total(weight * place) / total(weight[None])
+    at = rigid[first]
+    reach = np.nanmin(radius[:, at], axis=0)
+    lines = _thrust(force, centre, (centroid[0][:, at], centroid[1][:, at]), reach)
+    return ContactForces(force, centre, lines)
+
+
+def _thrust(
+    force: Floats, centre: Floats, centroids: tuple[Floats, Floats], reach: Floats
+) -> tuple[Floats, Floats]:
+    """Lines from the centres of pressure into the slaves and masters, (2, ends, k) each."""
+    size = np.linalg.norm(force, axis=0)
+    along = np.divide(force, size, out=np.zeros_like(force), where=size > 0)
+    lines = []
+    for sense, centroid in zip((1.0, -1.0), centroids, strict=True):
+        length = sense * np.sum((centroid - centre) * along, axis=0)
+        length = np.nan_to_num(np.clip(length, _SHORTEST * reach, reach))
+        lines.append(np.stack([centre, centre + sense * length * along], axis=1))
+    return lines[0], lines[1]
+
+
+def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
+    """Reference loads: an arrow a block where they can be told apart, else their resultant."""
+    vectors, places, sizes = [], [], []
+    for force, place, size in _loads(state):
+        vectors.append(force)
+        places.append(place)
+        sizes.append(size)
+    force, place = np.concatenate(vectors, axis=1), np.concatenate(places, axis=1)
+    size = np.linalg.norm(force, axis=0)
+    loaded = size > _FAINTEST * size.max(initial=0.0)
+    if not loaded.any():  # moments, pressures in balance
+        return []
+    force, place, size = force[:, loaded], place[:, loaded], size[loaded]
+    reach = np.concatenate(sizes)[loaded].mean()
+    label = "live load"
+    if size.size > _MANY:
+        label = "live load (resultant)"
+        place = (place * size).sum(axis=1, keepdims=True) / size.sum()
+        force = force.sum(axis=1, keepdims=True)
+        size = np.linalg.norm(force, axis=0)
+        reach = 0.3 * float(np.ptp(axes.dataLim.get_points(), axis=0).max())
+    _draw_arrows(axes, place, reach * force / size.max(), LOAD)
+    return [Line2D([], [], color=LOAD, lw=2, marker=">", label=label)]
+
+
+def _draw_arrows(axes: Axes, place: Floats, arrow: Floats, colour: str) -> None:
+    """Arrows (2, k) that end at places (2, k), m."""
+    axes.quiver(
+        *place,
+        *arrow,
+        pivot="tip",
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        units="inches",
+        width=0.012 if place.shape[1] > _FEW else 0.03,
+        color=colour,
+        zorder=5,
+    )
+    axes.update_datalim((place - arrow).T)
+
+
+def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
+    """Contact forces on the nodes of frames, as arrows that end there."""
+    d, table = state.discretisation, state.reactions
+    places, forces, lengths = [], [], []
+    for index, interface in enumerate(d.problem.interfaces):
+        for sign, side in ((1.0, interface.slave), (-1.0, interface.master)):
+            if isinstance(side, RigidObstacle) or side[0] not in d.frames:
+                continue
+            rows = table[d.full.contact.interface == index]
+            x, y, n_x, n_y, t_n, t_t = rows[["x", "y", "n_x", "n_y", "t_n", "t_t"]].to_numpy().T
+            length = sign * rows["length"].to_numpy()
+            forces.append(length * np.stack([t_n * n_x - t_t * n_y, t_n * n_y + t_t * n_x]))
+            places.append(np.stack([x, y]))
+            lengths.append(_OF_FRAMES * d.frames[side[0]].body.size)
+    if not forces:
+        return []
+    force = np.concatenate(forces, axis=1)
+    peak = float(np.linalg.norm(force, axis=0).max())
+    if not peak > 0:
+        return []
+    _draw_arrows(axes, np.concatenate(places, axis=1), max(lengths) / peak * force, THRUST)
+    label = f"reaction (max {peak:.3g} N/m)"
+    return [Line2D([], [], color=THRUST, lw=2, marker=">", label=label)]
+
+
+def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Forces (2, k) on blocks, continua and nodes, points on their lines (2, k), sizes (k,)."""
+    d = state.discretisation
+    for rigid in d.assemblies.values():
+        own = d.full.reference_load[rigid.offset : rigid.offset + rigid.count].reshape(-1, 3).T
+        own = np.where(held_blocks(state, rigid), 0.0, own)
+        force, moment = own[:2], own[2] * rigid.body.radius
+        square = np.sum(force**2, axis=0)
+        arm = np.divide(moment, square, out=np.zeros_like(square), where=square > 0)
+        yield force, rigid.body.centroid + arm * np.stack([force[1], -force[0]]), rigid.body.radius
+    for dofs in d.bodies.values():
+        nodal = d.full.reference_load[dofs.dofs]
+        weight = np.linalg.norm(nodal, axis=0)
+        if weight.any():
+            place = (dofs.nodes * weight).sum(axis=1, keepdims=True) / weight.sum()
+            yield nodal.sum(axis=1, keepdims=True), place, np.array([0.25 * dofs.body.size])
+    for frame in d.frames.values():
+        nodal = d.full.reference_load[frame.offset : frame.offset + frame.count].reshape(-1, 3).T
+        sizes = np.full(nodal.shape[1], _OF_FRAMES * frame.body.size)
+        yield nodal[:2], frame.body.position, sizes

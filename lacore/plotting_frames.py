@@ -1,0 +1,209 @@
+"""Pictures of frames: the mechanism with its hinges, and the moments that the members carry."""
+
+import matplotlib.colors
+import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.path import Path
+
+from lacore.arrays import Floats
+from lacore.contact_segments import SegmentedContact
+from lacore.frame_dofs import FrameDofs
+from lacore.frames import Frame
+from lacore.plotting_contact import COLOURS, GROUND
+from lacore.plotting_continua import BEFORE
+from lacore.result import LimitState
+
+HINGE = "#b2182b"
+MOMENT = "#5e3c99"
+_MEMBER = "#333333"
+_TURNS = 1e-3  # of the largest velocity over the size: what the eye would see
+_BESIDE = 0.03  # from a node to the hinges of its members, per size of the frame
+_ORDINATE = 0.12  # of the largest moment, per size of the frame
+_FOOT = 0.035  # half the length of the ground under a foot, per size of the frame
+_SENSES = {1: "hinge, anticlockwise", -1: "hinge, clockwise"}
+_SUPPORTS = {"clamped": "s", "xy": "^", "x": ">", "y": "^", "rotation": "D"}
+
+
+def turning(dofs: FrameDofs, motion: Floats) -> Floats:
+    """Rates of rotation of the rigid pieces, rad/s anticlockwise, shape (P,)."""
+    pieces = dofs.body.pieces
+    across = np.stack([-pieces.along[1], pieces.along[0]])
+    jump = motion[:2, pieces.end] - motion[:2, pieces.start]
+    return np.asarray(np.sum(across * jump, axis=0) / pieces.length)
+
+
+def _turn_mark(sense: int) -> Path:
+    """An arc with an arrow head around the origin, of radius 1; +1 anticlockwise."""
+    angle = np.radians(np.linspace(-60, 210, 28))
+    arc = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    tip, back = np.array([-arc[-1, 1], arc[-1, 0]]), arc[-1]
+    head = [1.5 * back, back + 0.75 * tip, 0.5 * back]
+    outline = np.concatenate([1.09 * arc, head, 0.91 * arc[::-1]])
+    return Path(np.concatenate([outline, outline[:1]]) * [1, sense], closed=True)
+
+
+def draw_frames(axes: Axes, state: LimitState, stretch: float, fastest: float) -> list[Artist]:
+    """Frames displaced by `stretch` (s) times their velocity, with the hinges that turn.
+
+    Of two members that meet at a node one hinge is drawn, on the one that turns more against the
+    node; its sense is that of this member against the other. Of more members each has its own,
+    against the node.
+
+    Returns:
+        handles of a legend.
+    """
+    senses = []
+    for name, dofs in state.discretisation.frames.items():
+        frame, motion = dofs.body, state.velocity[name]
+        moved = frame.position + stretch * motion[:2]
+        axes.add_collection(LineCollection(_lines(frame, frame.position), **BEFORE, zorder=1))
+        axes.add_collection(
+            LineCollection(
+                _lines(frame, moved),
+                colors=_MEMBER,
+                linewidths=2.6,
+                capstyle="round",
+                zorder=3,
+            )
+        )
+        _draw_supports(axes, state, name, frame)
+        place, sense = _hinges(state, name, moved, _TURNS * fastest / frame.size)
+        axes.scatter(place[0], place[1], s=26, color=HINGE, zorder=6)
+        for sign in _SENSES:
+            x, y = place[:, sense == sign]
+            axes.scatter(x, y, s=300, marker=_turn_mark(sign), color=HINGE, linewidths=0, zorder=6)
+        senses += sense.tolist()
+    return [
+        Line2D([], [], ls="none", marker=_turn_mark(sign), ms=12, color=HINGE, mew=0, label=text)
+        for sign, text in _SENSES.items()
+        if sign in senses
+    ]
+
+
+def _lines(frame: Frame, places: Floats) -> list[Floats]:
+    """Pieces as lines (2, 2) between places of the nodes."""
+    return list(places[:, frame.pieces.nodes].transpose(1, 2, 0))
+
+
+def _own_hinges(state: LimitState, name: str) -> pd.DataFrame:
+    """The rows of `LimitState.hinges` of one frame, in the order of its stiff ends."""
+    table = state.hinges
+    return table[table["frame"] == name] if len(table) else table
+
+
+def _hinges(state: LimitState, name: str, moved: Floats, least: float) -> tuple[Floats, Floats]:
+    """Places (2, h) of the hinges that turn, and their senses, +1 anticlockwise, (h,).
+
+    Args:
+        moved: nodes after displacement, (2, N), m.
+        least: rate of rotation that is still drawn, rad/s.
+    """
+    frame = state.discretisation.frames[name].body
+    piece, side = np.nonzero(frame.pieces.stiff)
+    if not piece.size:
+        return np.zeros((2, 0)), np.zeros(0)
+    rate = _own_hinges(state, name)["rotation_rate"].to_numpy()
+    node = frame.pieces.nodes[piece, side]
+    ends = np.bincount(node, minlength=len(frame.names))
+    pair = ends[node] == 2
+    first = np.zeros(node.size, dtype=bool)
+    # Of a pair the one that turns more; of equals the first.
+    order = np.lexsort((np.arange(node.size), -np.abs(rate), node))
+    first[order] = np.append(True, node[order][1:] != node[order][:-1])
+    other = np.bincount(node, rate, len(frame.names))[node] - rate
+    relative = np.where(pair, rate - other, rate)
+    shown = (np.abs(relative) > least) & (first | ~pair)
+    inwards = np.where(side == 0, 1.0, -1.0) * frame.pieces.along[:, piece]
+    place = moved[:, node] + _BESIDE * frame.size * inwards
+    return place[:, shown], np.sign(relative[shown])
+
+
+def _draw_supports(axes: Axes, state: LimitState, name: str, frame: Frame) -> None:
+    for support in state.discretisation.problem.supports:
+        if support.body == name:
+            x, y = frame.position[:, frame.find(support.where, "Fix.where")]
+            axes.scatter(
+                x,
+                y,
+                s=60,
+                marker=_SUPPORTS[support.components],
+                facecolor=GROUND,
+                edgecolor="#222222",
+                zorder=5,
+            )
+
+
+def draw_foot(
+    axes: Axes, contact: SegmentedContact, state: LimitState, stretch: float, size: float
+) -> None:
+    """Contact of single nodes: the ground where there is an obstacle, and what the foot does."""
+    place, normal = contact.segments.start, contact.segments.normal
+    along, half = contact.tangent, _FOOT * size
+    if len(contact.sides) == 1:
+        left, right, depth = place - half * along, place + half * along, 0.5 * half * normal
+        corners = np.stack([left, right, right - depth, left - depth]).transpose(2, 0, 1)
+        axes.add_collection(
+            PolyCollection(
+                list(corners),
+                facecolors="none",
+                edgecolors=GROUND,
+                hatch="//////",
+                linewidths=0,
+                zorder=1.4,
+            )
+        )
+        axes.add_collection(
+            LineCollection(list(corners[:, :2]), colors="#222222", linewidths=1.2, zorder=1.5)
+        )
+    moved = contact.moved(state, stretch, np.zeros(1))[0][:, 0]
+    colours = [matplotlib.colors.to_rgba(COLOURS[kind]) for kind in contact.kind]
+    axes.scatter(moved[:, 0], moved[:, 1], s=70, marker="s", color=colours, zorder=5)
+
+
+def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
+    """Bending moments on the tension side of the members, straight from node to node.
+
+    Returns:
+        handles of a legend.
+    """
+    frames = state.discretisation.frames
+    ordinates = {name: _moments(state, name, dofs.body) for name, dofs in frames.items()}
+    peak = max((float(np.abs(moment).max()) for moment in ordinates.values()), default=0.0)
+    for name, dofs in frames.items():
+        frame = dofs.body
+        axes.add_collection(
+            LineCollection(_lines(frame, frame.position), colors=_MEMBER, linewidths=1.6, zorder=3)
+        )
+        if peak > 0:
+            across = np.stack([-frame.pieces.along[1], frame.pieces.along[0]])
+            ends = frame.position[:, frame.pieces.nodes]  # (2, P, 2)
+            tips = ends + _ORDINATE * frame.size / peak * across[:, :, None] * ordinates[name]
+            faces = np.concatenate([ends, tips[:, :, ::-1]], axis=2).transpose(1, 2, 0)
+            axes.add_collection(
+                PolyCollection(
+                    list(faces),
+                    facecolors=matplotlib.colors.to_rgba(MOMENT, 0.25),
+                    edgecolors=MOMENT,
+                    linewidths=0.8,
+                    zorder=2,
+                )
+            )
+    if not peak > 0:
+        return []
+    text = f"moment (max {peak:.3g} N)"
+    return [Patch(facecolor=matplotlib.colors.to_rgba(MOMENT, 0.25), edgecolor=MOMENT, label=text)]
+
+
+def _moments(state: LimitState, name: str, frame: Frame) -> Floats:
+    """Moments at the starts and ends of the pieces, N, (P, 2), positive: tension on the left."""
+    moments = np.zeros(frame.pieces.stiff.shape)
+    if frame.pieces.stiff.any():
+        moments[frame.pieces.stiff] = _own_hinges(state, name)["moment"].to_numpy()
+    # On the node; tension is on the left, seen along the piece, where the start is turned
+    # anticlockwise by its node, or the end clockwise.
+    return np.asarray(moments * np.array([-1.0, 1.0]))
