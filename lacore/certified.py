@@ -58,10 +58,19 @@ def certified_loop(
     if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
         return run.judged(anchor)
     for attempt in (averaged, _damped, _alternated, _shifted):
-        found = attempt(run, static)
+        found = attempt(run, _closest(run, static))
         if found is not None:
             return run.judged(found)
     return _undecided(run, first)
+
+
+def _closest(run: Run, static: ProgramState) -> ProgramState:
+    """The statically admissible state of the pair with the least gap so far."""
+    gaps = [(np.inf, static)]
+    for iterate in run.iterates:
+        if iterate.kind == "S" and iterate.certificate is not None and iterate.inner.point:
+            gaps.append((iterate.certificate.gap, iterate.inner.point))
+    return min(gaps, key=lambda pair: pair[0])[1]
 
 
 def _anchor(run: Run) -> Iterate:
