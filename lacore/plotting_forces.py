@@ -19,6 +19,7 @@ THRUST = "#b2182b"
 LOAD = "#0f7b3f"
 _FAINTEST = 1e-3  # of the largest force: lines of thrust below it would not be seen
 _SHORTEST = 0.3  # of the radius of the smaller block
+_ROUND_OFF = 1e-6  # of the largest load: solvers leave such forces where there are none
 _FEW = 10  # arrows that have room to be thick
 _MANY = 150  # arrows a reader tells apart
 _OF_FRAMES = 0.16  # of the size of a frame: length of the longest arrow
@@ -47,7 +48,7 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
     forces = contact_forces(state)
     size = np.linalg.norm(forces.force, axis=0)
     peak = float(size.max(initial=0.0))
-    if peak > 0:
+    if peak > _ROUND_OFF * _largest_load(state):
         seen = size > _FAINTEST * peak
         lines = np.concatenate([forces.lines[0][:, :, seen], forces.lines[1][:, :, seen]], axis=2).T
         widths = np.tile(np.maximum(thickest * size[seen] / peak, 0.3), 2)
@@ -131,6 +132,14 @@ def _thrust(
     return lines[0], lines[1]
 
 
+def _largest_load(state: LimitState) -> float:
+    """Largest single force of the live loads, times the load factor, and of the dead ones, N/m."""
+    point, program = state.point, state.discretisation.full
+    assert point is not None
+    live = abs(point.load_factor) * float(np.abs(program.reference_load).max())
+    return max(live, float(np.abs(program.dead_load).max()))
+
+
 def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
     """Reference loads: an arrow a block where they can be told apart, else their resultant."""
     vectors, places, sizes = [], [], []
@@ -145,9 +154,9 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
         return []
     force, place, size = force[:, loaded], place[:, loaded], size[loaded]
     reach = np.concatenate(sizes)[loaded].mean()
-    label = "live load"
+    label = "live load $F_0$"
     if size.size > _MANY:
-        label = "live load (resultant)"
+        label = "live load $F_0$, resultant"
         place = (place * size).sum(axis=1, keepdims=True) / size.sum()
         force = force.sum(axis=1, keepdims=True)
         size = np.linalg.norm(force, axis=0)
@@ -191,7 +200,7 @@ def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
         return []
     force = np.concatenate(forces, axis=1)
     peak = float(np.linalg.norm(force, axis=0).max())
-    if not peak > 0:
+    if peak <= _ROUND_OFF * _largest_load(state):
         return []
     _draw_arrows(axes, np.concatenate(places, axis=1), max(lengths) / peak * force, THRUST)
     label = f"reaction (max {peak:.3g} N/m)"
