@@ -243,7 +243,7 @@ class Run:
         """The end of a loop at an iterate that is final."""
         status = iterate.inner.status
         if iterate.state is not None:
-            if self.free(iterate):
+            if self.free(iterate, laws):
                 status = Status.FREE
             elif self.proven(iterate):
                 status = Status.SOLVED
@@ -251,8 +251,10 @@ class Run:
                 status = Status.NOT_CERTIFIED
         return self.end(status, iterate, laws=laws)
 
-    def free(self, iterate: Iterate) -> bool:
+    def free(self, iterate: Iterate, laws: FrozenContact | None = None) -> bool:
         """Whether an admissible rigid motion turns over no power at all.
+
+        By the true friction laws, or by `laws`.
 
         It is judged before the residuals: those per power, and with no dead load those per total
         load, are 0/0 here. A regularised body gives way under dead load, so that its dead power is
@@ -269,7 +271,9 @@ class Run:
             powers = [values.load_factor, values.plastic + dead_power]
             rigid = weight > 0 or self._rigid(u)
             return rigid and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
-        bound = reaction_contact(program.contact, state.normal_reaction).bound
+        t_n = np.maximum(state.normal_reaction, 0.0)
+        frozen = laws or reaction_contact(program.contact, t_n)
+        bound = frozen.bound + frozen.dilatancy * t_n  # dilatant friction lifts, if in balance
         powers = [state.load_factor, dead_power, program.friction_dissipation(u, bound)]
         # A light body may slide with little friction: little against its weight, then.
         largest = tolerance * weight * float(np.abs(u).max()) if weight > 0 else _NO_POWER

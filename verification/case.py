@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf, isclose, isfinite, isnan
 from typing import Any
 
 import lacore as la
@@ -12,8 +12,8 @@ SOLVER = 1e-6  # relative: bar of the certificate, so what a certified value may
 EXACT = 1e-5  # relative: the exact mechanism lies in the velocity space, what is left is solving
 
 
-JAM = "only the certified loop can tell jamming; the reaction loop does not converge"
-CLAMPED = "penalties cannot hold a structure whose clamping forces nothing determines"
+JAM = {"regularised": "only the certified loop tells jamming; the reaction loop goes on and on"}
+CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Reference:
 
     Attributes:
         value: in units of the case; of an interval its lower end. +inf where the status is LOCKED
-            or JAM, -inf where it is UNSAFE.
+            or JAM, -inf where it is UNSAFE; NaN where nothing is known: what is proven is right.
         formula: as text.
         source: where it comes from.
         kind: ``exact``, ``exact, numerical`` (integrated to all digits given), ``bracket``,
@@ -61,9 +61,18 @@ class Reference:
         """For tables: ``[1.26667, 1.6]``, ``2.197 ± 0.003``, ``jam``."""
         if self.status is not la.Status.SOLVED:
             return self.status.label
+        if isnan(self.value):
+            return "unknown"
         if self.up_to is not None:
             return f"[{self.value:.7g}, {self.up_to:.7g}]"
         return f"{self.value:.7g}" + (f" ± {self.half_width:g}" if self.half_width else "")
+
+    @property
+    def associated_differs(self) -> bool:
+        """Whether associated friction is known to carry another load, or one of an interval."""
+        if self.associated is None:
+            return False
+        return self.up_to is not None or not isclose(self.associated, self.value)
 
     def of_associated(self) -> "Reference":
         """What associated friction must give, where that is known."""
@@ -170,13 +179,13 @@ class Variant:
         name: unique in the case.
         parameters: keyword arguments of `Case.build`, `Case.reference` and `Case.band`.
         meshes: levels that are run by default; none: coarse and medium, or the only one there is.
-        exact_only: why regularised backends cannot do it; empty where they can.
+        unfit: backends that cannot do it, or ``regularised`` for all that are, and why.
     """
 
     name: str
     parameters: Mapping[str, float | bool | str]
     meshes: tuple[str, ...] = ()
-    exact_only: str = ""
+    unfit: Mapping[str, str] = field(default_factory=dict)
 
 
 BLOCKS: Mapping[str, Mapping[str, Any]] = {"blocks": {}}
@@ -268,8 +277,7 @@ def allowed_values(reference: Reference, band: Band) -> Allowed:
     """Load factors that are right: those of a reference, widened by the band."""
     low, high = reference.low, reference.high
     if not reference.complete:
-        assert reference.associated is not None
-        low, high = -inf, reference.associated
+        low, high = -inf, inf if reference.associated is None else reference.associated
     return Allowed(low - band.below * band.size(low), high + band.above * band.size(high))
 
 

@@ -17,6 +17,7 @@ from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
 from verification.catalogue import catalogue
 from verification.compare import ON_DEMAND, TIME_LIMIT, efforts, plan, run_all, tally
+from verification.harness import RAW
 from verification.machine import describe
 from verification.report.page import write
 
@@ -72,8 +73,9 @@ _json_option = click.option(
     "--couplings",
     callback=_list,
     metavar="A,B",
-    help=f"Coupling loops: {', '.join(COUPLINGS)}; default: that of each backend. Where they are"
-    " named, a table says how many runs each certified.",
+    help=f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
+    f" {', '.join(RAW)}; default: that of each backend. Where they are named, a table says how many"
+    " runs each certified.",
 )
 @click.option(
     "--out",
@@ -157,16 +159,19 @@ def list_cases(as_json: bool) -> None:
             "variants": [variant.name for variant in case.variants],
             "meshes": list(case.meshes),
             "tags": list(case.tags),
-            "run": "when named" if case.on_demand else "by default",
-            "exact backends only": [
-                f"{variant.name}: {variant.exact_only}"
+            "run": "by name" if case.on_demand else "by default",
+            "without": [
+                f"{name} in {variant.name}: {why}"
                 for variant in case.variants
-                if variant.exact_only
+                for name, why in variant.unfit.items()
             ],
         }
         for case in catalogue().values()
     ]
-    _show(records, as_json)
+    if as_json:
+        _print_json(records)
+    else:
+        terminal.show_cases(terminal.table_console(), records)
 
 
 @main.command("backends")
@@ -242,13 +247,6 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     else:
         terminal.show_health(terminal.table_console(), found)
     ctx.exit(0 if found["healthy"] else 1)
-
-
-def _show(records: list[dict[str, Any]], as_json: bool) -> None:
-    if as_json:
-        _print_json(records)
-    else:
-        terminal.show_records(terminal.table_console(), records)
 
 
 def _print_json(document: Any) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import inf, nan
+from math import isfinite, isnan, nan
 from pathlib import Path
 from statistics import median
 
@@ -19,6 +19,7 @@ from verification.harness import (
     FAIL,
     NO_RESULT,
     PASS,
+    RAW,
     SKIPPED,
     Outcome,
     Row,
@@ -45,10 +46,10 @@ def plan(
     """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
     Without `names` all cases but those on demand. Without `backends` all registered ones but those
-    `ON_DEMAND`, of rigid bodies those of linear programs too, and without the regularised ones
-    where they cannot do a case; ``all`` is every one of them, and variants of a family are named as
+    `ON_DEMAND`, of rigid bodies those of linear programs too, and without those
+    that cannot do a variant; ``all`` is every one of them, and variants of a family are named as
     ``cvxpy:SCS``. Without `meshes` the default levels of each variant. Without `couplings` the
-    default one of each backend, and with exact ones ``associated`` where its value is known.
+    default one of each backend, and with exact ones ``associated`` where that is known to differ.
 
     Raises:
         InputError: an unknown name.
@@ -59,7 +60,7 @@ def plan(
         with suppress(la.CapabilityError):  # rows say so
             load_backend(name)
     for name in couplings:
-        require_known("coupling", name, COUPLINGS)
+        require_known("coupling", name, [*COUPLINGS, *RAW])
     picked: dict[str, list[str]] = {}
     for name in names or (case.id for case in catalogue().values() if not case.on_demand):
         case, variants = find(name)
@@ -79,17 +80,14 @@ def plan(
 def _run(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
     """A run, skipped where it is known that the backend cannot do it."""
     known = coupling == "associated" and case.reference_of(variant).associated is not None
-    skip, insist = "", coupling is None or known
+    skip, insist = _unfit(variant, backend), coupling is None or known
     with suppress(la.CapabilityError):  # of a missing backend the row says so
         engine = load_backend(backend)
         insist |= coupling == coupling_for(engine, None)
-        if engine.capabilities.regularised and variant.exact_only:
-            skip = f"exact backends only: {variant.exact_only}"
-        else:
-            try:
-                coupling_for(engine, coupling)
-            except la.InputError as error:
-                skip = str(error)
+        try:
+            coupling_for(engine, RAW.get(coupling or "", (coupling, {}))[0])
+        except la.InputError as error:
+            skip = str(error)
     return Run(case, variant, mesh, backend, coupling, insist, skip)
 
 
@@ -99,14 +97,19 @@ def _default_backends(case: Case, variant: Variant) -> list[str]:
     return [
         name
         for name in la.backend_names()
-        if (name not in ON_DEMAND or name in linear)
-        and not (variant.exact_only and _regularised(name))
+        if (name not in ON_DEMAND or name in linear) and not _unfit(variant, name)
     ]
 
 
 def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
-    known = case.reference_of(variant).associated is not None
-    return [None, "associated"] if known and not _regularised(backend) else [None]
+    telling = case.reference_of(variant).associated_differs
+    return [None, "associated"] if telling and not _regularised(backend) else [None]
+
+
+def _unfit(variant: Variant, backend: str) -> str:
+    """Why a backend cannot do a variant; empty where it can."""
+    family = "regularised" if _regularised(backend) else "exact"
+    return variant.unfit.get(backend, variant.unfit.get(family, ""))
 
 
 def _regularised(backend: str) -> bool:
@@ -160,15 +163,24 @@ class Effort:
 
 
 def efforts(outcomes: Sequence[Outcome]) -> list[Effort]:
-    """Each coupling with each backend, over all runs with a finite reference or none."""
+    """Each coupling with each backend, over all variants that have a load factor.
+
+    That is known, or some coupling has found one.
+    """
+    solved = la.Status.SOLVED.label
+    finite_ones = {
+        (row.case, row.variant)
+        for row in (outcome.row for outcome in outcomes)
+        if isfinite(row.reference) or (isnan(row.reference) and row.status == solved)
+    }
     by_pair: dict[tuple[str, str], list[Row]] = {}
     for row in (outcome.row for outcome in outcomes):
         if row.verdict != SKIPPED:
             by_pair.setdefault((row.backend, row.coupling), []).append(row)
     found = []
     for (backend, coupling), rows in by_pair.items():
-        finite = [row for row in rows if abs(row.reference) != inf]
-        solves = [row.outer_iterations for row in finite if row.status == la.Status.SOLVED.label]
+        finite = [row for row in rows if (row.case, row.variant) in finite_ones]
+        solves = [row.outer_iterations for row in finite if row.status == solved]
         found.append(
             Effort(
                 backend,

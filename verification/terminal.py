@@ -186,6 +186,19 @@ def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
     console.print(table, markup=False)
 
 
+def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
+    """A line a case, below it its variants, and which backends it goes without."""
+    line = "{:25} {:10} {}".format
+    _say(console, line("id", "run", "title"), "bold")
+    for record in records:
+        _say(console, line(record["id"], record["run"], record["title"]))
+        variants = record["variants"]
+        shown = ", ".join(variants[:8]) + (f", ... {len(variants)}" if len(variants) > 8 else "")
+        _say(console, f"  {shown}; on {', '.join(record['meshes'])}", "dim")
+        for text in record["without"]:
+            _say(console, f"  without {text}", "dim")
+
+
 def _text(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 

@@ -54,10 +54,10 @@ def band(elements: int, mu: float) -> Band:
     return rigid(1.0)
 
 
-HYPERSTATIC = (
-    "undetermined clamping forces in the head joints: penalties take the reaction loop tens of"
-    " solves, of which IPOPT fails some"
-)
+HYPERSTATIC = {
+    "regularised": "undetermined clamping forces in the head joints: penalties take the reaction"
+    " loop tens of solves, of which IPOPT fails some"
+}
 HAND = """\
 by hand:     one block on one joint: alpha = min(mu, b/h), as in
              block-topple; a wall is weaker: blocks topple in

@@ -356,3 +356,21 @@ def test_status_texts_say_what_to_do():
         Status.ITERATION_LIMIT,
         Status.TIME_LIMIT,
     }
+
+
+def test_free_without_friction_under_dead_load():
+    blocks = la.BlockAssembly(
+        {
+            "floor": la.masonry.rectangle(-2, 2, -1, 0),
+            "block": la.masonry.rectangle(-1, 1, 0, 1),
+        },
+        friction=0.5,
+    )
+    problem = la.Problem(
+        bodies={"blocks": blocks},
+        supports=[la.Fix("blocks", "floor")],
+        reference_loads=[la.PointForce("blocks", "block", (1, 0))],
+        dead_loads=[la.PointForce("blocks", "block", (0, -1))],
+    )
+    assert la.solve(problem, coupling="frictionless").status is Status.FREE
+    assert la.solve(problem, throw=True).load_factor == pytest.approx(0.5, rel=1e-6)

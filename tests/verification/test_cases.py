@@ -7,12 +7,13 @@ import pytest
 
 import lacore as la
 from lacore.state import contact_force
+from verification.assemblies import UNKNOWN
 from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
 from verification.harness import PASS, Run, execute
 
 CASES = list(catalogue().values())
-VARIANTS = [(case, variant) for case in CASES for variant in case.variants]
+VARIANTS = [(case, variant) for case in CASES if not case.on_demand for variant in case.variants]
 MESHED = [(case, variant) for case, variant in VARIANTS if case.meshed]
 
 
@@ -65,10 +66,11 @@ def test_case_explains_itself(case):
     for variant in case.variants:
         assert set(case.levels(variant)) <= set(case.meshes)
         reference = case.reference_of(variant)
-        assert reference.low <= reference.high
+        if reference is not UNKNOWN:
+            assert reference.low <= reference.high
+            assert reference.complete or reference.associated is not None
         assert reference.formula
         assert reference.source
-        assert reference.complete or reference.associated is not None
         assert case.band_of(variant, 1000).reason
         if case.valid is not None:
             assert case.valid.__doc__

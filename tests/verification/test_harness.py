@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from math import inf, nan
 
 import pytest
 
@@ -11,7 +12,7 @@ from lacore.regularization import RegularisedValues
 from verification.case import Band, Reference
 from verification.catalogue import find
 from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
-from verification.harness import FAIL, PASS, SKIPPED, Run, execute, judge
+from verification.harness import FAIL, NO_RESULT, PASS, SKIPPED, Run, execute, judge
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")
@@ -57,6 +58,66 @@ def test_verdict_needs_a_solved_status(state):
     verdict, why = judge(unsolved, Reference(0.6, "", "", "exact"), NEXT_TO_NOTHING)
     assert verdict == FAIL
     assert "not solved" in why
+
+
+LOADS = Reference(1.0, "", "", "interval", up_to=2.0, associated=2.0)
+LISTED = replace(LOADS, associated=3.0, complete=False)
+JAMMED = Reference(inf, "", "", "status", status=la.Status.JAM)
+BELOW_ZERO = Reference(-0.5, "", "", "exact")
+ZERO = Reference(0.0, "", "", "exact")
+UNKNOWN = Reference(nan, "", "", "none", complete=False)
+WEIGHTY = Band(1e-6, 1e-6, "", scale=10.0)
+SOLVED, STUCK = la.Status.SOLVED, la.Status.NOT_CONVERGED
+
+
+@pytest.mark.parametrize(
+    ("reference", "coupling", "status", "value", "verdict"),
+    [
+        (LOADS, "certified", SOLVED, 1.5, PASS),
+        (LOADS, "shift", SOLVED, 2.1, FAIL),
+        (LOADS, "shift", SOLVED, 0.9, FAIL),
+        (LOADS, "associated", SOLVED, 2.0, PASS),
+        (LOADS, "associated", SOLVED, 1.5, FAIL),
+        (LOADS, "stick", SOLVED, 2.5, PASS),
+        (LOADS, "stick", la.Status.LOCKED, nan, PASS),
+        (LOADS, "stick", SOLVED, 1.9, FAIL),
+        (LOADS, "frictionless", SOLVED, 1.0, PASS),
+        (LOADS, "frictionless", la.Status.UNSAFE, nan, PASS),
+        (LOADS, "frictionless", SOLVED, 1.1, FAIL),
+        (LOADS, "certified", la.Status.LOCKED, nan, FAIL),
+        (LISTED, "certified", SOLVED, 2.5, PASS),
+        (LISTED, "certified", SOLVED, 0.5, PASS),
+        (LISTED, "certified", SOLVED, 3.1, FAIL),
+        (JAMMED, "certified", la.Status.JAM, nan, PASS),
+        (JAMMED, "shift", SOLVED, 7.0, FAIL),
+        (JAMMED, "associated", la.Status.LOCKED, nan, PASS),
+        (JAMMED, "associated", SOLVED, 7.0, FAIL),
+        (BELOW_ZERO, "certified", SOLVED, -0.5, PASS),
+        (BELOW_ZERO, "certified", SOLVED, 0.5, FAIL),
+        (BELOW_ZERO, "certified", la.Status.UNSAFE, nan, FAIL),
+        (ZERO, "certified", SOLVED, 9e-6, PASS),
+        (ZERO, "certified", SOLVED, -2e-5, FAIL),
+        (UNKNOWN, "certified", SOLVED, 4.0, PASS),
+        (UNKNOWN, "certified", la.Status.UNSAFE, nan, PASS),
+        (UNKNOWN, "certified", la.Status.NOT_CERTIFIED, nan, FAIL),
+    ],
+)
+def test_verdict_on_coulomb_loads(state, reference, coupling, status, value, verdict):
+    found = replace(state, coupling=coupling, status=status, load_factor=value)
+    assert judge(found, reference, WEIGHTY)[0] == verdict
+
+
+def test_no_result_is_no_failure_where_none_is_insisted_on(state):
+    stuck = replace(state, coupling="shift", status=STUCK)
+    assert judge(stuck, LOADS, WEIGHTY, insist=False)[0] == NO_RESULT
+    assert judge(stuck, LOADS, WEIGHTY)[0] == FAIL
+    wrong = replace(state, coupling="shift", load_factor=3.0)
+    assert judge(wrong, LOADS, WEIGHTY, insist=False)[0] == FAIL
+
+
+def test_a_load_that_is_not_listed_is_named(state):
+    why = judge(replace(state, coupling="certified", load_factor=2.5), LISTED, WEIGHTY)[1]
+    assert "listed are [1, 2]" in why
 
 
 def test_planted_wrong_reference_fails(tmp_path):

@@ -82,7 +82,9 @@ phi < b:      the left is larger for every V: no equilibrium,
         Variant(
             "rough-pulled",
             {"mu": 0.5, "beta": 0.3, "H": 0.5, **_SIZES},
-            exact_only="neither the associated problem nor the frictionless one has a start",
+            unfit={
+                "regularised": "neither the associated problem nor the frictionless one has a start"
+            },
         ),
         Variant("slippery", {"mu": 0.2, "beta": 0.3, "H": 0.0, **_SIZES}),
         Variant("slippery-pulled", {"mu": 0.2, "beta": 0.3, "H": 0.5, **_SIZES}),

@@ -128,6 +128,6 @@ plug:      b = 0: R from 0 (slides down by its weight, alpha = -W)
         Variant("rough", {"mu": 0.5, "mu_f": 0.5, "beta": 0.35, **_WEIGHTS}),
         Variant("slippery", {"mu": 0.3, "mu_f": 0.3, "beta": 0.2, **_WEIGHTS}),
         Variant("plug", {"mu": 0.5, "mu_f": 0.4, "beta": 0.0, **_WEIGHTS}),
-        Variant("jam", {"mu": 0.8, "mu_f": 0.8, "beta": 0.35, **_WEIGHTS}, exact_only=JAM),
+        Variant("jam", {"mu": 0.8, "mu_f": 0.8, "beta": 0.35, **_WEIGHTS}, unfit=JAM),
     ),
 )

@@ -15,6 +15,9 @@ from verification.compare import efforts, tally
 from verification.harness import FAIL, PASS, SKIPPED, STRONG, Outcome, Run
 from verification.report.figures import finest_exact, png, sweep_figure
 
+MECHANISMS = 4
+"""Pictures of a case; variants that failed come first."""
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -117,10 +120,9 @@ def _pictures(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Picture]:
         if figure is not None:
             text = f"Load factor against {case.sweep}, finest mesh of each backend"
             yield Picture(f"{case.id}-sweep", text, png(figure))
-    for name, outcome in finest_exact(outcomes).items():
+    shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
+    for name, outcome in shown[:MECHANISMS]:
         assert outcome.state is not None
-        if not case.meshed:  # until blocks can be drawn
-            continue
         caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
         yield Picture(f"{case.id}-{name}", caption, png(outcome.state.plot(), dpi=90))
 
