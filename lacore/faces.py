@@ -18,7 +18,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse import csr_matrix, diags_array, vstack
+from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.program import (
@@ -30,13 +31,19 @@ from lacore.program import (
 )
 from lacore.state import ProgramState
 
-# Of the fastest. Velocities of interior-point methods carry noise of 1e-9 and more. A point that
-# moves and is called at rest makes the face too large, which the certificate of its ends refutes;
-# one at rest that is called moving makes it too small, which nothing shows: the largest one first.
+# Between rest and motion, of the fastest. Velocities of interior-point methods carry noise of 1e-9
+# and more. A point that moves and is called at rest makes the face too large, which the certificate
+# of its ends refutes; one at rest that is called moving makes it too small, which nothing shows.
+# So the widest gap among the velocities comes first, then large thresholds before small ones.
+_NOISE, _SLOW = 1e-10, 1e-2
+_GAP = 10.0  # ratio of neighbouring velocities; narrower gaps say nothing
 _THRESHOLDS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 # Of the stress bound, for cones that flow: the stress of the state is known to some 1e-10 only, and
 # without slack no other stress would be in equilibrium with it. It widens the face by as little.
 _SLACK = 1e-8
+_NOISY = 1e-6  # of the fastest: a larger change of a velocity makes another mechanism of it
+_ROUND_OFF = 1e-9  # what is left of the noise
+_SWEEPS = 500  # of the least-squares iteration
 
 
 @dataclass(frozen=True)
@@ -106,37 +113,99 @@ class Face:
 
 
 def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
-    """Faces of a mechanism, of falling thresholds between rest and motion, each once."""
-    last: _Branches | None = None
-    for threshold in _THRESHOLDS:
-        branches = _branches(program, point.velocity, threshold)
-        if last is None or not branches.same(last):
-            yield _face(program, point, branches)
-        last = branches
+    """Faces of a mechanism for thresholds between rest and motion, the likeliest first."""
+    speeds = _speeds(program, point.velocity)
+    known: list[_Branches] = []
+    for threshold in [*_gaps(speeds), *_THRESHOLDS]:
+        branches = _branches(program, speeds, threshold)
+        if not any(branches.same(other) for other in known):
+            velocity = _cleaned(program, point.velocity, branches)
+            yield _face(program, replace(point, velocity=velocity), branches)
+        known.append(branches)
 
 
-def _branches(program: KinematicProgram, velocity: Floats, threshold: float) -> _Branches:
+@dataclass(frozen=True)
+class _Speeds:
+    """How fast points open and slip and cones strain, of the fastest; opening beyond dilatancy."""
+
+    opening: Floats
+    slip: Floats
+    strain: tuple[Floats, ...]
+
+
+def _speeds(program: KinematicProgram, velocity: Floats) -> _Speeds:
     contact = program.contact
     fastest = float(np.abs(velocity).max())
     slip = np.linalg.norm(contact.slip(velocity), axis=1)
-    opening = contact.opening(velocity) - contact.dilatancy * slip
     rates = [np.linalg.norm(g.cone_vectors(velocity), axis=1) for g in program.groups]
     # Of a rigid mechanism all strain rates are noise, against velocity per body length.
     area = sum(float(group.weights.sum()) for group in program.groups)
     overall = fastest / np.sqrt(area) if area > 0 else 0.0
     strain = max([overall, *(float(rate.max(initial=0.0)) for rate in rates)])
-    return _Branches(
-        open=np.asarray(opening > threshold * fastest),
-        slip=np.asarray((slip > threshold * fastest) & np.isfinite(contact.limit)),
-        flow=tuple(np.asarray(rate > threshold * strain) for rate in rates),
+    return _Speeds(
+        opening=np.asarray((contact.opening(velocity) - contact.dilatancy * slip) / fastest),
+        slip=np.asarray(slip / fastest),
+        strain=tuple(np.asarray(rate / strain) for rate in rates),
     )
+
+
+def _gaps(speeds: _Speeds) -> list[float]:
+    """Thresholds in the middle of the gaps between noise and slow motion, the widest first."""
+    everything = np.concatenate([np.abs(speeds.opening), speeds.slip, *speeds.strain])
+    levels = np.sort(np.clip(everything, _NOISE, _SLOW))
+    ratios, middles = levels[1:] / levels[:-1], np.sqrt(levels[1:] * levels[:-1])
+    wide = np.flatnonzero(ratios >= _GAP)
+    ordered: list[float] = middles[wide[np.argsort(-ratios[wide], kind="stable")]].tolist()
+    return ordered
+
+
+def _branches(program: KinematicProgram, speeds: _Speeds, threshold: float) -> _Branches:
+    return _Branches(
+        open=np.asarray(speeds.opening > threshold),
+        slip=np.asarray((speeds.slip > threshold) & np.isfinite(program.contact.limit)),
+        flow=tuple(np.asarray(strain > threshold) for strain in speeds.strain),
+    )
+
+
+def _cleaned(program: KinematicProgram, velocity: Floats, branches: _Branches) -> Floats:
+    """The nearest velocity that keeps to its branches to round-off; the same if that is not near.
+
+    Noise in a velocity counts against the certificate by the reactions that it meets, and those of
+    an end can be far larger than those of the state.
+    """
+    rows = program.contact
+    shut, still = ~branches.open, ~branches.open & ~branches.slip
+    along = _along(rows.tangential, _directions(program, velocity, branches))
+    vanishing = [
+        (rows.normal - diags_array(rows.dilatancy) @ along)[shut],
+        rows.tangential[np.repeat(still | np.isinf(rows.limit), rows.tangent_dim)],
+        *(group.volumetric for group in program.groups),
+        *(
+            group.rows[np.repeat(~flow, group.dim)]
+            for group, flow in zip(program.groups, branches.flow, strict=True)
+        ),
+        csr_matrix(program.reference_load[None, :]),
+    ]
+    matrix = csr_matrix(vstack(vanishing, format="csr"))
+    missing = -(matrix @ velocity)
+    missing[-1] += 1.0
+    change = lsmr(matrix, missing, atol=0.0, btol=_ROUND_OFF, conlim=0.0, maxiter=_SWEEPS)[0]
+    near = np.abs(change).max() <= _NOISY * np.abs(velocity).max()
+    return np.asarray(velocity + change) if near else velocity
+
+
+def _directions(program: KinematicProgram, velocity: Floats, branches: _Branches) -> Floats:
+    """Tau of the points that slip, 0 of the others, shape (m, tangent_dim)."""
+    slip = branches.slip
+    direction = np.where(slip[:, None], program.contact.slip(velocity), 0.0)
+    direction /= np.where(slip, np.linalg.norm(direction, axis=1), 1.0)[:, None]
+    return direction
 
 
 def _face(program: KinematicProgram, point: ProgramState, branches: _Branches) -> Face:
     rows, slip, lifted = program.contact, branches.slip, branches.open
     ratio = rows.coefficient + rows.dilatancy
-    direction = np.where(slip[:, None], rows.slip(point.velocity), 0.0)
-    direction /= np.where(slip, np.linalg.norm(direction, axis=1), 1.0)[:, None]
+    direction = _directions(program, point.velocity, branches)
     along = _along(rows.tangential, direction)
     dead = program.dead_load - along.T @ (rows.weights * np.where(slip, rows.limit, 0.0))
 

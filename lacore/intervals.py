@@ -25,6 +25,8 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
+_SHARP = 1e-7  # residual of an end whose branches are right: solvers and slack leave less
+_FURTHER = 2  # faces tried after one that is good, but not as good as that
 _FAR = 100.0  # of the power turned over: where the state is looked at that proves an unbounded end
 
 
@@ -154,7 +156,13 @@ def load_factor_interval(
 def proven_end(
     program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
 ) -> End | None:
-    """The end on the side of `sign`, by the first face that proves one; None: by none."""
+    """The end on the side of `sign`; None where no face proves one.
+
+    The first face whose end has next to no residuals, or else the best of a few: a face that is a
+    little too large may pass the bar and put its end too far out.
+    """
+    ends: list[End] = []
+    further = _FURTHER
     for face in faces(program, point):
         solved = replace(face.program, reference_load=sign * face.program.reference_load)
         dual, status = _solve(solved, face.contact, prepare)
@@ -165,8 +173,13 @@ def proven_end(
         else:
             end = None
         if end is not None:
-            return end
-    return None
+            ends.append(end)
+            if end.certificate.holds(min(_SHARP, tolerance)):
+                break
+        further -= bool(ends)
+        if further < 0:
+            break
+    return min(ends, key=lambda end: end.certificate.worst[1], default=None)
 
 
 def _end(

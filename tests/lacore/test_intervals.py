@@ -9,7 +9,9 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.backend import InnerSolution
+from lacore.bonds import random_bond
 from lacore.certificate import certify
+from lacore.conversion import point_in_program
 from lacore.intervals import EndStatus, load_factor_interval
 from lacore.program import (
     ContactRows,
@@ -20,8 +22,10 @@ from lacore.program import (
 )
 from lacore.state import ProgramState
 from lacore.status import Status
+from tests.frame_problems import pushed, pushed_exact
 from tests.lacore.block_programs import between_walls, plug, rough_stop, sliding_block, wall
 from tests.lacore.models import deformable_block
+from tests.rigid_problems import PROBLEMS
 
 BACKENDS = ("clarabel", "highs")
 
@@ -184,6 +188,49 @@ def test_a_wall_against_a_program_of_forces(backend, mu):
     assert interval.exact
     assert_certified(program, interval.lower)
     assert_certified(program, interval.upper)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("seed", [0, 1, 2, 118, 239])
+def test_random_walls_against_a_program_of_forces(seed, backend):
+    """118: slow motions that are none of noise; 239: noise that meets large reactions."""
+    rng = np.random.default_rng(seed)
+    wide, courses, openings = (int(rng.integers(*ends)) for ends in ((4, 9), (4, 10), (0, 2)))
+    body = la.masonry.running_bond(
+        random_bond(rng, wide, courses, openings), float(rng.uniform(0.2, 1.0))
+    )
+    problem = la.Problem(
+        {"wall": body},
+        [la.BodyForce("wall", (1, 0))],
+        [la.Fix("wall", "base")],
+        dead_loads=[la.BodyForce("wall", (0, -1))],
+    )
+    state = la.solve(problem, backend=backend)
+    assert state.status is Status.SOLVED
+    d = state.discretisation
+    program = dimensionless(d.program, d.natural)
+    expected = ends_by_forces(program, point_in_program(d, state.point).velocity)
+    interval = state.interval
+    found = np.array([interval.low, interval.high]) / program.scales.load_factor
+    assert found == pytest.approx(expected, abs=1e-7)
+    assert interval.exact
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_the_interval_of_a_solved_problem_holds_its_load(name):
+    state = la.solve(PROBLEMS[name]())
+    interval = state.interval
+    assert interval.exact
+    assert interval.low - 1e-6 <= state.load_factor <= interval.high + 1e-6
+
+
+@pytest.mark.parametrize(("mu", "p"), [(0.25, 1.0), (0.35, 1.5), (0.9, 1.5), (0.9, 0.3)])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_frame_has_one_load(backend, mu, p):
+    """C11: sliding, hinges and both; moments have slack 1e-8 where hinges turn."""
+    interval = la.solve(pushed(mu, p), backend=backend).interval
+    assert [interval.low, interval.high] == pytest.approx([pushed_exact(mu, p)] * 2, abs=1e-6)
+    assert interval.exact
 
 
 # Noise and thresholds.
