@@ -57,8 +57,10 @@ print(json.dumps({
 MU = 0.65
 WALLS = {  # blocks wide, courses, a window every so many blocks, bar of the certificate
     "55": (5, 11, 5, 1e-6),
-    "1 000": (20, 50, 6, 1e-6),
-    "2 000": (40, 50, 6, 1e-6),
+    "1 000": (40, 25, 8, 1e-6),
+    "1 000, tall": (20, 50, 6, 1e-6),
+    "2 000": (50, 40, 6, 1e-6),
+    "2 000, tall": (40, 50, 6, 1e-6),
     "5 000": (50, 100, 6, 1e-5),
 }
 
