@@ -126,7 +126,7 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
     if len(unit):
         largest = unit.sort_values("triangles").iloc[-1]
         share = 1 - largest["again_seconds"] / largest["seconds"]
-        analysis = f", of which analysis takes {share:.0%} on {largest["triangles"]:.0f} triangles"
+        analysis = f", of which analysis takes {share:.0%} on {largest['triangles']:.0f} triangles"
     paragraphs.append(
         f"Elastic solves by {measured['direct_solver']}{analysis}; {measured['machine']}, one"
         f" thread; Python {measured['python']}, {measured['packages']}; {measured['date']}."
