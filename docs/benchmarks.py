@@ -117,9 +117,9 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
         )
     if (frame["kind"] == "wall").any():
         paragraphs.append(
-            "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in units"
-            " of one associated solve of the same wall; memory is the peak above that of the"
-            f" assembled problem:\n\n{walls(frame)}"
+            "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in"
+            " units of one associated solve of the same wall; memory is the peak above that of"
+            f" the assembled problem:\n\n{walls(frame)}"
         )
     measured, analysis = kept["measured"], ""
     unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time
