@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-FIRST, MORE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+FIRST, WALL, MORE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 
 
 @pytest.fixture
@@ -27,6 +27,13 @@ def test_examples(problem):
     for line in lines:
         state = eval(line, {"la": la, "problem": problem})
         assert state.status is la.Status.SOLVED, line
+
+
+def test_wall(capsys):
+    exec(WALL, {"la": la})
+    printed = capsys.readouterr().out
+    assert "exact" in printed
+    assert "found, not proven: that none is lower" in printed
 
 
 def test_every_backend_is_named():
