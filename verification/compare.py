@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import isfinite, isnan, nan
+from math import isfinite, isinf, isnan, nan
 from pathlib import Path
 from statistics import median
 
@@ -179,7 +179,11 @@ def efforts(outcomes: Sequence[Outcome]) -> list[Effort]:
             by_pair.setdefault((row.backend, row.coupling), []).append(row)
     found = []
     for (backend, coupling), rows in by_pair.items():
-        finite = [row for row in rows if (row.case, row.variant) in finite_ones]
+        finite = [
+            row
+            for row in rows
+            if (row.case, row.variant) in finite_ones and not isinf(row.reference)
+        ]
         solves = [row.outer_iterations for row in finite if row.status == solved]
         found.append(
             Effort(

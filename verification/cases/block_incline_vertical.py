@@ -87,6 +87,10 @@ phi < b:      the left is larger for every V: no equilibrium,
             },
         ),
         Variant("slippery", {"mu": 0.2, "beta": 0.3, "H": 0.0, **_SIZES}),
-        Variant("slippery-pulled", {"mu": 0.2, "beta": 0.3, "H": 0.5, **_SIZES}),
+        Variant(
+            "slippery-pulled",
+            {"mu": 0.2, "beta": 0.3, "H": 0.5, **_SIZES},
+            unfit={"ipopt": "it runs into its iteration limit where nothing is in equilibrium"},
+        ),
     ),
 )

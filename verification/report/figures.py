@@ -84,7 +84,7 @@ def sweep_figure(case: Case, outcomes: Sequence[Outcome]) -> Figure | None:
     axes.set_ylabel(f"load factor [{case.unit}]")
     axes.grid(color="#e5e5e5", lw=0.8)
     axes.set_axisbelow(True)
-    axes.legend(frameon=False)
+    axes.legend(edgecolor="none", framealpha=0.9)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     return figure
