@@ -81,6 +81,8 @@ def discretise(problem: Problem) -> Discretisation:
         InputError: a footing that cannot move, a reference load that does no power because it
             acts on supports alone, rigid bodies under no dead load.
     """
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     footings = _footings(problem)
     bodies = number({n: b for n, b in problem.bodies.items() if isinstance(b, Body)})
     node_dofs = np.concatenate(

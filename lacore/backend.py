@@ -252,6 +252,8 @@ def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) 
 def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:
     """Options of a backend from a mapping; raises `InputError` on unknown names."""
     known = [field.name for field in fields(backend.Options)]
+    if not isinstance(given, Mapping):
+        raise InputError("options", given, "no mapping", "give {'name': value}")
     for name in given:
         if name not in known:
             require_known(f"options of backend {backend.name!r}", name, known)

@@ -90,7 +90,7 @@ class BlockAssembly:
         edges = outline_edges(polygons, tolerance)
         require_no_slits(names, polygons, edges, tolerance, "BlockAssembly.blocks")
         friction = friction_law(self.friction, "BlockAssembly.friction")
-        laws = {} if self.joint_friction is None else dict(self.joint_friction)
+        laws = {} if self.joint_friction is None else self.joint_friction
         joints = find_joints(
             names, edges, friction, laws, tolerance, "BlockAssembly.joint_friction"
         )
@@ -102,7 +102,7 @@ class BlockAssembly:
         computed = {
             "blocks": MappingProxyType(dict(zip(names, rings, strict=True))),
             "friction": friction,
-            "joint_friction": MappingProxyType(laws),
+            "joint_friction": MappingProxyType(dict(laws)),
             "tolerance": tolerance,
             "names": names,
             "area": area,
@@ -132,6 +132,11 @@ class BlockAssembly:
         jointed = np.zeros(len(self.names), dtype=bool)
         jointed[self.joints.slave] = jointed[self.joints.master] = True
         return tuple(name for name, has in zip(self.names, jointed, strict=True) if not has)
+
+    @property
+    def jointed_edges(self) -> Ints:
+        """Numbers of the edges that have a joint."""
+        return np.union1d(self.joints.slave_edge, self.joints.master_edge)
 
     def outline(self, where: Blocks, field: str) -> Ints:
         """Edge numbers of the part `where` of the outlines, sorted.

@@ -6,11 +6,12 @@ A row is one course from left to right: widths, an opening as minus its width.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from numbers import Integral
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, require_count, require_known
+from lacore.errors import InputError, require_count, require_known, require_whole
 
 FIRST = ("full", "halves")
 ROUND_OFF = 1e-9  # of the width of a row: widths written in decimals add up to this
@@ -65,6 +66,9 @@ def windows(wide: int, courses: int, every: int) -> list[Opening]:
     They lie like the opening of wall 3 of the literature, and so below full courses of a
     `regular_bond` whose first course is full: two blocks corbel over each.
     """
+    require_count("windows.wide", wide)
+    require_count("windows.courses", courses)
+    require_count("windows.every", every)
     lefts = np.arange(every // 2 - 0.5, wide - 2, every)
     return [
         Opening(left, 1.0, sill, 5) for sill in range(3, courses - 6, 12) for left in lefts.tolist()
@@ -89,6 +93,8 @@ def random_bond(
     Raises:
         InputError: a wall too small for its openings.
     """
+    if not isinstance(seed, np.random.Generator):
+        require_whole("random_bond.seed", seed)
     require_count("random_bond.wide", wide)
     require_count("random_bond.courses", courses)
     if openings:
@@ -150,7 +156,12 @@ def _row(joints: Floats, wide: float, holes: list[tuple[float, float]], jamb: fl
 
 def _require_holes(field: str, openings: Sequence[Opening], wide: int, courses: int) -> None:
     for hole in openings:
+        if not isinstance(hole, Opening):
+            raise InputError(field, hole, "not an opening", "give lacore.masonry.Opening")
         within = hole.left >= 0 and hole.left + hole.width <= wide and hole.width > 0
+        whole = isinstance(hole.sill, Integral) and isinstance(hole.height, Integral)
+        if not whole:
+            raise InputError(field, hole, "it takes parts of courses", "give whole numbers")
         if not (within and hole.sill >= 0 and 0 < hole.height <= courses - hole.sill):
             raise InputError(
                 field, hole, f"it leaves the wall of {wide} blocks by {courses} courses", "move it"

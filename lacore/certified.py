@@ -18,6 +18,7 @@ import numpy as np
 from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
+from lacore.bracket import lower_bound, upper_bound
 from lacore.coupling import Coupled, CouplingOptions, Iterate, Run, paired
 from lacore.loops import OnIterate, fixed_point, slip_rate
 from lacore.program import (
@@ -158,9 +159,9 @@ def _ends(run: Run, iterate: Iterate) -> bool:
 def _undecided(run: Run, first: Iterate) -> Coupled:
     """No certificate within the budget: the bracket of T14, and no number."""
     locked = first.inner.status is Status.LOCKED
-    upper = np.inf if first.inner.point is None else first.inner.point.load_factor
+    upper = upper_bound(run.program, first.inner, run.options.tolerance)
     smooth = run.solve("frictionless", frictionless_contact(run.program.contact)).inner
-    lower = -np.inf if smooth.point is None else smooth.point.load_factor
+    lower = lower_bound(run.program, smooth, run.options.tolerance)
     status = Status.JAM if locked and max(run.rates, default=0.0) >= 1 else Status.NOT_CERTIFIED
     candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
     best = min(candidates, key=lambda iterate: _worst(iterate))

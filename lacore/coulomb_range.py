@@ -147,7 +147,7 @@ def coulomb_range(
             "backend", backend, "is regularised: it certifies no Coulomb state", "take 'clarabel'"
         )
     begin = time.perf_counter()
-    if isinstance(problem, Problem):
+    if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
     first = solve(problem, coupling="certified", **given)

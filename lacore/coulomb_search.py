@@ -16,14 +16,12 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
-from lacore.certificate import certify
+from lacore.bracket import lower_bound, upper_bound
 from lacore.certified import averaged
 from lacore.coupling import CouplingOptions, Iterate, Run
 from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact
-from lacore.solving import kinematic_load_factor
 from lacore.state import ProgramState
-from lacore.status import Status
 
 LOW, HIGH = -1.0, 1.0
 _STEPS = 10  # of friction
@@ -66,16 +64,8 @@ def bracket(
     """
     frozen = frictionless_contact(program.contact), associated_contact(program.contact)
     below, above = (checked_answer(program, False, solver.solve(f)) for f in frozen)
-    lower = np.inf if below.status is Status.LOCKED else -np.inf
-    if below.point is not None:
-        seen = certify(program, below.point, frozen[0])
-        if all(v <= tolerance for v in (seen.equilibrium, seen.yield_violation, seen.cone)):
-            lower = below.point.load_factor
-    upper = np.inf
-    if above.point is not None:
-        seen = certify(program, above.point, frozen[1])
-        if all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
-            upper = kinematic_load_factor(program, above.point, frozen[1])
+    lower = lower_bound(program, below, tolerance)
+    upper = upper_bound(program, above, tolerance)
     return (lower, upper), above.point
 
 

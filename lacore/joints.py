@@ -20,6 +20,7 @@ class Joints:
 
     Attributes:
         slave, master: block numbers, (J,); the master comes first in the assembly.
+        slave_edge, master_edge: edge numbers, (J,).
         start, end: the segment, on the edge of the slave, (2, J), m.
         normal: unit normal from the master into the slave, (2, J).
         coefficient, limit, dilatancy: of ``||t_t|| <= coefficient t_n + limit`` (limit in Pa) and
@@ -28,6 +29,8 @@ class Joints:
 
     slave: Ints
     master: Ints
+    slave_edge: Ints
+    master_edge: Ints
     start: Floats
     end: Floats
     normal: Floats
@@ -80,7 +83,16 @@ def find_joints(
     terms[:] = np.reshape(_coefficients(friction), (3, 1))
     if laws:
         terms[:, special] = np.repeat(np.transpose([_coefficients(law) for law in laws]), count, 1)
-    return Joints(slave, master, shared.start, shared.end, -edges.normal[:, shared.first], *terms)
+    return Joints(
+        slave,
+        master,
+        shared.first,
+        shared.second,
+        shared.start,
+        shared.end,
+        -edges.normal[:, shared.first],
+        *terms,
+    )
 
 
 def joint_names(names: Sequence[str], joints: Joints) -> tuple[str, ...]:
@@ -105,6 +117,8 @@ def _by_pair(
     """Pair numbers as in `find_joints`, and laws."""
     number = {name: n for n, name in enumerate(names)}
     laws: dict[int, Friction] = {}
+    if not isinstance(joint_friction, Mapping):
+        raise InputError(field, joint_friction, "no mapping", "give {('a', 'b'): friction}")
     for pair, friction in joint_friction.items():
         if not (isinstance(pair, tuple) and len(pair) == 2):
             raise InputError(field, pair, "not a pair of blocks", "give {('a', 'b'): friction}")

@@ -70,12 +70,13 @@ def running_bond(
 
 def _joints_of_courses(rows: Rows) -> list[Floats]:
     """Ends of all entries of each course, from 0 on, in blocks."""
-    if not len(rows):
+    if not isinstance(rows, Sequence | np.ndarray) or not len(rows):
         raise InputError("running_bond.rows", rows, "there is no course", "give at least one")
     ends = []
     for course, row in enumerate(rows):
         where = f"running_bond.rows[{course}]"
-        if not len(row) or not all(is_number(width) and abs(width) > 0 for width in row):
+        listed = isinstance(row, Sequence | np.ndarray) and len(row) > 0
+        if not listed or not all(is_number(width) and abs(width) > 0 for width in row):
             raise InputError(where, row, "not widths", "give numbers != 0, openings below 0")
         ends.append(np.concatenate([[0.0], np.cumsum(np.abs(row))]))
         if abs(ends[-1][-1] - ends[0][-1]) > ROUND_OFF * ends[0][-1]:
@@ -99,7 +100,8 @@ def stack(
         sizes: width and height of each block, m, bottom first; the base is as wide as the widest.
         friction: law of all joints; `joint_friction` for single pairs.
     """
-    if not len(sizes) or not all(is_plane_vector(size) and min(size) > 0 for size in sizes):
+    listed = isinstance(sizes, Sequence | np.ndarray) and len(sizes) > 0
+    if not listed or not all(is_plane_vector(size) and min(size) > 0 for size in sizes):
         raise InputError("stack.sizes", sizes, "not blocks", "give [(width, height), ...] in m")
     half = np.array([width for width, _ in sizes]) / 2
     level = np.concatenate([[0.0], np.cumsum([height for _, height in sizes])])

@@ -145,8 +145,26 @@ class Problem:
             if not isinstance(interface.master, RigidObstacle):
                 self._body(interface.master[0], f"{where}.master")
             contacts.append((index, interface_segments(interface, self.bodies, where)))
+            if isinstance(interface.master, RigidObstacle):
+                self._check_free(interface, contacts[-1][1].slave, where)
         self._check_sharing(contacts)
         self._check_isolated(contacts)
+
+    def _check_free(self, interface: Interface, edges: Ints, where: str) -> None:
+        """No obstacle along an edge of a block that has a joint: the joint's block is there."""
+        body = self.bodies[interface.slave[0]]
+        if not isinstance(body, BlockAssembly):
+            return
+        taken = np.intersect1d(edges, body.jointed_edges)
+        if taken.size:
+            name = body.names[body.edges.block[taken[0]]]
+            start, end = body.edges.start[:, taken[0]], body.edges.end[:, taken[0]]
+            raise InputError(
+                where,
+                interface.name,
+                f"the edge of block {name!r} from {start} to {end} has a joint with another block",
+                "select the edges that touch the obstacle by a function of coordinates",
+            )
 
     def _check_sharing(self, contacts: list[tuple[int, Segments]]) -> None:
         """No two interfaces on one place: an edge may meet several bodies, each of them once."""

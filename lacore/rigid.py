@@ -4,7 +4,7 @@ r is the block's radius, so that all unknowns are velocities, m/s, and all force
 included, are N/m.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,11 +168,15 @@ def _named(body: BlockAssembly, where: str | tuple[str, ...] | None, field: str)
     """Numbers of blocks from their names; None: of all."""
     if where is None:
         return np.arange(len(body.names))
+    if not isinstance(where, str | Sequence):
+        raise InputError(field, where, "no names of blocks", "give a name, or a tuple of names")
     number = {name: index for index, name in enumerate(body.names)}
     names = (where,) if isinstance(where, str) else tuple(where)
-    for name in names:
-        if name not in number:
+    for place, name in enumerate(names):
+        if not isinstance(name, str) or name not in number:
             raise InputError(field, name, "no such block", suggest(str(name), number))
+        if name in names[:place]:
+            raise InputError(field, name, "this block is given twice", "give each block once")
     return np.array([number[name] for name in names], dtype=np.int64)
 
 
@@ -180,6 +184,10 @@ def _loaded_block(body: BlockAssembly, load: PointForce) -> tuple[Ints, Floats]:
     """The block that a point force acts on, and where, shapes (1,) and (2, 1)."""
     if isinstance(load.at, str):
         block = _named(body, load.at, "PointForce.at")
+        if load.where not in (None, load.at):
+            raise InputError(
+                "PointForce.where", load.where, f"`at` names {load.at!r}", "leave `where` out"
+            )
         return block, body.centroid[:, block]
     away = shapely.distance(
         [shapely.Polygon(ring) for ring in body.polygons.values()], shapely.Point(load.at)

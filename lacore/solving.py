@@ -11,6 +11,7 @@ import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
+from lacore.bracket import kinematic_load_factor
 from lacore.certificate import certify
 from lacore.certified import certified_loop
 from lacore.conversion import point_in_si
@@ -28,16 +29,13 @@ from lacore.loops import (
 )
 from lacore.problem import Problem
 from lacore.program import (
-    FrozenContact,
     KinematicProgram,
     Scales,
     dimensionless,
-    reaction_contact,
 )
 from lacore.regularization import RegularisedValues
 from lacore.result import LimitState
 from lacore.spaces import SPACES
-from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 
 COUPLINGS: dict[str, Coupling] = {
@@ -103,7 +101,7 @@ def solve(
     coupling = coupling_for(engine, coupling)
     engine_options = read_options(engine, options or {})
     begin = time.perf_counter()
-    if isinstance(problem, Problem):
+    if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     program = dimensionless(problem.program, problem.natural)
     built = time.perf_counter()
@@ -219,19 +217,6 @@ def limit_state(
         discretisation=discretisation,
         point=None if point is None else point_in_si(discretisation, point),
     )
-
-
-def kinematic_load_factor(
-    program: KinematicProgram, point: ProgramState, contact: FrozenContact | None
-) -> float:
-    """Load factor of a velocity, re-evaluated from it (T15b), friction at the reactions of `point`.
-
-    With `contact` given, friction at its bounds instead.
-    """
-    u = point.velocity
-    bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
-    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
-    return (dissipated - float(program.dead_load @ u)) / float(program.reference_load @ u)
 
 
 def _rigor(

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.bracket import kinematic_load_factor
 from lacore.certificate import certify
 from lacore.program import Scales, associated_contact, dimensionless
-from lacore.solving import kinematic_load_factor
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (
     MU,

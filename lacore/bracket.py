@@ -1,0 +1,71 @@
+"""Bounds of every Coulomb load factor, each from an admissible half of a state (T14)."""
+
+import numpy as np
+
+from lacore.backend import InnerSolution
+from lacore.certificate import certify
+from lacore.program import (
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+    frictionless_contact,
+    reaction_contact,
+)
+from lacore.state import ProgramState, out_of_balance
+from lacore.status import Status
+
+
+def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
+    """Bound from stresses and reactions of a solve without friction; -inf where they prove none.
+
+    Less by the power of what is out of balance and of tensions, at the solve's own velocity.
+    """
+    if inner.status is Status.LOCKED:
+        return np.inf
+    contact = frictionless_contact(program.contact)
+    if inner.point is None:
+        return -np.inf
+    seen = certify(program, inner.point, contact)
+    if not all(v <= tolerance for v in (seen.equilibrium, seen.yield_violation, seen.cone)):
+        return -np.inf
+    tension = program.contact.weights @ np.maximum(-inner.point.normal_reaction, 0.0)
+    wrong = float(np.abs(out_of_balance(program, inner.point)).sum() + tension)
+    power = wrong * float(np.abs(inner.point.velocity).max())
+    return inner.point.load_factor - power - _gap(program, inner.point, contact)
+
+
+def upper_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
+    """Bound from the velocity of an associated solve; inf where it proves none.
+
+    More by the power of the solve's own reactions on what it penetrates.
+    """
+    rows, contact = program.contact, associated_contact(program.contact)
+    if inner.point is None:
+        return np.inf
+    seen = certify(program, inner.point, contact)
+    if not all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
+        return np.inf
+    u = inner.point.velocity
+    inward = contact.dilatancy * np.linalg.norm(rows.slip(u), axis=1) - rows.opening(u)
+    pressed = float(rows.weights @ np.maximum(inner.point.normal_reaction, 0.0))
+    power = pressed * float(inward.max(initial=0.0))
+    value = kinematic_load_factor(program, inner.point, contact)
+    return value + power + _gap(program, inner.point, contact)
+
+
+def kinematic_load_factor(
+    program: KinematicProgram, point: ProgramState, contact: FrozenContact | None
+) -> float:
+    """Load factor of a velocity, re-evaluated from it (T15b), friction at the reactions of `point`.
+
+    With `contact` given, friction at its bounds instead.
+    """
+    u = point.velocity
+    bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
+    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
+    return (dissipated - float(program.dead_load @ u)) / float(program.reference_load @ u)
+
+
+def _gap(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> float:
+    """Between the kinematic and the static value of one solve."""
+    return abs(kinematic_load_factor(program, point, contact) - point.load_factor)
