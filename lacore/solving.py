@@ -16,8 +16,9 @@ from lacore.certificate import certify
 from lacore.certified import certified_loop
 from lacore.conversion import point_in_si
 from lacore.coupling import Coupled, CouplingOptions, Iterate
+from lacore.dead_collapse import collapses
 from lacore.errors import InputError, SolveError, require_known
-from lacore.isolation import SolverProcess
+from lacore.isolation import SolverProcess, preparing
 from lacore.loops import (
     Coupling,
     associated,
@@ -31,6 +32,7 @@ from lacore.problem import Problem
 from lacore.program import (
     KinematicProgram,
     Scales,
+    associated_contact,
     dimensionless,
 )
 from lacore.regularization import RegularisedValues
@@ -121,6 +123,11 @@ def solve(
         coupled = COUPLINGS[coupling](
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
+    if coupled.status is Status.LOCKED and not regularised:
+        laws = coupled.laws or associated_contact(program.contact)
+        with preparing(engine, engine_options) as prepare:
+            if collapses(program, laws, prepare, tolerance):
+                coupled = replace(coupled, status=Status.UNSAFE)
     state = limit_state(
         problem,
         program,

@@ -115,3 +115,28 @@ def test_what_is_none_is_refused_in_words(build):
 def test_rows_of_numpy_arrays():
     body = la.masonry.running_bond(np.array([[0.5, 0.5], [0.25, 0.75]]), 0.3)
     assert len(body.names) == 5
+
+
+OVERHANG = {
+    "base": box(0, 4, -1, 0),
+    "left": box(0, 1, 0, 1),
+    "held": box(1, 2, 0, 1),
+    "right": box(2, 3, 0, 1),
+}
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "highs"])
+@pytest.mark.parametrize("coupling", ["certified", "associated", "frictionless", "stick"])
+@pytest.mark.parametrize(("end", "status"), [(5.0, "unsafe"), (4.4, "locked")])
+def test_what_stands_locked_beside_what_falls(backend, coupling, end, status):
+    """A block is loaded that nothing can move; another, from 3.5 to `end`, overhangs from 4 on.
+
+    Tilted over its base it was called locked, load factor +inf.
+    """
+    problem = la.Problem(
+        {"b": la.BlockAssembly({**OVERHANG, "loose": box(3.5, end, 0, 1)}, 0.3)},
+        [la.PointForce("b", "held", RIGHT)],
+        [la.Fix("b", ("base", "left", "right"))],
+        dead_loads=[la.BodyForce("b", DOWN)],
+    )
+    assert la.solve(problem, backend, coupling).status.label == status
