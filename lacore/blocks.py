@@ -38,7 +38,8 @@ class BlockAssembly:
 
     A joint is a segment that two outlines share: edges that face each other, overlap along more
     than `tolerance`, and are at most `tolerance` apart. Each joint gets two contact points, its
-    ends. Corners that touch an edge or a corner make no joint.
+    ends. Corners that touch an edge or a corner make no joint; `Problem` refuses those that rest
+    inside an edge.
 
     Attributes:
         blocks: polygons by name, vertices (k, 2) in m, in either sense, convex or not; a sequence

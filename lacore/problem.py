@@ -10,7 +10,14 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
-from lacore.contact_geometry import AnyBody, Segments, boundary_edges, interface_segments
+from lacore.contact_geometry import (
+    AnyBody,
+    Segments,
+    boundary_edges,
+    interface_segments,
+    tolerance,
+)
+from lacore.corners import resting_corners
 from lacore.errors import InputError, require_known, suggest
 from lacore.frame_dofs import COMPONENTS as NODE_COMPONENTS
 from lacore.frame_dofs import FrameDofs
@@ -80,6 +87,9 @@ class Problem:
                 "give at least one load",
             )
         self._split_frames()
+        for name, body in self.bodies.items():
+            if isinstance(body, BlockAssembly):
+                _check_corners(name, body)
         for attribute, items in (
             ("reference_loads", self.reference_loads),
             ("dead_loads", self.dead_loads),
@@ -218,6 +228,20 @@ class Problem:
                     "a block that touches nothing: no joint, no interface, no support",
                     "move it against its neighbours, or give it an interface or a support",
                 )
+
+
+def _check_corners(name: str, body: BlockAssembly) -> None:
+    """Refuse contacts at single points, which no joint carries: blocks would fall through."""
+    places, blocks, others = resting_corners(body.edges, body.joints, tolerance(body))
+    if blocks.size:
+        block, other = body.names[blocks[0]], body.names[others[0]]
+        raise InputError(
+            f"Problem.bodies[{name!r}]",
+            (block, other),
+            f"a corner of {block!r} rests on an edge of {other!r} at {places[:, 0]} without a joint"
+            f" (such corners: {blocks.size})",
+            "cut the corner off, so that an edge rests there, or move the blocks apart",
+        )
 
 
 def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:

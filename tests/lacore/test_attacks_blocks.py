@@ -140,3 +140,20 @@ def test_what_stands_locked_beside_what_falls(backend, coupling, end, status):
         dead_loads=[la.BodyForce("b", DOWN)],
     )
     assert la.solve(problem, backend, coupling).status.label == status
+
+
+PLANK = {"base": box(-3, 5, -1, 0), "pier": box(0, 1, 0, 1), "plank": box(0, 4, 1, 1.2)}
+SPIKE = [(1e-7, 0), (0.1, 0.9), (1.9, 0.9), (1.99, 0), (2, 0), (2, 1), (0, 1), (0, 0)]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "pair"),
+    [
+        (PLANK | {"roof": [(3, 0), (4, 0), (3.5, 1)]}, "'roof', 'plank'"),
+        ({"base": box(-3, 5, -1, 0), "table": SPIKE}, "'table', 'base'"),
+    ],
+)
+def test_a_block_that_rests_on_a_corner(blocks, pair):
+    """A plank on an apex, a table on a foot thinner than the tolerance: both fell, unsafe."""
+    with pytest.raises(la.InputError, match=rf"{pair}.*without a joint"):
+        pushed(blocks, la.BodyForce("b", RIGHT))
