@@ -167,6 +167,8 @@ def coulomb_range(
         solver = prepare(program)
         stack.callback(solver.close)
         bounds, admissible = bracket(program, solver, tolerance)
+        if first.status is Status.UNSAFE:
+            bounds = (-np.inf, np.inf)  # of none, whatever a locked program says
         search = Search(
             program=program,
             solver=solver,

@@ -157,3 +157,20 @@ def test_a_block_that_rests_on_a_corner(blocks, pair):
     """A plank on an apex, a table on a foot thinner than the tolerance: both fell, unsafe."""
     with pytest.raises(la.InputError, match=rf"{pair}.*without a joint"):
         pushed(blocks, la.BodyForce("b", RIGHT))
+
+
+def test_the_range_of_what_falls_beside_what_is_locked():
+    """No load factor at all; every one in [inf, inf], it said."""
+    found = la.coulomb_range(
+        la.Problem(
+            {"b": la.BlockAssembly({**OVERHANG, "loose": box(3.5, 5, 0, 1)}, 0.3)},
+            [la.PointForce("b", "held", RIGHT)],
+            [la.Fix("b", ("base", "left", "right"))],
+            dead_loads=[la.BodyForce("b", DOWN)],
+        ),
+        restarts=0,
+    )
+    assert found.status is la.Status.UNSAFE
+    assert np.isnan([found.low, found.high]).all()
+    assert found.bracket == (-np.inf, np.inf)
+    assert "inf, inf" not in found.summary().replace("-inf, inf", "")
