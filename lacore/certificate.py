@@ -30,7 +30,8 @@ class Certificate:
             loads, per total load.
         yield_violation: largest ``||stress||/bound - 1``.
         cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
-            reaction or, where reactions vanish, per total load over contact length.
+            reaction or, where reactions vanish, per total load over contact length; or as a force,
+            per total load, where that is more.
         penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; slip of points
             that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate.
@@ -122,7 +123,11 @@ def certify(
                 ]
             )
         ),
-        cone=_largest(np.maximum(excess, -t_n)) / reaction,
+        cone=max(
+            _largest(np.maximum(excess, -t_n)) / reaction,
+            # A short joint carries tractions beside which those of all others look small.
+            _largest(rows.weights * np.maximum(excess, -t_n)) / forces,
+        ),
         penetration=_largest(inward) / velocity,
         divergence=_largest(
             np.array([_largest(np.abs(group.volumetric @ u)) for group in program.groups])

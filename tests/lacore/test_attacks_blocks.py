@@ -1,9 +1,12 @@
 """What an attacker found in assemblies of rigid blocks, and what becomes of it now."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.certificate import certify
 from tests.rigid_problems import DOWN, RIGHT, box
 
 TWO = {"base": box(-3, 6, -1, 0), "big": box(-2, -1, 0, 1), "small": box(0, 1, 0, 0.5)}
@@ -174,3 +177,20 @@ def test_the_range_of_what_falls_beside_what_is_locked():
     assert np.isnan([found.low, found.high]).all()
     assert found.bracket == (-np.inf, np.inf)
     assert "inf, inf" not in found.summary().replace("-inf, inf", "")
+
+
+def test_a_short_joint_does_not_hide_what_leaves_the_cone():
+    """Its traction is a million times that of the other joint, whose friction is 2 % too large."""
+    foot = [(2, 0), (2 + 3e-6, 0), (2.5, 0.2), (2.5, 1), (1.5, 1), (1.5, 0.2)]
+    problem = la.Problem(
+        {"b": la.BlockAssembly({"base": TWO["base"], "b": box(0, 1, 0, 1), "c": foot}, 0.3)},
+        [la.PointForce("b", (0, 0.2), RIGHT)],
+        [la.Fix("b", "base"), la.Fix("b", lambda x: (x[1] == 1) & (x[0] >= 1.5), "x")],
+        dead_loads=[la.BodyForce("b", DOWN)],
+    )
+    state = la.solve(problem, throw=True)
+    assert state.load_factor == pytest.approx(0.3, rel=1e-6)
+    wide = (state.reactions["length"] > 0.1).to_numpy()
+    friction = np.where(wide[:, None], 1.02, 1.0) * state.point.tangential_reaction
+    planted = replace(state.point, tangential_reaction=friction)
+    assert certify(state.discretisation.full, planted).cone > 1e-4  # 2 % of a share of the total load
