@@ -193,4 +193,5 @@ def test_a_short_joint_does_not_hide_what_leaves_the_cone():
     wide = (state.reactions["length"] > 0.1).to_numpy()
     friction = np.where(wide[:, None], 1.02, 1.0) * state.point.tangential_reaction
     planted = replace(state.point, tangential_reaction=friction)
-    assert certify(state.discretisation.full, planted).cone > 1e-4  # 2 % of a share of the total load
+    # 2 % of a share of the total load
+    assert certify(state.discretisation.full, planted).cone > 1e-4
