@@ -61,7 +61,7 @@ WALLS = {  # blocks wide, courses, a window every so many blocks, bar of the cer
     "1 000, tall": (20, 50, 6, 1e-6),
     "2 000": (50, 40, 6, 1e-6),
     "2 000, tall": (40, 50, 6, 1e-6),
-    "5 000": (50, 100, 6, 1e-5),
+    "5 000": (125, 40, 8, 1e-5),
 }
 
 
