@@ -23,6 +23,7 @@ SHOWN = (256, 1024, 10_000, 50_176)  # triangles, in the README
 _DIGITS = 8
 _OTHER = ("loop", "wall")  # kinds that are told of apart
 _WALLS = {  # of their table
+    "benchmark": ("what", "{}"),
     "blocks": ("blocks", "{:.0f}"),
     "joints": ("joints", "{:.0f}"),
     "certified at": ("tolerance", "{:.0e}"),

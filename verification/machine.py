@@ -8,7 +8,7 @@ from pathlib import Path
 
 PACKAGES = (
     *("lacore", "numpy", "scipy", "scikit-fem", "clarabel", "casadi", "cvxpy", "highspy"),
-    *("pypardiso", "matplotlib"),
+    *("pypardiso", "shapely", "matplotlib"),
 )
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
