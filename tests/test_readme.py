@@ -36,6 +36,12 @@ def test_wall(capsys):
     assert "found, not proven: that none is lower" in printed
 
 
+def test_case_is_that_of_the_example():
+    (excerpt,) = re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL)
+    example = Path(__file__).parents[1] / "examples" / "cases" / "block_on_step.py"
+    assert excerpt in example.read_text(encoding="utf-8")
+
+
 def test_every_backend_is_named():
     for name in la.backend_names():
         assert f"| `{name}` |" in README

@@ -3,10 +3,16 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isclose, isfinite, isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import lacore as la
 from lacore.errors import require_known
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+KINDS = ("continuum", "blocks", "frames", "contact", "hardening")
+"""Tags that say what a case is about; every case of lacore has one at least, and free ones."""
 
 SOLVER = 1e-6  # relative: bar of the certificate, so what a certified value may be off by
 EXACT = 1e-5  # relative: the exact mechanism lies in the velocity space, what is left is solving
@@ -172,13 +178,30 @@ def rigid(dead: float) -> Band:
 
 
 @dataclass(frozen=True)
+class Order:
+    """Order of convergence that refinement must show.
+
+    Attributes:
+        meshes: a ladder of at least four sizes, coarse to fine: keyword arguments of `Case.build`.
+        expected: p of ``error ~ elements**-p``, from a regression over the ladder.
+        tolerance: on p, either way.
+        reason: where both come from.
+    """
+
+    meshes: Sequence[Mapping[str, Any]]
+    expected: float
+    tolerance: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class Variant:
     """One setting of a case's parameters.
 
     Attributes:
         name: unique in the case.
         parameters: keyword arguments of `Case.build`, `Case.reference` and `Case.band`.
-        meshes: levels that are run by default; none: coarse and medium, or the only one there is.
+        meshes: levels that are run by default; none: the two coarsest, or the only one there is.
         unfit: backends that cannot do it, or ``regularised`` for all that are, and why.
     """
 
@@ -199,7 +222,7 @@ class Case:
     Attributes:
         id: unique.
         title: one line.
-        tags: for finding it.
+        tags: for finding it: some of `KINDS`, and free ones.
         unit: of the load factor.
         explanation: paragraphs; indented ones are a sketch.
         hand_calculation: how the reference is found with pencil and paper, line by line.
@@ -211,6 +234,10 @@ class Case:
         sweep: parameter against which a figure of the load factor is drawn; empty for none.
         valid: whether the closed form holds at the parameters of a variant; its docstring says why.
         on_demand: whether it is run only when it is named.
+        order: what refinement must show, from the parameters of a variant; None where no order is
+            expected, or known.
+        sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
+            lines of a mechanism, say; called with the axes and the problem.
     """
 
     id: str
@@ -227,6 +254,8 @@ class Case:
     sweep: str = ""
     valid: Callable[..., bool] | None = None
     on_demand: bool = False
+    order: Callable[..., Order | None] | None = None
+    sketch: "Callable[[Axes, la.Problem], None] | None" = None
 
     @property
     def meshed(self) -> bool:
@@ -243,7 +272,7 @@ class Case:
             return tuple(self.meshes)
         for mesh in asked:
             require_known(f"mesh of case {self.id!r}", mesh, self.meshes)
-        return tuple(dict.fromkeys(asked or variant.meshes or ("coarse", "medium")))
+        return tuple(dict.fromkeys(asked or variant.meshes or tuple(self.meshes)[:2]))
 
     def problem(self, variant: Variant, mesh: str) -> la.Problem:
         """The problem of a variant on a mesh level."""
@@ -256,6 +285,10 @@ class Case:
     def band_of(self, variant: Variant, elements: int) -> Band:
         """The band of a variant."""
         return self.band(elements, **variant.parameters)
+
+    def order_of(self, variant: Variant) -> Order | None:
+        """What refinement must show of a variant; None where nothing is expected."""
+        return None if self.order is None else self.order(**variant.parameters)
 
 
 @dataclass(frozen=True)

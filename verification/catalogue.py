@@ -1,38 +1,86 @@
-"""The catalogue: every case file in `verification.cases`, found by itself."""
+"""The catalogue: cases by id. Those of `verification.cases` are found by themselves."""
 
 import pkgutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from types import MappingProxyType
 
-from lacore.errors import require_known
+from lacore.errors import InputError, require_known, suggest
 from verification import cases
-from verification.case import Case, Variant
+from verification.case import KINDS, Case, Variant
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue(Mapping[str, Case]):
+    """Cases by id.
+
+    Attributes:
+        cases: in the order in which they are run.
+        sources: where each comes from, for messages.
+        broken: what is wrong with what could not be loaded, by the name that would ask for it.
+    """
+
+    cases: Mapping[str, Case]
+    sources: Mapping[str, str]
+    broken: Mapping[str, InputError] = field(default_factory=dict)
+
+    def __getitem__(self, key: str) -> Case:
+        return self.cases[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.cases)
+
+    def __len__(self) -> int:
+        return len(self.cases)
 
 
 @cache
-def catalogue() -> MappingProxyType[str, Case]:
-    """All cases by id, in the order of their files."""
+def catalogue() -> Catalogue:
+    """The cases of lacore itself, in the order of their files."""
     found: dict[str, Case] = {}
     for module in sorted(pkgutil.iter_modules(cases.__path__), key=lambda entry: entry.name):
         case: Case = import_module(f"{cases.__name__}.{module.name}").CASE
         if case.id in found:
             raise ValueError(f"two case files have the id {case.id!r}")
         found[case.id] = case
-    return MappingProxyType(found)
+    return Catalogue(found, dict.fromkeys(found, "lacore"))
 
 
-def find(name: str) -> tuple[Case, tuple[Variant, ...]]:
+def find(name: str, known: Catalogue | None = None) -> tuple[Case, tuple[Variant, ...]]:
     """A case and its variants from ``id``, or the one variant of ``id:variant``.
 
+    Args:
+        name: of a case.
+        known: where to look; None: among the cases of lacore itself.
+
     Raises:
-        InputError: an unknown name.
+        InputError: an unknown name, or that of what could not be loaded.
     """
+    known = catalogue() if known is None else known
     case_id, _, variant_name = name.partition(":")
-    require_known("case", case_id, catalogue())
-    case = catalogue()[case_id]
+    if case_id in known.broken:
+        raise known.broken[case_id]
+    require_known("case", case_id, known)
+    case = known[case_id]
     if not variant_name:
-        return case, case.variants
+        return case, tuple(case.variants)
     variants = {variant.name: variant for variant in case.variants}
     require_known(f"variant of case {case_id!r}", variant_name, variants)
     return case, (variants[variant_name],)
+
+
+def tagged(known: Catalogue, tags: Sequence[str]) -> list[Case]:
+    """The cases that have all of the tags.
+
+    Raises:
+        InputError: a tag that no case has, or several that none has together.
+    """
+    there = {tag for case in known.values() for tag in case.tags}
+    for tag in tags:
+        if tag not in {*there, *KINDS}:
+            raise InputError("--tag", tag, "no case has it", suggest(tag, there))
+    found = [case for case in known.values() if set(tags) <= set(case.tags)]
+    if not found:
+        raise InputError("--tag", ",".join(tags), "no case has all of these tags", "name fewer")
+    return found

@@ -15,10 +15,12 @@ import lacore as la
 from lacore.errors import require_positive
 from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
-from verification.catalogue import catalogue
+from verification.case import KINDS
+from verification.catalogue import Catalogue, tagged
 from verification.compare import ON_DEMAND, TIME_LIMIT, efforts, plan, run_all, tally
 from verification.harness import RAW
 from verification.machine import describe
+from verification.options import cases_option
 from verification.report.page import write
 
 
@@ -92,6 +94,7 @@ _json_option = click.option(
     metavar="SECONDS",
     help="Of each inner solve; a backend that does not keep it is stopped.",
 )
+@cases_option
 @_json_option
 @click.pass_context
 def compare(
@@ -102,6 +105,7 @@ def compare(
     couplings: list[str],
     out: Path,
     time_limit: float,
+    known: Catalogue,
     as_json: bool,
 ) -> None:
     """Compare backends with each other and with reference collapse loads.
@@ -118,7 +122,7 @@ def compare(
       lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
-    runs = plan(cases, backends, meshes, couplings)
+    runs = plan(cases, backends, meshes, couplings, known)
     with terminal.watching(len(runs)) as watch:
         outcomes = run_all(
             runs, out / "results.csv", watch.start, watch.iterate, watch.finish, time_limit
@@ -149,8 +153,16 @@ def compare(
 
 
 @main.command("cases")
+@click.option(
+    "--tag",
+    "tags",
+    callback=_list,
+    metavar="A,B",
+    help=f"Only cases that have all of these tags: {', '.join(KINDS)}, and those listed.",
+)
+@cases_option
 @_json_option
-def list_cases(as_json: bool) -> None:
+def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
     """List the verification cases."""
     records = [
         {
@@ -159,6 +171,7 @@ def list_cases(as_json: bool) -> None:
             "variants": [variant.name for variant in case.variants],
             "meshes": list(case.meshes),
             "tags": list(case.tags),
+            "source": known.sources[case.id],
             "run": "by name" if case.on_demand else "by default",
             "without": [
                 f"{name} in {variant.name}: {why}"
@@ -166,7 +179,7 @@ def list_cases(as_json: bool) -> None:
                 for name, why in variant.unfit.items()
             ],
         }
-        for case in catalogue().values()
+        for case in tagged(known, tags)
     ]
     if as_json:
         _print_json(records)

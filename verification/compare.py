@@ -13,7 +13,7 @@ from lacore.coupling import Iterate
 from lacore.errors import require_known
 from lacore.solving import COUPLINGS, coupling_for
 from verification.case import Case, Variant
-from verification.catalogue import catalogue, find
+from verification.catalogue import Catalogue, catalogue, find
 from verification.harness import (
     COLUMNS,
     FAIL,
@@ -42,9 +42,11 @@ def plan(
     backends: Sequence[str] = (),
     meshes: Sequence[str] = (),
     couplings: Sequence[str] = (),
+    known: Catalogue | None = None,
 ) -> list[Run]:
     """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
+    Cases are looked for in `known`; without it, among those of lacore itself.
     Without `names` all cases but those on demand. Without `backends` all registered ones but those
     `ON_DEMAND`, of rigid bodies those of linear programs too, and without those
     that cannot do a variant; ``all`` is every one of them, and variants of a family are named as
@@ -54,6 +56,7 @@ def plan(
     Raises:
         InputError: an unknown name.
     """
+    known = catalogue() if known is None else known
     if list(backends) == ["all"]:
         backends = la.backend_names()
     for name in backends:
@@ -62,13 +65,13 @@ def plan(
     for name in couplings:
         require_known("coupling", name, [*COUPLINGS, *RAW])
     picked: dict[str, list[str]] = {}
-    for name in names or (case.id for case in catalogue().values() if not case.on_demand):
-        case, variants = find(name)
+    for name in names or (case.id for case in known.values() if not case.on_demand):
+        case, variants = find(name, known)
         chosen = picked.setdefault(case.id, [])
         chosen += [variant.name for variant in variants if variant.name not in chosen]
     return [
         _run(case, variant, mesh, backend, coupling)
-        for case in map(catalogue().__getitem__, picked)
+        for case in map(known.__getitem__, picked)
         for variant in case.variants
         if variant.name in picked[case.id]
         for mesh in case.levels(variant, meshes)

@@ -195,6 +195,7 @@ def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
         variants = record["variants"]
         shown = ", ".join(variants[:8]) + (f", ... {len(variants)}" if len(variants) > 8 else "")
         _say(console, f"  {shown}; on {', '.join(record['meshes'])}", "dim")
+        _say(console, f"  tags: {', '.join(record['tags'])}", "dim")
         for text in record["without"]:
             _say(console, f"  without {text}", "dim")
 

@@ -50,7 +50,7 @@ def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:
 CASE = Case(
     id="block-between-walls",
     title="Block lifted between two walls: loads without an upper end",
-    tags=("rigid blocks", "Coulomb", "closed form", "interval", "associated differs"),
+    tags=("blocks", "contact", "Coulomb", "closed form", "interval", "associated differs"),
     unit="N/m",
     explanation=__doc__,
     hand_calculation="""\

@@ -54,7 +54,7 @@ def band(elements: int, mu: float, W: float, b: float, h: float, y: float) -> Ba
 CASE = Case(
     id="block-slide",
     title="Rigid block pushed along a floor",
-    tags=("rigid blocks", "Coulomb", "closed form"),
+    tags=("blocks", "contact", "Coulomb", "closed form"),
     unit="N/m",
     explanation=__doc__,
     hand_calculation="""\

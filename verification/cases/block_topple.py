@@ -49,7 +49,7 @@ def band(elements: int, mu: float, W: float, b: float, h: float) -> Band:
 CASE = Case(
     id="block-topple",
     title="Rigid block on a tilted floor",
-    tags=("rigid blocks", "Coulomb", "closed form"),
+    tags=("blocks", "contact", "Coulomb", "closed form"),
     unit="W",
     explanation=__doc__,
     hand_calculation="""\

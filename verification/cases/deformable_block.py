@@ -56,7 +56,7 @@ def band(elements: int, mu: float) -> Band:
 CASE = Case(
     id="deformable-block",
     title="Deformable block pushed along a rough floor",
-    tags=("contact", "Coulomb", "closed form"),
+    tags=("continuum", "contact", "Coulomb", "closed form"),
     unit="traction / k",
     explanation=__doc__,
     hand_calculation="""\

@@ -76,7 +76,7 @@ def band(elements: int, mu: float) -> Band:
 CASE = Case(
     id="platens-coulomb",
     title="Block pressed between platens with friction, w/h = 2",
-    tags=("contact", "Coulomb", "singular point"),
+    tags=("continuum", "contact", "Coulomb", "singular point"),
     unit="F/(w k)",
     explanation=__doc__,
     hand_calculation="""\

@@ -55,7 +55,7 @@ def band(elements: int, mu: float) -> Band:
 CASE = Case(
     id="platens-square",
     title="Square block between platens: 2 k at any friction",
-    tags=("contact", "Coulomb", "closed form", "invariance"),
+    tags=("continuum", "contact", "Coulomb", "closed form", "invariance"),
     unit="F/(w k)",
     explanation=__doc__,
     hand_calculation="""\

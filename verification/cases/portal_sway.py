@@ -66,7 +66,7 @@ WEAK = {"slsqp": "its r = 0.03 is too strong for hinges, and anything less too s
 CASE = Case(
     id="portal-sway",
     title="Portal frame on Coulomb feet, pushed sideways",
-    tags=("frame", "Coulomb", "closed form"),
+    tags=("frames", "contact", "Coulomb", "closed form"),
     unit="N/m",
     explanation=__doc__,
     hand_calculation="""\

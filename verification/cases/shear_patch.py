@@ -60,7 +60,7 @@ def band(elements: int, mu: float, p0: float) -> Band:
 CASE = Case(
     id="shear-patch",
     title="Simple shear on a Coulomb floor",
-    tags=("contact", "Coulomb", "patch test", "closed form"),
+    tags=("continuum", "contact", "Coulomb", "patch test", "closed form"),
     unit="shear traction / k",
     explanation=__doc__,
     hand_calculation="""\

@@ -59,7 +59,7 @@ def band(elements: int, n: int, mu_1: float, mu_n: float, b: float, h: float) ->
 CASE = Case(
     id="stack-n",
     title="Stack of n rigid blocks",
-    tags=("rigid blocks", "Coulomb", "closed form"),
+    tags=("blocks", "contact", "Coulomb", "closed form"),
     unit="W",
     explanation=__doc__,
     hand_calculation="""\

@@ -37,7 +37,7 @@ def band(elements: int, assembly: str, mu: float) -> Band:
 CASE = Case(
     id="structured-sweep",
     title="Eleven assemblies with friction from 0.1 to 1",
-    tags=("rigid blocks", "frame", "Coulomb", "couplings"),
+    tags=("blocks", "frames", "contact", "Coulomb", "couplings"),
     unit="of each assembly",
     explanation=__doc__,
     hand_calculation="""\

@@ -37,7 +37,7 @@ def reference(mu: float) -> Reference:
 CASE = Case(
     id="wall-2",
     title="Masonry wall, 55 blocks",
-    tags=("rigid blocks", "Coulomb", "masonry", "interval", "associated differs"),
+    tags=("blocks", "contact", "Coulomb", "masonry", "interval", "associated differs"),
     unit="W",
     explanation=__doc__,
     hand_calculation=HAND.format(low=LOW, high=HIGH, associated=ASSOCIATED),

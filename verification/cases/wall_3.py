@@ -43,7 +43,7 @@ def reference(mu: float) -> Reference:
 CASE = Case(
     id="wall-3",
     title="Masonry wall, 46 blocks",
-    tags=("rigid blocks", "Coulomb", "masonry", "interval", "associated differs"),
+    tags=("blocks", "contact", "Coulomb", "masonry", "interval", "associated differs"),
     unit="W",
     explanation=__doc__,
     hand_calculation=HAND.format(low=LOW, high=HIGH, associated=ASSOCIATED),

@@ -48,7 +48,7 @@ def band(elements: int, mu: float, beta: float, W: float, down: bool) -> Band:
 CASE = Case(
     id="wedge-in-walls",
     title="Wedge between fixed walls: associated friction locks it",
-    tags=("rigid blocks", "Coulomb", "closed form", "associated differs", "status"),
+    tags=("blocks", "contact", "Coulomb", "closed form", "associated differs", "status"),
     unit="N/m",
     explanation=__doc__,
     hand_calculation="""\
