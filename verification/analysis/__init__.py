@@ -1,0 +1,55 @@
+"""What results say: pandas in, pandas out; each function documents the columns it returns.
+
+All of it takes the frame of `load_results`, one row a finished run.
+"""
+
+from verification.analysis.effort import costs_of_accuracy, efforts
+from verification.analysis.exact import with_exact
+from verification.analysis.extrapolation import (
+    Extrapolation,
+    LambdaLimit,
+    hermite_limit,
+    lambda_limits,
+    refinement_limits,
+    richardson,
+)
+from verification.analysis.profiles import (
+    Costs,
+    budget_profile,
+    costs,
+    data_profile,
+    performance_profile,
+    rates,
+    shifted_geometric_means,
+)
+from verification.analysis.slopes import (
+    Slope,
+    fit_slope,
+    refinement_orders,
+    regularisation_slopes,
+    slopes,
+)
+
+__all__ = [
+    "Costs",
+    "Extrapolation",
+    "LambdaLimit",
+    "Slope",
+    "budget_profile",
+    "costs",
+    "costs_of_accuracy",
+    "data_profile",
+    "efforts",
+    "fit_slope",
+    "hermite_limit",
+    "lambda_limits",
+    "performance_profile",
+    "rates",
+    "refinement_limits",
+    "refinement_orders",
+    "regularisation_slopes",
+    "richardson",
+    "shifted_geometric_means",
+    "slopes",
+    "with_exact",
+]

@@ -1,0 +1,138 @@
+"""What runs cost: inner solves, iterations, contraction and time; and what an accuracy costs."""
+
+from collections.abc import Sequence
+from math import nan
+
+import numpy as np
+import pandas as pd
+
+from lacore.arrays import Floats
+from lacore.errors import require_positive
+from verification.analysis.columns import SOLVED, groups, numbers, require_columns, says, table
+from verification.harness import SKIPPED
+
+BY = ("case", "variant", "backend", "coupling")
+LEVELS = (1e-2, 1e-3, 1e-4)  # relative errors: 1 %, 0.1 %, 0.01 %
+
+
+def efforts(results: pd.DataFrame, by: Sequence[str] = BY) -> pd.DataFrame:
+    """Iterations and contraction of the loops, medians over the certified runs of a group.
+
+    Args:
+        results: one row a run; skipped ones do not count.
+        by: columns that make a group.
+
+    Returns:
+        Columns `by`; ``runs``; ``certified``, how many ended with a certified load factor, the
+        only ones that the rest is of: ``inner_solves`` and ``most_inner_solves``, median and
+        largest number of inner solves of the loop; ``iterations``, of the solver, over all inner
+        solves; ``iterations_per_solve``; ``contraction``, the ratio seen between a change and what
+        the loop made of it (below 1 the plain loop converges), and ``worst_contraction``;
+        ``solve_time``, s; ``time_per_solve``, s; ``peak_memory_mb``, the largest. NaN where
+        nothing is known.
+
+    Raises:
+        InputError: no such column.
+    """
+    rows = []
+    for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
+        good = part[says(part, "status", SOLVED)]
+        solves, steps = numbers(good, "outer_iterations"), numbers(good, "iterations")
+        contraction, seconds = numbers(good, "contraction"), numbers(good, "solve_time")
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steps_each, seconds_each = steps / solves, seconds / solves
+        rows.append(
+            {
+                **names,
+                "runs": len(part),
+                "certified": len(good),
+                "inner_solves": _median(solves),
+                "most_inner_solves": _most(solves),
+                "iterations": _median(steps),
+                "iterations_per_solve": _median(steps_each),
+                "contraction": _median(contraction),
+                "worst_contraction": _most(contraction),
+                "solve_time": _median(seconds),
+                "time_per_solve": _median(seconds_each),
+                "peak_memory_mb": _most(numbers(good, "peak_memory_mb")),
+            }
+        )
+    return table(rows, [*by, *_EFFORT])
+
+
+_EFFORT = (
+    "runs",
+    "certified",
+    "inner_solves",
+    "most_inner_solves",
+    "iterations",
+    "iterations_per_solve",
+    "contraction",
+    "worst_contraction",
+    "solve_time",
+    "time_per_solve",
+    "peak_memory_mb",
+)
+
+
+def _median(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else nan
+
+
+def _most(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else nan
+
+
+def costs_of_accuracy(
+    results: pd.DataFrame,
+    levels: Sequence[float] = LEVELS,
+    cost: str = "solve_time",
+    by: Sequence[str] = BY,
+    error: str = "error",
+) -> pd.DataFrame:
+    """The cheapest run of each group whose error is at most a level, for each level.
+
+    Only certified runs (status ``solved``) count. Where none is that accurate there is no cost,
+    whatever the trend.
+
+    Args:
+        results: one row a run.
+        levels: of |error|, > 0.
+        cost: column.
+        by: columns that make a group.
+        error: column, relative error.
+
+    Returns:
+        Columns `by`; ``level``; ``cost``, in the unit of its column, NaN where never; ``run``, id
+        of that run where there are any; ``mesh``, ``n_dofs``, ``reached``, |error|, of that run;
+        ``closest``, the smallest |error| of the group; ``reason``, why never.
+
+    Raises:
+        InputError: no such column, or a level that is not positive.
+    """
+    for level in levels:
+        require_positive("level", level)
+    told = [name for name in ("run", "mesh", "n_dofs") if name in results.columns]
+    told = [name for name in told if name not in by]
+    require_columns(results, [cost, error])
+    rows = []
+    for names, part in groups(results, by):
+        good = says(part, "status", SOLVED)
+        size, price = np.abs(numbers(part, error)), numbers(part, cost)
+        good &= np.isfinite(size) & np.isfinite(price)
+        closest = float(size[good].min()) if good.any() else nan
+        for level in levels:
+            row = {**names, "level": level, "cost": nan, "reached": nan, "closest": closest}
+            near = np.flatnonzero(good & (size <= level))
+            if near.size:
+                best = near[np.argmin(price[near])]
+                row |= {name: part[name].iloc[best] for name in told}
+                row |= {"cost": float(price[best]), "reached": float(size[best]), "reason": ""}
+            elif good.any():
+                row["reason"] = f"never: {closest:.2g} is the closest"
+            else:
+                row["reason"] = "never: no certified run with an error"
+            rows.append(row)
+    return table(rows, [*by, "level", "cost", *told, "reached", "closest", "reason"])
