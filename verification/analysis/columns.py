@@ -60,7 +60,8 @@ def truths(frame: pd.DataFrame, name: str) -> Bools:
         InputError: no such column.
     """
     require_columns(frame, [name])
-    return np.array([isinstance(v, bool | np.bool_ | int | float) and v == 1 for v in frame[name]])
+    told = [isinstance(v, bool | np.bool_ | int | float) and v == 1 for v in frame[name]]
+    return np.array(told, dtype=bool)
 
 
 def says(frame: pd.DataFrame, name: str, *words: str) -> Bools:

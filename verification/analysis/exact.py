@@ -38,9 +38,8 @@ def with_exact(results: pd.DataFrame) -> pd.DataFrame:
     regularised = np.isfinite(numbers(solved, "lambda"))
     rows = solved[regularised]
     keys = [*problem_columns(solved), _LAWS]
-    found = _best(
-        pd.concat(_known([_exact(solved[~regularised], keys), _limits(rows, keys)])), keys
-    )
+    known = _known([_exact(solved[~regularised], keys), _limits(rows, keys)])
+    found = _best(pd.concat(known), keys).astype(solved[keys].dtypes.to_dict())
     joined = rows.merge(found, on=keys, how="left", validate="many_to_one").drop(columns=_LAWS)
     joined["alpha_star_from"] = joined["alpha_star_from"].fillna("")
     star = numbers(joined, "alpha_star")

@@ -39,10 +39,7 @@ SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
 A verdict also passes what ends with a status that is the right answer, such as ``locked``.
 """
 UNSOLVED: Mapping[str, str] = MappingProxyType(
-    {
-        "keep": "problems that nobody solved are kept",
-        "drop": "problems that nobody solved are left out",
-    }
+    {"keep": "problems that nobody solved are kept", "drop": "they are left out"}
 )
 
 
@@ -107,7 +104,10 @@ def costs(
     if frame.duplicated([*problem, "_solver"]).any():
         twice = frame[frame.duplicated([*problem, "_solver"])].iloc[0]
         raise InputError(
-            "solver", twice["_solver"], "has two runs of a problem", "name more columns of either"
+            "solver",
+            twice["_solver"],
+            "has two runs of one problem",
+            "name the columns that tell them apart, or leave rows out",
         )
     names = list(dict.fromkeys(frame["_solver"]))
     rows, units = [], []
@@ -116,7 +116,7 @@ def costs(
         rows.append([by_solver.get(name, inf) for name in names])
         known = numbers(part, "_unit")[np.isfinite(numbers(part, "_unit"))]
         units.append(known[0] if known.size else nan)
-    matrix = np.array(rows, dtype=float).reshape(-1, len(names))
+    matrix = np.array(rows, dtype=float).reshape(len(rows), len(names))
     alive = np.isfinite(matrix).any(axis=1)
     kept = alive if unsolved == "drop" else np.ones(len(matrix), dtype=bool)
     filters: dict[str, str | int] = {
