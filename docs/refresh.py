@@ -11,7 +11,8 @@ from pathlib import Path
 import lacore as la
 from verification.catalogue import find
 from verification.compare import plan, run_all
-from verification.harness import PASS, Outcome
+from verification.judging import PASS
+from verification.run import Outcome
 
 ROOT = Path(__file__).parent.parent
 SHOWN = [
@@ -51,7 +52,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         runs = plan(SHOWN, ["clarabel", "newton", "ipopt"], ["medium"])
         runs += plan(RIGID, ["clarabel"])
-        outcomes = run_all(runs, Path(folder) / "results.csv")
+        outcomes = run_all(runs, Path(folder) / "results.sqlite")
     readme = ROOT / "README.md"
     text = re.sub(
         r"(<!-- comparison -->\n).*?(<!-- end -->)",

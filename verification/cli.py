@@ -17,11 +17,14 @@ from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
 from verification.case import KINDS
 from verification.catalogue import Catalogue, tagged
-from verification.compare import ON_DEMAND, TIME_LIMIT, efforts, plan, run_all, tally
+from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
+from verification.execution import TIME_LIMIT
 from verification.harness import RAW
-from verification.machine import describe
 from verification.options import cases_option
+from verification.provenance import describe
 from verification.report.page import write
+from verification.results import as_table, export
+from verification.store import NAME
 
 
 class _BadInput(click.ClickException):
@@ -84,7 +87,7 @@ _json_option = click.option(
     type=click.Path(path_type=Path),
     default=Path("reports/compare"),
     show_default=True,
-    help="Folder for results.csv, pictures and the page index.html.",
+    help="Folder for the results, pictures and the page index.html.",
 )
 @click.option(
     "--time-limit",
@@ -92,9 +95,17 @@ _json_option = click.option(
     default=TIME_LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Of each inner solve; a backend that does not keep it is stopped.",
+    help="Of a run; one that takes longer is stopped.",
 )
 @cases_option
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Runs at a time, each on one thread; more than one blurs the times.",
+)
+@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
 @_json_option
 @click.pass_context
 def compare(
@@ -106,13 +117,16 @@ def compare(
     out: Path,
     time_limit: float,
     known: Catalogue,
+    jobs: int,
+    fresh: bool,
     as_json: bool,
 ) -> None:
     """Compare backends with each other and with reference collapse loads.
 
     CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are run, on
-    coarse and medium meshes, in a minute or two. Each result is written to results.csv as soon as
-    it is there; at the end come a table and the page index.html, which explains every case.
+    coarse and medium meshes, in a minute or two. Each result is kept in the folder as soon as it is
+    there, and not run again by the same code; at the end come a table, results.csv and the page
+    index.html, which explains every case.
 
     \b
     Examples:
@@ -124,9 +138,8 @@ def compare(
     require_positive("--time-limit", time_limit)
     runs = plan(cases, backends, meshes, couplings, known)
     with terminal.watching(len(runs)) as watch:
-        outcomes = run_all(
-            runs, out / "results.csv", watch.start, watch.iterate, watch.finish, time_limit
-        )
+        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, jobs, time_limit, fresh)
+    export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
     about = describe()
     with terminal.status("drawing pictures, writing the page"):
         page = write(out, outcomes, about)

@@ -9,32 +9,22 @@ from statistics import median
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.coupling import Iterate
 from lacore.errors import require_known
 from lacore.solving import COUPLINGS, coupling_for
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find
-from verification.harness import (
-    COLUMNS,
-    FAIL,
-    NO_RESULT,
-    PASS,
-    RAW,
-    SKIPPED,
-    Outcome,
-    Row,
-    Run,
-    execute,
-)
-from verification.store import ResultFile
+from verification.execution import TIME_LIMIT, execute
+from verification.harness import RAW
+from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.provenance import code_of, describe
+from verification.run import Outcome, Row, Run
+from verification.store import Store
 
 ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
 """Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
 
 LINEAR = ("highs",)
 """Those of them that rigid bodies are compared with."""
-
-TIME_LIMIT = 600.0  # s, of one inner solve: ten times what the largest default run needs
 
 
 def plan(
@@ -204,28 +194,29 @@ def efforts(outcomes: Sequence[Outcome]) -> list[Effort]:
 
 def run_all(
     runs: Sequence[Run],
-    results: Path,
+    path: Path,
     on_start: Callable[[Run], None] = lambda _: None,
-    on_iterate: Callable[[Iterate], None] = lambda _: None,
     on_finish: Callable[[Outcome], None] = lambda _: None,
+    jobs: int = 1,
     time_limit: float = TIME_LIMIT,
+    fresh: bool = False,
 ) -> list[Outcome]:
-    """Run, and write each row to the CSV file `results` as soon as it is finished.
+    """Outcomes of runs, in their order; each is in the store at `path` as soon as it is finished.
 
-    Backends work in a process of their own, so that one that hangs for longer than `time_limit`
-    (s, one inner solve), or crashes, costs its own row and no other.
+    Those that are there already, by the same code, are not run again, unless all is to be `fresh`.
+    `time_limit`: s, of a run; one that takes longer, or whose process dies, costs its own row.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the store cannot be used.
     """
-    parameters = {f"param_{name}": None for run in runs for name in run.variant.parameters}
-    outcomes = []
-    with (
-        ResultFile(results, [*COLUMNS, *parameters]) as file,
-        la.SolverProcess() as process,
-    ):
-        for outcome in execute(runs, on_start, on_iterate, process, time_limit):
-            file.append(outcome.row.record())
-            outcomes.append(outcome)
+    codes = {run.key: code_of(run) for run in runs}
+    with Store(path, describe()) as store:
+        found = {} if fresh else store.settled((run, codes[run.key]) for run in runs)
+        for outcome in found.values():
             on_finish(outcome)
-    return outcomes
+        due = list({run.key: run for run in runs if run.key not in found}.values())
+        for outcome in execute(due, jobs, time_limit, on_start):
+            store.append(outcome, codes[outcome.run.key])
+            found[outcome.run.key] = outcome
+            on_finish(outcome)
+    return [found[run.key] for run in runs]

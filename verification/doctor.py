@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info
 import lacore as la
 from lacore.backend import Backend, Family, load_backend
 from verification import conformance
-from verification.machine import describe
+from verification.provenance import describe
 
 SELF_TEST = ("friction", "plasticity on a rough plane")  # a linear program, and one with cones
 LIMIT = 10.0  # s, of one of their solves, imports included; they take milliseconds

@@ -1,42 +1,120 @@
-"""Rows on disk: written as they finish, so that a crash loses no finished result."""
+"""The store: one durable row a finished run, the moment it ends (SQLite, one writer).
 
-import csv
-import os
-from collections.abc import Iterable
+Everything in it is text or numpy arrays: nothing that is read is run. Each row has a checksum, the
+file a schema version. A run is known by its `Run.key` and the version of the code that solved it;
+`load_results` gives the newest of each.
+"""
+
+import hashlib
+import json
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
+
+from filelock import FileLock, Timeout
 
 from lacore.errors import InputError
+from verification.run import Evidence, Outcome, Row, Run, canonical, columns
+
+NAME = "results.sqlite"
+SCHEMA = 1
+_APPLICATION = 0x6C61636F  # "laco", in the head of the file
+_TABLES = """
+CREATE TABLE sessions (id INTEGER PRIMARY KEY, provenance TEXT NOT NULL) STRICT;
+CREATE TABLE runs (
+    run TEXT NOT NULL, code TEXT NOT NULL, session INTEGER NOT NULL REFERENCES sessions (id),
+    finished TEXT NOT NULL, identity TEXT NOT NULL, row TEXT NOT NULL, residuals TEXT NOT NULL,
+    history TEXT NOT NULL, arrays BLOB NOT NULL, checksum TEXT NOT NULL, PRIMARY KEY (run, code)
+) STRICT;
+"""
+_COLUMNS = (
+    *("run", "code", "session", "finished", "identity", "row", "residuals", "history", "arrays"),
+    "checksum",
+)
+_UNSETTLED = ("time limit", "failed")
+"""Statuses of runs that a resumed sweep tries again."""
 
 
-class ResultFile:
-    """A CSV file that grows by one row a finished run; each row is on the disk when it returns."""
+class Store:
+    """A store open for writing; a context manager.
 
-    def __init__(self, path: Path, columns: Iterable[str]) -> None:
-        try:
+    Args:
+        path: of the file; it and its folder are made where they are missing.
+        provenance: of what is going to be appended: versions, machine, date, ...
+
+    Raises:
+        InputError: the file cannot be written, is no store, is damaged, of a newer lacore, or
+            another process writes it.
+    """
+
+    def __init__(self, path: Path, provenance: Mapping[str, str]) -> None:
+        self._path = path
+        with _said(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("w", newline="", encoding="utf-8")
-        except OSError as error:
-            raise InputError(
-                "--out", str(path.parent), f"cannot write there ({error.strerror})", "name a folder"
-            ) from error
-        self._writer = csv.DictWriter(self._file, list(columns), restval="")
-        self._writer.writeheader()
-        self._flush()
+            self._lock = FileLock(f"{path}.lock", timeout=0)
+            self._lock.acquire()
+        try:
+            self._database = _connected(path, create=True)
+            with _said(path), self._database:
+                text = json.dumps(dict(provenance))
+                added = self._database.execute(
+                    "INSERT INTO sessions (provenance) VALUES (?)", (text,)
+                )
+            self._session = added.lastrowid
+        except BaseException:
+            self._lock.release()
+            raise
 
-    def append(self, record: dict[str, Any]) -> None:
-        """Write one row; NaN is left empty."""
-        self._writer.writerow(
-            {name: "" if value != value else value for name, value in record.items()}
+    def append(self, outcome: Outcome, code: str) -> None:
+        """Keep an outcome: it is on the disk when this returns.
+
+        One of the same run and code takes the place of the one before.
+
+        Raises:
+            InputError: it cannot be written; what was written before stays.
+        """
+        evidence = outcome.evidence
+        texts = (
+            *(outcome.run.key, code, self._session, datetime.now(UTC).isoformat()),
+            canonical(outcome.run.identity),
+            *(canonical(part) for part in (vars(outcome.row), dict(evidence.residuals))),
+            canonical([dict(record) for record in evidence.history]),
+            evidence.arrays,
         )
-        self._flush()
+        marks = ", ".join("?" * len(_COLUMNS))
+        with _said(self._path), self._database:
+            self._database.execute(
+                f"INSERT OR REPLACE INTO runs ({', '.join(_COLUMNS)}) VALUES ({marks})",
+                (*texts, _checksum(texts)),
+            )
 
-    def _flush(self) -> None:
-        self._file.flush()
-        os.fsync(self._file.fileno())
+    def settled(self, runs: Iterable[tuple[Run, str]]) -> dict[str, Outcome]:
+        """Outcomes that are there already, by key, of runs and their codes.
 
-    def __enter__(self) -> "ResultFile":
+        Runs that were stopped or lost are not among them: they are to be tried again.
+        """
+        found = {}
+        for run, code in runs:
+            query = f"SELECT {', '.join(_COLUMNS)} FROM runs WHERE run = ? AND code = ?"
+            with _said(self._path):
+                record = self._database.execute(query, (run.key, code)).fetchone()
+            if record is not None:
+                outcome = _entry(record, self._path).outcome(run)
+                if outcome.row.status not in _UNSETTLED:
+                    found[run.key] = outcome
+        return found
+
+    def close(self) -> None:
+        """Let others write."""
+        self._database.close()
+        self._lock.release()
+
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -45,4 +123,156 @@ class ResultFile:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._file.close()
+        self.close()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A row of the store, as it was written.
+
+    Attributes:
+        run, code, session, finished: key of the run, version of the code, number of the session,
+            time (UTC, ISO 8601).
+        identity: of the run, see `Run.identity`.
+        row: the results.
+        evidence: their proof.
+    """
+
+    run: str
+    code: str
+    session: int
+    finished: str
+    identity: Mapping[str, Any]
+    row: Row
+    evidence: Evidence
+
+    def outcome(self, run: Run) -> Outcome:
+        """As the outcome of a run."""
+        return Outcome(run, self.row, self.evidence)
+
+    def record(self) -> dict[str, Any]:
+        """As columns of `verification.load_results`."""
+        names = ("run", "session", "finished")
+        return columns(self.row, self.evidence.residuals, self.identity) | {
+            name: getattr(self, name) for name in names
+        }
+
+
+def entries(path: Path) -> list[Entry]:
+    """The newest row of each run in a store, in the order in which they were finished.
+
+    Raises:
+        InputError: there is no store, it is damaged, or of a newer lacore.
+    """
+    if not path.is_file():
+        raise InputError("DIR", str(path), "there is no store", "name the folder of a finished run")
+    query = f"SELECT {', '.join(_COLUMNS)}, max(finished) FROM runs GROUP BY run ORDER BY finished"
+    with closing(_connected(path, create=False)) as database, _said(path):
+        return [_entry(record[:-1], path) for record in database.execute(query)]
+
+
+def sessions(path: Path) -> dict[int, dict[str, str]]:
+    """Provenance of the sessions that wrote a store, by number.
+
+    Raises:
+        InputError: as of `entries`.
+    """
+    with closing(_connected(path, create=False)) as database, _said(path):
+        rows = database.execute("SELECT id, provenance FROM sessions")
+        return {number: json.loads(text) for number, text in rows}
+
+
+def _connected(path: Path, create: bool) -> sqlite3.Connection:
+    with _said(path):
+        new = not path.exists() or path.stat().st_size == 0
+        mode = "rwc" if create else "ro"
+        database = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True)
+        try:
+            database.execute("PRAGMA synchronous = FULL")
+            if new and create:
+                with database:
+                    database.executescript(
+                        f"BEGIN; PRAGMA application_id = {_APPLICATION};"
+                        f" PRAGMA user_version = {SCHEMA}; {_TABLES} COMMIT;"
+                    )
+            _check(database, path)
+        except BaseException:
+            database.close()
+            raise
+    return database
+
+
+def _check(database: sqlite3.Connection, path: Path) -> None:
+    """Refuse what is no store, damaged, or newer than this code."""
+    (application,) = database.execute("PRAGMA application_id").fetchone()
+    (schema,) = database.execute("PRAGMA user_version").fetchone()
+    if application != _APPLICATION:
+        raise InputError("store", str(path), "is no store of lacore", "name another folder")
+    if schema > SCHEMA:
+        raise InputError(
+            "store", str(path), f"has schema {schema}, this lacore knows {SCHEMA}", "update lacore"
+        )
+    (verdict,) = database.execute("PRAGMA quick_check(1)").fetchone()
+    if verdict != "ok":
+        raise _damaged(path, verdict)
+
+
+def _damaged(path: Path, how: str) -> InputError:
+    return InputError(
+        "store", str(path), f"is damaged ({how})", "restore a copy, or name another folder"
+    )
+
+
+@contextmanager
+def _said(path: Path) -> Iterator[None]:
+    """What goes wrong with the file, as a sentence with its mend."""
+    try:
+        yield
+    except Timeout as error:
+        raise InputError(
+            "store",
+            str(path),
+            "is being written by another process",
+            "wait, or name another folder",
+        ) from error
+    except sqlite3.DatabaseError as error:
+        text = str(error)
+        if isinstance(error, sqlite3.OperationalError) and "malformed" not in text:
+            raise InputError(
+                "store", str(path), f"cannot be used ({text})",
+                "free space or name another folder; every finished run is kept",
+            ) from error  # fmt: skip
+        raise _damaged(path, text) from error
+    except OSError as error:
+        raise InputError(
+            "store", str(path), f"cannot be used ({error.strerror or error})", "name another folder"
+        ) from error
+
+
+def _checksum(values: Sequence[Any]) -> str:
+    digest = hashlib.sha256()
+    for value in values:
+        data = value if isinstance(value, bytes) else str(value).encode()
+        digest.update(len(data).to_bytes(8, "little") + data)
+    return digest.hexdigest()
+
+
+def _entry(record: Sequence[Any], path: Path) -> Entry:
+    """A row that is as it was written.
+
+    Raises:
+        InputError: it is not.
+    """
+    *values, checksum = record
+    if _checksum(values) != checksum:
+        raise _damaged(path, f"checksum of run {record[0]}")
+    run, code, session, finished, identity, row, residuals, history, arrays = values
+    evidence = Evidence(json.loads(residuals), tuple(json.loads(history)), arrays)
+    return Entry(
+        run, code, session, finished, json.loads(identity), Row(**json.loads(row)), evidence
+    )
+
+
+def file_of(place: Path) -> Path:
+    """The store in a folder; or the file itself."""
+    return place if place.suffix == Path(NAME).suffix else place / NAME

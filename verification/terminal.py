@@ -19,9 +19,9 @@ from rich.progress import (
 from rich.table import Table
 
 import lacore as la
-from lacore.coupling import Iterate
 from verification.compare import efforts
-from verification.harness import FAIL, PASS, SKIPPED, Outcome, Row, Run
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.run import Outcome, Row, Run
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 120
@@ -33,16 +33,10 @@ class Watch:
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
         self._task = progress.add_task("", total=total)
-        self._label = ""
 
     def start(self, run: Run) -> None:
         """Show what is running."""
-        self._label = run.label
-        self._progress.update(self._task, description=self._label)
-
-    def iterate(self, iterate: Iterate) -> None:
-        """Show which inner solve of the loop has ended."""
-        self._progress.update(self._task, description=f"{self._label} #{iterate.step + 1}")
+        self._progress.update(self._task, description=run.label)
 
     def finish(self, outcome: Outcome) -> None:
         """Count it; say at once what is wrong."""

@@ -161,7 +161,10 @@ def test_newton_finds_the_same_triple(case, variant, coupling, mesh):
     for name in TRIPLE:
         other = getattr(newton.regularised, name)
         assert getattr(mine, name) == pytest.approx(other, rel=1e-6), name
-    assert mine.plastic <= mine.alpha_reg <= mine.load_factor <= exact * (1 + SOLVER) + 1e-8
+    # A gap g leaves the elastic shares off by d with K d^2/2 <= g, and C = K e^2/2 by K e d at
+    # most, 2 sqrt(C g): so much may lambda = alpha_reg + C be off, though alpha_reg only by g.
+    off = 2 * np.sqrt(mine.energy * 1e-10)
+    assert mine.plastic <= mine.alpha_reg <= mine.load_factor <= exact * (1 + SOLVER) + off
     assert mine.multiplier == pytest.approx(mine.load_factor, rel=1e-7)
 
 

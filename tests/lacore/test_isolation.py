@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+import lacore.child_process
 import lacore.isolation
 from lacore.backend import InnerSolution, checked_answer
 from lacore.program import associated_contact, dimensionless
@@ -125,7 +126,7 @@ def test_an_interrupt_leaves_nothing_out_of_step(process, block, answer, monkeyp
     program, contact = block
     solver = process.prepare(Works(), program, Options())
     with monkeypatch.context() as patch:
-        patch.setattr(lacore.isolation, "_receive", interrupt)
+        patch.setattr(lacore.child_process, "_receive", interrupt)
         with pytest.raises(KeyboardInterrupt):
             solver.solve(contact)
     started = []

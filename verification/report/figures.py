@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from verification.case import Case, Variant
-from verification.harness import BOUNDS, Outcome
+from verification.judging import BOUNDS
+from verification.run import Outcome
 
 _MARKERS = "osD^v<>pX"
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -26,12 +27,11 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
     best: dict[str, Outcome] = {}
 
     def rank(outcome: Outcome) -> tuple[bool, bool, float]:
-        state = outcome.state
-        assert state is not None
-        return (np.isfinite(state.load_factor), state.regularised is None, outcome.row.n_elements)
+        row = outcome.row
+        return (np.isfinite(row.load_factor), np.isnan(row.P), row.n_elements)
 
     for outcome in outcomes:
-        if outcome.state is None or outcome.state.point is None:
+        if not outcome.evidence.arrays:
             continue
         if outcome.row.coupling in BOUNDS:
             continue

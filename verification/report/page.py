@@ -2,8 +2,8 @@
 
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from math import isfinite
+from dataclasses import dataclass
+from math import isfinite, isnan
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from lacore.errors import InputError
 from verification.case import EXACT, SOLVER, Case
 from verification.compare import efforts, tally
-from verification.harness import FAIL, PASS, SKIPPED, STRONG, Outcome, Run
+from verification.evidence import restored
+from verification.judging import FAIL, PASS, SKIPPED, STRONG
 from verification.report.figures import finest_exact, png, sweep_figure
+from verification.run import Outcome, Run
 
 MECHANISMS = 4
 """Pictures of a case; variants that failed come first."""
@@ -85,9 +87,9 @@ class Section:
     def residuals(self) -> list[tuple[Outcome, dict[str, float]]]:
         """Outcomes that carry a certificate."""
         return [
-            (outcome, asdict(outcome.state.certificate))
+            (outcome, dict(outcome.evidence.residuals))
             for outcome in self.outcomes
-            if outcome.state is not None and outcome.state.certificate is not None
+            if outcome.evidence.residuals
         ]
 
     @property
@@ -96,7 +98,7 @@ class Section:
 
         Of values that were found: a status has no error.
         """
-        exact = [o for o in self.outcomes if o.state is not None and o.state.regularised is None]
+        exact = [o for o in self.outcomes if o.evidence.residuals and isnan(o.row.P)]
         finest = max((o.row.n_elements for o in exact), default=0)
         errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
         errors = [error for error in errors if isfinite(error)]
@@ -122,9 +124,9 @@ def _pictures(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Picture]:
             yield Picture(f"{case.id}-sweep", text, png(figure))
     shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
     for name, outcome in shown[:MECHANISMS]:
-        assert outcome.state is not None
+        state = restored(outcome.run, outcome.row, outcome.evidence)
         caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
-        yield Picture(f"{case.id}-{name}", caption, png(outcome.state.plot(), dpi=90))
+        yield Picture(f"{case.id}-{name}", caption, png(state.plot(), dpi=90))
 
 
 def write(folder: Path, outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Path:

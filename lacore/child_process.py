@@ -1,0 +1,249 @@
+"""An interpreter of its own that can be stopped: hanging, crashing and dying become a status.
+
+The process is a plain interpreter that gets pickled requests on its standard input and answers on
+its standard output; it starts no `multiprocessing`, so that callers need no guarded main module.
+"""
+
+import faulthandler
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import traceback
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from pkgutil import resolve_name
+from queue import SimpleQueue
+from types import TracebackType
+from typing import IO, Any, Self
+
+from lacore.status import Status
+
+GRACE = 2.0  # s that work gets beyond its limit to come back by itself
+START = 60.0  # s, for the interpreter and its imports
+LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
+_SERVE = "from lacore.child_process import serve; serve({!r})"
+_LENGTH = 8  # bytes, of the number before each message that says how long it is
+
+
+class LostError(Exception):
+    """The process is gone; `status`, `native` and the text say how."""
+
+    def __init__(self, status: Status, native: str, message: str) -> None:
+        self.status, self.native = status, native
+        super().__init__(message)
+
+
+class ChildProcess:
+    """An interpreter that answers requests one after the other; started anew when one kills it.
+
+    A context manager: leaving it stops the process. For one thread at a time.
+
+    Args:
+        worker: ``module:Class`` of the other side. A request is the name of a method, and its
+            arguments.
+        environment: variables besides those of this process.
+    """
+
+    def __init__(self, worker: str, environment: Mapping[str, str] | None = None) -> None:
+        self._worker = worker
+        self._environment = dict(environment or {})
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether there is a process, with all that it was told."""
+        return self._process is not None
+
+    def ask(self, limit: float, *request: Any) -> Any:
+        """Answer to a request within `limit` seconds; exceptions of the other side are raised.
+
+        Raises:
+            LostError: it took longer and was killed, or it ended.
+        """
+        message = pickle.dumps((limit, *request))
+        if self._process is None:
+            self._start()
+        process = self._process
+        assert process is not None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        late = threading.Event()
+
+        def stop() -> None:
+            late.set()
+            _kill(process)
+
+        timer = threading.Timer(limit, stop)
+        timer.daemon = True  # interrupted while it starts, it must not hold up the end
+        sent = b""
+        try:
+            timer.start()
+            _send(process.stdin, message)
+            sent = _receive(process.stdout)
+        except (OSError, EOFError):
+            pass
+        except BaseException:  # interrupted between request and answer: out of step
+            self.close()
+            raise
+        finally:
+            timer.cancel()
+            if timer.is_alive():
+                timer.join()  # it may be at work at this very moment
+        if late.is_set() or not sent:
+            raise self._lost(late.is_set(), limit)
+        answer = pickle.loads(sent)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def _start(self) -> None:
+        places = [path or "." for path in sys.path]
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", _SERVE.format(self._worker)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
+            start_new_session=True,  # what it starts ends with it; Ctrl-C reaches the caller only
+        )
+        self.ask(START, "")
+
+    def _lost(self, late: bool, limit: float) -> LostError:
+        assert self._process is not None
+        process = self._process
+        if not late:  # one that ends in good order closes its pipes before
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(GRACE)
+        self.close()
+        if late:
+            return LostError(
+                Status.TIME_LIMIT,
+                "killed",
+                f"its process had not come back after {limit:.3g} s and was stopped",
+            )
+        how = f"exit code {process.returncode}"
+        if process.returncode < 0:
+            how = f"signal {-process.returncode}, {signal.strsignal(-process.returncode)}"
+        return LostError(Status.FAILED, "process ended", f"its process ended by itself ({how})")
+
+    def kill(self) -> None:
+        """Stop the process, from any thread: the one that waits for an answer learns of it."""
+        process = self._process
+        if process is not None:
+            _kill(process)
+
+    def close(self) -> None:
+        """Stop the process; the next request starts another."""
+        process, self._process = self._process, None
+        if process is not None:
+            _kill(process)
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                assert pipe is not None
+                with suppress(BrokenPipeError):  # of what was not read any more
+                    pipe.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def serve(worker_name: str) -> None:
+    """The other side: answer requests until standard input ends.
+
+    Work reads nothing, and what it prints goes to standard error.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the caller stops this process
+    requests, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nowhere, 0)
+    os.dup2(2, 1)
+    inbox: SimpleQueue[bytes] = SimpleQueue()
+    threading.Thread(target=_read_all, args=(requests, inbox), daemon=True).start()
+    worker: Any = None
+    while True:
+        try:
+            limit, kind, *arguments = pickle.loads(inbox.get())
+            # Should the caller die, and the solver hold the interpreter so that `_read_all` does
+            # not notice: this watch needs no interpreter.
+            faulthandler.dump_traceback_later(limit + GRACE, exit=True, file=nowhere)
+            if worker is None:
+                worker = resolve_name(worker_name)()
+            answer = pickle.dumps(getattr(worker, kind)(*arguments) if kind else None)
+        except Exception as error:  # the caller's to handle
+            answer = _pickled(error)
+        faulthandler.cancel_dump_traceback_later()
+        _send(answers, answer)
+
+
+def _read_all(requests: IO[bytes], inbox: SimpleQueue[bytes]) -> None:
+    """Pass requests on; end the process when there is nobody left to answer, also amid a solve."""
+    with suppress(EOFError, OSError):
+        while True:
+            inbox.put(_receive(requests))
+    _kill_group(os.getpid())
+    os._exit(0)
+
+
+def _send(pipe: IO[bytes], message: bytes) -> None:
+    pipe.write(len(message).to_bytes(_LENGTH, "little"))
+    pipe.write(message)
+    pipe.flush()
+
+
+def _receive(pipe: IO[bytes]) -> bytes:
+    """The next message; raises `EOFError` where there is none, or half of one."""
+    head = pipe.read(_LENGTH)
+    length = int.from_bytes(head, "little")
+    message = pipe.read(length) if len(head) == _LENGTH else b""
+    if not message or len(message) < length:
+        raise EOFError
+    return message
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """Stop a process and what it has started."""
+    _kill_group(process.pid)
+    process.kill()
+
+
+def _kill_group(leader: int) -> None:
+    if sys.platform != "win32":
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(leader, signal.SIGKILL)
+
+
+def _pickled(error: Exception) -> bytes:
+    error.add_note("In its process:\n" + traceback.format_exc())
+    try:
+        sent = pickle.dumps(error)
+        pickle.loads(sent)
+    except Exception:  # an exception with arguments of its own may not survive the way
+        return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))
+    return sent
+
+
+def forget_peak_memory() -> None:
+    """Let the kernel count the peak afresh, where it can (Linux)."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_memory() -> float:
+    """Peak resident memory since the last `forget_peak_memory`, MB; NaN where nobody counts."""
+    try:
+        lines = Path("/proc/self/status").read_text().splitlines()
+    except OSError:
+        return float("nan")
+    counts = [int(line.split()[1]) for line in lines if line.startswith("VmHWM:")]
+    return counts[0] * 1024 / 1e6 if counts else float("nan")

@@ -1,0 +1,132 @@
+"""States as bytes, and back: so that a stored number can be proven, and drawn, again."""
+
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import lacore as la
+from lacore.arrays import Floats
+from lacore.certificate import Certificate, certify
+from lacore.conversion import point_in_program
+from lacore.program import (
+    ContactRows,
+    FrozenContact,
+    associated_contact,
+    dimensionless,
+    frictionless_contact,
+    stick_contact,
+)
+from lacore.regularization import RegularisedValues
+from lacore.state import ProgramState
+from verification.case import SOLVER
+from verification.run import Evidence, Row, Run
+
+_SINGLE = ("velocity", "normal_reaction", "tangential_reaction")
+_SEVERAL = ("stress", "mean_stress")
+_LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
+    "associated": associated_contact,
+    "frictionless": frictionless_contact,
+    "stick": stick_contact,
+}
+"""What couplings are judged by that solve another problem; the others by Coulomb's law."""
+
+
+def evidence_of(state: la.LimitState) -> Evidence:
+    """What a state leaves behind."""
+    return Evidence(
+        residuals=asdict(state.certificate) if state.certificate else {},
+        history=tuple(_plain(record) for record in state.history.to_dict("records")),
+        arrays=b"" if state.point is None else packed(state.point),
+    )
+
+
+def _plain(record: dict[Any, Any]) -> dict[str, Any]:
+    return {
+        str(name): value.item() if isinstance(value, np.generic) else value
+        for name, value in record.items()
+    }
+
+
+def _values(row: Row) -> RegularisedValues:
+    return RegularisedValues(row.P, row.alpha_reg, row.regularised_lambda, nan)
+
+
+def packed(point: ProgramState) -> bytes:
+    """A state in numpy's archive format."""
+    arrays = {name: getattr(point, name) for name in _SINGLE}
+    arrays |= {
+        f"{name}_{n}": part for name in _SEVERAL for n, part in enumerate(getattr(point, name))
+    }
+    buffer = io.BytesIO()
+    arrays |= {"load_factor": np.array(point.load_factor), "groups": np.array(len(point.stress))}
+    np.savez_compressed(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def unpacked(data: bytes) -> ProgramState:
+    """The inverse of `packed`; nothing in the data is run.
+
+    Raises:
+        ValueError: the bytes are no such archive.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            arrays = dict(archive)
+        return ProgramState(
+            velocity=arrays["velocity"],
+            load_factor=float(arrays["load_factor"]),
+            stress=_parts(arrays, "stress"),
+            mean_stress=_parts(arrays, "mean_stress"),
+            normal_reaction=arrays["normal_reaction"],
+            tangential_reaction=arrays["tangential_reaction"],
+        )
+    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+        raise ValueError(f"no state: {error}") from error
+
+
+def _parts(arrays: Mapping[str, Floats], name: str) -> tuple[Floats, ...]:
+    return tuple(arrays[f"{name}_{n}"] for n in range(int(arrays["groups"])))
+
+
+def rechecked(run: Run, row: Row, evidence: Evidence) -> Certificate:
+    """Residuals of a stored state, computed afresh from the problem of its run.
+
+    Raises:
+        ValueError: there is no state, or it is not one of this problem.
+    """
+    discretisation = la.discretise(run.problem())
+    program = dimensionless(discretisation.program, discretisation.natural)
+    laws = _LAWS[row.coupling](program.contact) if row.coupling in _LAWS else None
+    return certify(program, point_in_program(discretisation, unpacked(evidence.arrays)), laws)
+
+
+def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
+    """The state of a row, to look at; its options are those of the run.
+
+    Raises:
+        ValueError: there is none, or it is not one of this problem.
+    """
+    return la.LimitState(
+        status=next(status for status in la.Status if status.label == row.status),
+        load_factor=row.load_factor,
+        rigor=next(rigor for rigor in la.Rigor if rigor.label == row.rigor),
+        backend=row.backend,
+        coupling=row.coupling,
+        certificate=Certificate(**evidence.residuals) if evidence.residuals else None,
+        contraction=row.contraction,
+        bracket=None,
+        regularised=None if isnan(row.P) else _values(row),
+        history=pd.DataFrame(list(evidence.history)),
+        build_time=row.build_time,
+        solve_time=row.solve_time,
+        options=run.options,
+        tolerance=run.settings.get("tolerance", SOLVER),
+        message=row.message,
+        discretisation=la.discretise(run.problem()),
+        point=unpacked(evidence.arrays),
+    )

@@ -1,0 +1,101 @@
+"""Runs in interpreters of their own, several at a time: what hangs or dies costs its own row."""
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import ExitStack, suppress
+from queue import SimpleQueue
+
+import lacore as la
+from lacore.backend import load_backend
+from lacore.child_process import LONGEST, ChildProcess, LostError, forget_peak_memory, peak_memory
+from verification.harness import Assembled, assemble, lost, perform
+from verification.run import Evidence, Outcome, Row, Run
+
+TIME_LIMIT = 600.0  # s, of a run: ten times what the largest default one needs
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Environment of processes that share the cores."""
+_WORKER = "verification.execution:Worker"
+_ATTEMPTS = 2  # a process may have been killed by somebody else
+
+OnStart = Callable[[Run], None]
+
+
+class Worker:
+    """In the process: one run after the other; neighbours of one problem share its assembly."""
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] = ()
+        self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
+
+    def perform(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
+        """Row and evidence of a run; `time_limit`: s, of each inner solve."""
+        forget_peak_memory()
+        with suppress(la.CapabilityError):  # the row says so; imports are no part of the solve
+            load_backend(run.backend)
+        if run.problem_key != self._key:
+            self._key, self._assembled = run.problem_key, assemble(run)
+        outcome = perform(run, self._assembled, time_limit, peak_memory)
+        return outcome.row, outcome.evidence
+
+
+def worker_process() -> ChildProcess:
+    """A process that performs runs, on one thread."""
+    return ChildProcess(_WORKER, ONE_THREAD)
+
+
+def attempt(child: ChildProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
+    """A run in a process; of one that died it is tried again, unless all is to stop."""
+    for tries_left in reversed(range(_ATTEMPTS)):
+        try:
+            row, evidence = child.ask(min(time_limit, LONGEST), "perform", run, time_limit)
+        except LostError as error:
+            if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
+                return lost(run, error.status, str(error))
+        except Exception as error:  # on the way there or back: the other runs go on
+            return lost(run, la.Status.FAILED, f"{type(error).__name__}: {error}")
+        else:
+            return Outcome(run, row, evidence)
+    raise AssertionError("each attempt returns, but for the last")
+
+
+def execute(
+    runs: Sequence[Run],
+    jobs: int = 1,
+    time_limit: float = TIME_LIMIT,
+    on_start: OnStart = lambda _: None,
+) -> Iterator[Outcome]:
+    """Outcomes as they come, of `jobs` processes; `time_limit`: s, of a run.
+
+    A run that takes longer is stopped; closing the iterator stops all that are at work.
+    `on_start` is called by threads of its own.
+    """
+    stop = threading.Event()
+    children = [worker_process() for _ in range(max(min(jobs, len(runs)), 1))]
+    idle: SimpleQueue[ChildProcess] = SimpleQueue()
+    for child in children:
+        idle.put(child)
+
+    def task(run: Run) -> Outcome:
+        child = idle.get()
+        try:
+            on_start(run)
+            return attempt(child, run, time_limit, stop)
+        finally:
+            idle.put(child)
+
+    with ExitStack() as stack:
+        for child in children:
+            stack.callback(child.close)
+        pool = stack.enter_context(ThreadPoolExecutor(len(children)))
+
+        def abandon() -> None:
+            stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in children:
+                child.kill()
+
+        stack.callback(abandon)
+        futures: list[Future[Outcome]] = [pool.submit(task, run) for run in runs]
+        for future in as_completed(futures):
+            yield future.result()

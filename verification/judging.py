@@ -1,0 +1,82 @@
+"""Verdicts: what a result must be, from the reference and the band of its case."""
+
+from math import inf, isfinite, isnan, nan
+from typing import Any
+
+import lacore as la
+from verification.case import (
+    Allowed,
+    Band,
+    Reference,
+    allowed_values,
+    lower_values,
+    upper_values,
+)
+
+PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
+STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
+BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
+"""Couplings that bound the Coulomb load factors (T14) instead of finding one."""
+_CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
+"""What statuses say of the load factor: they are claims, right or wrong, like a number."""
+
+
+def judge(
+    state: la.LimitState, reference: Reference, band: Band, insist: bool = True
+) -> tuple[str, str]:
+    """Verdict on a result, and why.
+
+    Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
+    value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
+    lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
+    the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
+    claims nothing is none.
+    """
+    if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
+        return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
+    if isnan(reference.value):
+        return PASS, f"{state.status.label}: proven by its certificate, nothing to compare with"
+    allowed_of = BOUNDS.get(state.coupling, allowed_values)
+    if state.coupling == "associated" and reference.associated is not None:
+        reference, allowed_of = reference.of_associated(), allowed_values
+    found_only = {state.status, reference.status} - {la.Status.SOLVED}
+    if allowed_of is allowed_values and found_only:
+        verdict = PASS if state.status is reference.status else FAIL
+        return verdict, f"{state.status.label}, expected {reference.text}"
+    return _judge_value(state, reference, band, allowed_of(reference, band))
+
+
+def _judge_value(
+    state: la.LimitState, reference: Reference, band: Band, allowed: Allowed
+) -> tuple[str, str]:
+    value = _CLAIMED.get(state.status, state.load_factor)
+    if state.regularised is not None:
+        energy = max(state.regularised.energy, 0.0)
+        if not energy <= STRONG * band.size(value):
+            return FAIL, (
+                f"regularisation too strong to judge: C = {energy:.3g} is above"
+                f" {100 * STRONG:g} % of the value; lower r"
+            )
+        allowed = Allowed(allowed.low - energy, allowed.high)
+    verdict = PASS if allowed.holds(value) else FAIL
+    why = f"{value:.7g} {'in' if verdict == PASS else 'not in'} {allowed}"
+    if not (reference.complete or reference.low <= value <= reference.high):
+        why += f"; listed are {reference.text}"
+    return verdict, why
+
+
+def about(reference: Reference) -> dict[str, Any]:
+    """Columns of a reference."""
+    up_to = nan if reference.up_to is None else reference.up_to
+    return {"reference": reference.value, "reference_to": up_to, "expected": reference.text}
+
+
+def distance(value: float, reference: Reference, band: Band) -> float:
+    """Relative distance from a reference; NaN without a value, or of another Coulomb state."""
+    nearest = reference.value
+    if reference.up_to is not None:
+        nearest = min(max(value, nearest), reference.up_to)
+        if not (reference.complete or reference.low <= value <= reference.high):
+            return nan
+    size = abs(nearest) or band.scale
+    return (value - nearest) / size if isfinite(nearest) and size > 0 else nan

@@ -1,0 +1,66 @@
+"""Results as a table: typed, one row a finished run, and its exports."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from lacore.errors import InputError, require_known
+from verification.run import TYPES
+from verification.store import entries, file_of
+
+FORMATS = ("csv", "parquet")
+
+
+def load_results(place: Path | str) -> pd.DataFrame:
+    """The finished runs of a store, the newest of each, in the order in which they ended.
+
+    Columns: those of `verification.run.Row` (lambda of T19 as ``lambda``); ``residual_*`` of the
+    certificate; ``param_*`` of the case, ``size_*`` of the mesh, ``setting_*`` of the loop,
+    ``option_*`` of the backend, as far as a run sets them; ``run``, its key; ``session``, the
+    number of its provenance; ``finished``, UTC. Missing numbers are NaN, missing counts and all
+    else that is missing NA.
+
+    Args:
+        place: folder of a comparison, verification or sweep, or the file of its store.
+
+    Raises:
+        InputError: there is no store, it is damaged, or of a newer lacore.
+    """
+    return as_table(entry.record() for entry in entries(file_of(Path(place))))
+
+
+def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+    """Typed columns of records as they come from `Outcome.record` or a store."""
+    rows = list(records)
+    frame = pd.DataFrame(rows, columns=None if rows else list(TYPES)).astype(TYPES)
+    if "finished" in frame:
+        frame["finished"] = pd.to_datetime(frame["finished"], format="ISO8601", utc=True)
+    return frame.convert_dtypes(
+        convert_string=True, convert_integer=False, convert_boolean=True, convert_floating=False
+    )
+
+
+def export(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV or Parquet, by the ending of the path.
+
+    Raises:
+        InputError: another ending, a package that is missing, or the file cannot be written.
+    """
+    kind = path.suffix.removeprefix(".")
+    require_known("ending of the file", kind, FORMATS)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if kind == "csv":
+            frame.to_csv(path, index=False)
+        else:
+            frame.to_parquet(path, index=False)
+    except ImportError as error:
+        raise InputError(
+            "export", str(path), "Parquet needs pyarrow", "pip install pyarrow"
+        ) from error
+    except OSError as error:
+        raise InputError(
+            "export", str(path), f"cannot be written ({error.strerror})", "name another file"
+        ) from error

@@ -1,0 +1,237 @@
+"""What is run, and what a run leaves: plain data that goes through pipes and into the store."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from math import nan
+from typing import Any
+
+import numpy as np
+
+import lacore as la
+from verification.case import Case, Variant
+
+
+@dataclass(frozen=True)
+class Run:
+    """What to run.
+
+    Attributes:
+        case, variant, mesh, backend: names and things.
+        coupling: a name of `la.solve` or `verification.harness.RAW`; None is the default of the
+            backend.
+        insist: whether to end without a result is a failure.
+        skip: why it is not run after all.
+        size: keyword arguments of `Case.build` in place of those of the mesh level.
+        settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...
+        options: of the backend, by name.
+    """
+
+    case: Case
+    variant: Variant
+    mesh: str
+    backend: str
+    coupling: str | None = None
+    insist: bool = True
+    skip: str = ""
+    size: Mapping[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """For progress."""
+        varied = {**self.size, **self.settings, **self.options}
+        names = (
+            f"{self.case.id}:{self.variant.name}",
+            self.mesh,
+            self.backend,
+            self.coupling,
+            *(f"{name}={_short(value)}" for name, value in varied.items()),
+        )
+        return " ".join(name for name in names if name)
+
+    def problem(self) -> la.Problem:
+        """The problem; two runs of one `problem_key` have the same."""
+        return self.case.build(
+            **{**self.case.meshes[self.mesh], **self.size}, **self.variant.parameters
+        )
+
+    @property
+    def problem_key(self) -> tuple[object, ...]:
+        """Equal for runs of the same problem, in one process."""
+        return (id(self.case.build), self.mesh, canonical(self.size), canonical(self.parameters))
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Of the case."""
+        return dict(self.variant.parameters)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What makes it this run and no other: names and numbers."""
+        return {
+            "case": self.case.id,
+            "variant": self.variant.name,
+            "parameters": self.parameters,
+            "mesh": self.mesh,
+            "size": dict(self.size),
+            "backend": self.backend,
+            "coupling": self.coupling,
+            "settings": dict(self.settings),
+            "options": dict(self.options),
+        }
+
+    @property
+    def key(self) -> str:
+        """Hash of `identity`."""
+        return hashlib.sha256(canonical(self.identity).encode()).hexdigest()[:16]
+
+
+def canonical(data: Any) -> str:
+    """JSON of plain data, the same for equal data.
+
+    Raises:
+        TypeError: something that JSON does not have.
+    """
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), default=_of_numpy)
+
+
+def _of_numpy(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} {value!r} is neither text nor a number")
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One finished run; a field is a column. Values that do not exist are NaN or empty.
+
+    Attributes:
+        case, variant, backend, coupling, mesh: what was run.
+        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports.
+        load_factor, reference: in units of the case.
+        reference_to: upper end of the reference, where it is an interval.
+        expected: the reference as text: number, interval or status.
+        error: distance from the reference, relative to its size or that of the dead loads; 0 inside
+            an interval.
+        rigor, status: labels.
+        lower, upper: the load factor again, where rigor proves it to be such a bound.
+        outer_iterations: inner solves of the coupling loop.
+        gap: of the certificate.
+        build_time, solve_time: s.
+        peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
+        message: of the status, or why a run was skipped or failed.
+        verdict: ``pass``, ``FAIL``, ``skipped``, or ``no result`` of a coupling that is not the
+            default and claims nothing; `why` says why.
+        why: the rule that gave the verdict, with its numbers.
+        alpha_reg, regularised_lambda, P: the values of T19, as load factors.
+        energy: C of T19.
+        contraction: of the coupling loop.
+        iterations: of the solver, in all inner solves.
+        claimed: whether the solver itself called its last inner solve solved.
+    """
+
+    case: str
+    variant: str
+    backend: str
+    coupling: str
+    mesh: str
+    n_elements: float = nan
+    n_dofs: float = nan
+    load_factor: float = nan
+    reference: float = nan
+    reference_to: float = nan
+    expected: str = ""
+    error: float = nan
+    rigor: str = ""
+    lower: float = nan
+    upper: float = nan
+    status: str = ""
+    outer_iterations: float = nan
+    gap: float = nan
+    build_time: float = nan
+    solve_time: float = nan
+    peak_memory_mb: float = nan
+    message: str = ""
+    verdict: str = "FAIL"
+    why: str = ""
+    alpha_reg: float = nan
+    regularised_lambda: float = nan
+    P: float = nan
+    energy: float = nan
+    contraction: float = nan
+    iterations: float = nan
+    claimed: bool = False
+
+    def record(self) -> dict[str, Any]:
+        """As columns."""
+        values = asdict(self)
+        values["lambda"] = values.pop("regularised_lambda")
+        for name in _COUNTS:
+            if values[name] == values[name]:
+                values[name] = int(values[name])
+        return {name: values[name] for name in TYPES}
+
+
+_COUNTS = ("n_elements", "n_dofs", "outer_iterations", "iterations")
+_KINDS: Mapping[Any, str] = {str: "string", float: "float64", bool: "boolean"}
+TYPES = {
+    "lambda" if entry.name == "regularised_lambda" else entry.name: "Int64"
+    if entry.name in _COUNTS
+    else _KINDS[entry.type]
+    for entry in fields(Row)
+}
+"""Columns of a row, and their types in a table."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What proves a row.
+
+    Attributes:
+        residuals: of the certificate, by name; empty without one.
+        history: one record an inner solve, as in `la.LimitState.history`.
+        arrays: velocity, stresses and reactions, see `verification.evidence`; empty without any.
+    """
+
+    residuals: Mapping[str, float]
+    history: tuple[Mapping[str, Any], ...]
+    arrays: bytes
+
+
+NO_EVIDENCE = Evidence({}, (), b"")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run with its row, and what proves it."""
+
+    run: Run
+    row: Row
+    evidence: Evidence = NO_EVIDENCE
+
+    def record(self) -> dict[str, Any]:
+        """All columns."""
+        return columns(self.row, self.evidence.residuals, self.run.identity)
+
+
+def columns(
+    row: Row, residuals: Mapping[str, float], identity: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Columns of a finished run: its row, its residuals, and everything that was set."""
+    groups = {
+        "residual": residuals,
+        "param": identity["parameters"],
+        "size": identity["size"],
+        "setting": identity["settings"],
+        "option": identity["options"],
+    }
+    return row.record() | {
+        f"{kind}_{name}": value for kind, values in groups.items() for name, value in values.items()
+    }
