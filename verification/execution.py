@@ -8,7 +8,14 @@ from queue import SimpleQueue
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.child_process import LONGEST, ChildProcess, LostError, forget_peak_memory, peak_memory
+from lacore.child_process import (
+    GRACE,
+    LONGEST,
+    ChildProcess,
+    LostError,
+    forget_peak_memory,
+    peak_memory,
+)
 from verification.harness import Assembled, assemble, lost, perform
 from verification.run import Evidence, Outcome, Row, Run
 
@@ -48,7 +55,8 @@ def attempt(child: ChildProcess, run: Run, time_limit: float, stop: threading.Ev
     """A run in a process; of one that died it is tried again, unless all is to stop."""
     for tries_left in reversed(range(_ATTEMPTS)):
         try:
-            row, evidence = child.ask(min(time_limit, LONGEST), "perform", run, time_limit)
+            limit = min(time_limit + GRACE, LONGEST)
+            row, evidence = child.ask(limit, "perform", run, time_limit)
         except LostError as error:
             if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
                 return lost(run, error.status, str(error))

@@ -37,9 +37,8 @@ def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=None if rows else list(TYPES)).astype(TYPES)
     if "finished" in frame:
         frame["finished"] = pd.to_datetime(frame["finished"], format="ISO8601", utc=True)
-    return frame.convert_dtypes(
-        convert_string=True, convert_integer=False, convert_boolean=True, convert_floating=False
-    )
+    mixed = [name for name in frame if frame[name].dtype == object]
+    return frame.assign(**{name: frame[name].convert_dtypes() for name in mixed})
 
 
 def export(frame: pd.DataFrame, path: Path) -> None:

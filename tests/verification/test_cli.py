@@ -12,7 +12,7 @@ from tests.verification.test_harness import VARIANT, wrong_case
 from verification import conformance, doctor
 from verification.catalogue import catalogue
 from verification.compare import plan
-from verification.harness import Run
+from verification.run import Run
 
 # Every case, but not every variant: pictures take time.
 RUN = [
@@ -214,7 +214,7 @@ def test_unwritable_folder_is_exit_code_2(tmp_path):
     (tmp_path / "file").write_text("")
     result = run("compare", "shear-patch", "--out", str(tmp_path / "file" / "below"))
     assert result.exit_code == 2
-    assert "cannot write there" in result.stderr
+    assert "cannot be used (Not a directory)" in result.stderr
 
 
 @pytest.mark.parametrize("command", ["compare", "cases", "backends", "conformance", "doctor"])

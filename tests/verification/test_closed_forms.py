@@ -6,7 +6,9 @@ import pytest
 import lacore as la
 from verification.case import Variant
 from verification.catalogue import catalogue
-from verification.harness import PASS, Run, execute
+from verification.harness import execute
+from verification.judging import PASS
+from verification.run import Run
 
 BLOCK = {"W": (0.2, 5.0), "b": (0.5, 5.0), "h": (0.3, 3.0)}
 FRAME = {"Mp": (0.2, 5.0), "h": (0.5, 4.0), "L": (1.0, 8.0)}
@@ -100,7 +102,7 @@ def wrong_ones(case_id, ranges, backend, coupling):
     ]
     return [
         f"{outcome.run.variant.parameters}: {outcome.row.why}"
-        for outcome in execute(runs, lambda _: None, lambda _: None)
+        for outcome in execute(runs)
         if outcome.row.verdict != PASS
     ]
 

@@ -10,7 +10,9 @@ import lacore as la
 from verification.assemblies import ASSEMBLIES, FRICTIONS
 from verification.catalogue import catalogue, find
 from verification.compare import efforts, plan, run_all
-from verification.harness import FAIL, NO_RESULT, PASS, RAW, SKIPPED
+from verification.harness import RAW
+from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.store import NAME
 
 CLAIMS = {
     la.Status.LOCKED: np.inf,
@@ -59,7 +61,9 @@ def test_assembly_is_certified(name):
 def test_structured_sweep_is_certified(tmp_path):
     """Every finite case, to the bar of the issue: gap 1e-6, median of 5 inner solves."""
     outcomes = run_all(
-        plan(["structured-sweep"], ["clarabel"], couplings=["certified", *RAW]), tmp_path / "r.csv"
+        plan(["structured-sweep"], ["clarabel"], couplings=["certified", *RAW]),
+        tmp_path / NAME,
+        jobs=2,
     )
     assert len(outcomes) == len(ASSEMBLIES) * len(FRICTIONS) * (1 + len(RAW))
     failed = [outcome.row for outcome in outcomes if outcome.row.verdict == FAIL]
@@ -80,7 +84,7 @@ def test_structured_sweep_is_certified(tmp_path):
 def test_couplings_are_planned_and_counted(tmp_path):
     names = ["certified", "shift", "paper", "associated"]
     runs = plan(["wedge-extraction:rough"], ["clarabel", "newton"], couplings=names)
-    outcomes = run_all(runs, tmp_path / "results.csv")
+    outcomes = run_all(runs, tmp_path / NAME)
     found = {(o.row.backend, o.row.coupling): o.row for o in outcomes}
     assert len(found) == 8
     assert found["clarabel", "certified"].verdict == PASS
@@ -97,7 +101,7 @@ def test_couplings_are_planned_and_counted(tmp_path):
 
 def test_a_loop_without_an_end_is_no_failure_unless_it_is_the_default(tmp_path):
     runs = plan(["symmetric-wedge:jam"], ["clarabel"], couplings=["shift", "certified"])
-    shift, certified = run_all(runs, tmp_path / "results.csv")
+    shift, certified = run_all(runs, tmp_path / NAME)
     assert shift.row.verdict == NO_RESULT
     assert (certified.row.verdict, certified.row.status) == (PASS, "jam")
     (effort, _) = efforts([shift, certified])

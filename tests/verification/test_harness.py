@@ -1,8 +1,7 @@
 """Verdicts, rows and the file that they are written to."""
 
-import csv
 from dataclasses import replace
-from math import inf, nan
+from math import inf, isnan, nan
 
 import pytest
 
@@ -12,17 +11,22 @@ from lacore.regularization import RegularisedValues
 from verification.case import Band, Reference
 from verification.catalogue import find
 from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
-from verification.harness import FAIL, NO_RESULT, PASS, SKIPPED, Run, execute, judge
+from verification.harness import execute
+from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED, judge
+from verification.results import load_results
+from verification.run import NO_EVIDENCE, Run
+from verification.store import NAME
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")
 
 
-def wrong_case():
-    def reference(**parameters):
-        return Reference(0.61, "planted", "wrong", "exact")
+def planted_reference(**parameters):
+    return Reference(0.61, "planted", "wrong", "exact")
 
-    return replace(CASE, reference=reference)
+
+def wrong_case():
+    return replace(CASE, reference=planted_reference)
 
 
 @pytest.fixture(scope="module")
@@ -122,36 +126,32 @@ def test_a_load_that_is_not_listed_is_named(state):
 
 def test_planted_wrong_reference_fails(tmp_path):
     runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
-    (outcome,) = run_all(runs, tmp_path / "results.csv")
+    (outcome,) = run_all(runs, tmp_path / NAME)
     assert outcome.row.verdict == FAIL
     assert "not in" in outcome.row.why
 
 
-def read(path):
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def test_rows_are_on_disk_as_they_finish(tmp_path):
-    path = tmp_path / "new" / "results.csv"
+    path = tmp_path / "new" / NAME
     seen = []
     run_all(
         plan(["shear-patch"], ["clarabel"], ["coarse"]),
         path,
-        on_finish=lambda _: seen.append(len(read(path))),
+        on_finish=lambda _: seen.append(len(load_results(path))),
     )
     assert seen == [1, 2]
-    first, _ = read(path)
+    first = load_results(path).iloc[0]
     assert (first["case"], first["variant"], first["verdict"]) == ("shear-patch", "sliding", PASS)
-    assert float(first["load_factor"]) == pytest.approx(0.32)
-    assert first["alpha_reg"] == first["upper"] == ""
-    assert float(first["param_mu"]) == 0.2
+    assert first["load_factor"] == pytest.approx(0.32)
+    assert isnan(first["alpha_reg"])
+    assert isnan(first["upper"])
+    assert first["param_mu"] == 0.2
 
 
 def test_upper_bound_is_filled_only_where_rigor_says_so():
     case, variants = find("prandtl-punch")
     runs = [Run(case, variant, "coarse", "clarabel") for variant in variants]
-    for outcome in execute(runs, lambda _: None, lambda _: None):
+    for outcome in execute(runs):
         assert outcome.row.upper == outcome.row.load_factor
         assert outcome.row.record()["lower"] != outcome.row.record()["lower"]  # NaN
 
@@ -166,7 +166,7 @@ def test_a_backend_that_breaks_is_a_failed_row_and_the_run_goes_on(monkeypatch):
 
     monkeypatch.setattr(harness.la, "solve", breaks)
     runs = [Run(CASE, VARIANT, "coarse", name) for name in ("broken", "clarabel")]
-    first, second = execute(runs, lambda _: None, lambda _: None)
+    first, second = execute(runs)
     assert (first.row.status, first.row.verdict) == ("failed", FAIL)
     assert first.row.message == "ZeroDivisionError: planted"
     assert second.row.verdict == PASS
@@ -177,9 +177,7 @@ def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
         raise la.CapabilityError("too big: take a coarser mesh")
 
     monkeypatch.setattr(harness.la, "solve", cannot)
-    outcomes = list(
-        execute([Run(CASE, VARIANT, "coarse", "small")], lambda _: None, lambda _: None)
-    )
+    outcomes = list(execute([Run(CASE, VARIANT, "coarse", "small")]))
     assert outcomes[0].row.verdict == SKIPPED
     assert outcomes[0].row.message == "too big: take a coarser mesh"
     assert tally(outcomes).skipped == 1
@@ -190,8 +188,8 @@ def test_a_case_that_does_not_build_is_a_failed_row():
         raise la.InputError("mesh", None, "planted", "mend it")
 
     runs = [Run(replace(CASE, build=build), VARIANT, "coarse", "clarabel")]
-    (outcome,) = execute(runs, lambda _: None, lambda _: None)
-    assert (outcome.row.verdict, outcome.state) == (FAIL, None)
+    (outcome,) = execute(runs)
+    assert (outcome.row.verdict, outcome.evidence) == (FAIL, NO_EVIDENCE)
 
 
 def test_backends_share_the_discretisation(monkeypatch):
@@ -201,7 +199,7 @@ def test_backends_share_the_discretisation(monkeypatch):
         harness.la, "discretise", lambda problem: calls.append(1) or discretise(problem)
     )
     runs = [Run(CASE, VARIANT, "coarse", "clarabel")] * 2
-    first, second = execute(runs, lambda _: None, lambda _: None)
+    first, second = execute(runs)
     assert len(calls) == 1
     assert first.row.build_time == second.row.build_time > 0
 
