@@ -37,7 +37,7 @@ def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=None if rows else list(TYPES)).astype(TYPES)
     if "finished" in frame:
         frame["finished"] = pd.to_datetime(frame["finished"], format="ISO8601", utc=True)
-    mixed = [name for name in frame if frame[name].dtype == object]
+    mixed = [str(name) for name in frame if frame[name].dtype == object]
     return frame.assign(**{name: frame[name].convert_dtypes() for name in mixed})
 
 

@@ -140,7 +140,7 @@ def test_kill_9_keeps_the_finished_rows_and_leaves_no_process(started, backend):
     """Where the solver holds the interpreter, its process ends when its time limit is over."""
     with marked() as mark:
         process, results = started(backend, time_limit=1)
-        assert len(alive(mark)) == 2
+        assert len(alive(mark)) >= 2
         process.kill()
         process.communicate()
     wait_for(lambda: not alive(mark))
