@@ -25,7 +25,7 @@ from verification.analysis.columns import (
     table,
     truths,
 )
-from verification.harness import PASS, SKIPPED
+from verification.judging import PASS, SKIPPED
 
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {
