@@ -7,8 +7,10 @@ from typing import Any
 import pandas as pd
 
 from lacore.errors import InputError, require_known
-from verification.run import TYPES
-from verification.store import entries, file_of
+from verification.case import Variant
+from verification.catalogue import Catalogue
+from verification.run import TYPES, Outcome, Run, canonical
+from verification.store import Entry, entries, file_of
 
 FORMATS = ("csv", "parquet")
 
@@ -29,6 +31,50 @@ def load_results(place: Path | str) -> pd.DataFrame:
         InputError: there is no store, it is damaged, or of a newer lacore.
     """
     return as_table(entry.record() for entry in entries(file_of(Path(place))))
+
+
+def load_outcomes(place: Path | str, known: Catalogue) -> tuple[list[Outcome], list[Entry]]:
+    """The finished runs of a store with their cases; and those of cases that nobody knows here.
+
+    Raises:
+        InputError: as of `load_results`.
+    """
+    found, strange = [], []
+    for entry in entries(file_of(Path(place))):
+        if _fits(entry, known):
+            found.append(entry.outcome(_run(entry, known)))
+        else:
+            strange.append(entry)
+    return found, strange
+
+
+def _fits(entry: Entry, known: Catalogue) -> bool:
+    identity = entry.identity
+    return identity["case"] in known and identity["mesh"] in known[identity["case"]].meshes
+
+
+def _run(entry: Entry, known: Catalogue) -> Run:
+    identity = entry.identity
+    case, name = known[identity["case"]], identity["variant"]
+    own = [one for one in case.variants if one.name == name]
+    same = [
+        one for one in own if canonical(dict(one.parameters)) == canonical(identity["parameters"])
+    ]
+    return Run(
+        case=case,
+        variant=same[0] if same else Variant(name, identity["parameters"]),
+        mesh=identity["mesh"],
+        backend=identity["backend"],
+        coupling=identity["coupling"],
+        size=identity["size"],
+        settings=identity["settings"],
+        options=identity["options"],
+    )
+
+
+def _equal(one: Variant, other: Variant) -> bool:
+    parameters = canonical(dict(one.parameters)), canonical(dict(other.parameters))
+    return one.name == other.name and parameters[0] == parameters[1]
 
 
 def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
