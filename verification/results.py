@@ -55,14 +55,12 @@ def _fits(entry: Entry, known: Catalogue) -> bool:
 
 def _run(entry: Entry, known: Catalogue) -> Run:
     identity = entry.identity
-    case, name = known[identity["case"]], identity["variant"]
-    own = [one for one in case.variants if one.name == name]
-    same = [
-        one for one in own if canonical(dict(one.parameters)) == canonical(identity["parameters"])
-    ]
+    case = known[identity["case"]]
+    asked = Variant(identity["variant"], identity["parameters"])
+    own = (one for one in case.variants if _equal(one, asked))
     return Run(
         case=case,
-        variant=same[0] if same else Variant(name, identity["parameters"]),
+        variant=next(own, asked),
         mesh=identity["mesh"],
         backend=identity["backend"],
         coupling=identity["coupling"],
