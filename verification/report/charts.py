@@ -1,0 +1,291 @@
+"""Charts of results: a DataFrame in, a chart with the values of its points out.
+
+A line is drawn for each value of the column `by`, in the same order and colours for the same
+values. What cannot be drawn (no finite value, not positive on a logarithmic axis) is left out, and
+the summary of the chart says how many points that were.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import isfinite, log10, nan
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, PercentFormatter
+
+from verification.report.svg import Chart, Tip
+from verification.report.theme import MARKERS, SERIES, styled
+
+_SIZE = (5.6, 3.9)  # inches: type of 10 points stays readable on a phone
+_DASHES = ("-", "--", "-.", ":")
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LONGEST = 40  # letters of a name in the legend
+_HALF = 38  # letters of an entry that fits into half the width
+_DECADES = 8  # labels on a logarithmic axis at most
+_FEW = 2.2  # decades: with less, powers of ten alone would leave the axis without labels
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A column on an axis.
+
+    Attributes:
+        column: of the DataFrame.
+        label: what it is, with its unit.
+        log: whether the axis is logarithmic: what is not positive cannot be on it.
+    """
+
+    column: str
+    label: str
+    log: bool = True
+
+
+ELEMENTS = Axis("n_elements", "elements")
+ERROR = Axis("error", "relative error")
+SOLVE_TIME = Axis("solve_time", "time to solve [s]")
+
+
+@dataclass(frozen=True)
+class Law:
+    """A power law that was fitted, ``y = coefficient * x**slope``.
+
+    Attributes:
+        slope, coefficient: of the law.
+        start, stop: range of x over which it holds.
+        error: half width of the confidence interval of the slope; NaN: not known.
+        floor: what y does not fall below; NaN: none was seen.
+    """
+
+    slope: float
+    coefficient: float
+    start: float
+    stop: float
+    error: float = nan
+    floor: float = nan
+
+    @property
+    def text(self) -> str:
+        """For the legend: ``slope -1.02 ± 0.03``."""
+        error = f" ± {self.error:.2f}" if isfinite(self.error) else ""
+        return f"slope {self.slope:.2f}{error}".replace("-", "−")  # noqa: RUF001  # a minus sign
+
+
+def curves(
+    data: pd.DataFrame, x: Axis, y: Axis, *, by: str = "backend", tip: Sequence[str] = ()
+) -> Chart:
+    """Markers, joined by lines in the order of `x`: convergence without a fit, cost, iterations.
+
+    Args:
+        data: columns `x.column`, `y.column`, `by` and those of `tip`.
+        x, y: the axes; of `y` the absolute value is shown on a logarithmic axis.
+        by: column that tells the lines apart; its values are the legend.
+        tip: more columns to show under the pointer.
+    """
+    shown, left_out = _drawable(data, x, y)
+    with _plot() as (figure, axes):
+        tips = _markers(axes, shown, x, y, by, tip, {}, "-")
+        _finish(figure, axes, x, y)
+    return Chart(figure, _summary(shown, x, y, by, left_out), tips)
+
+
+def fitted(
+    data: pd.DataFrame,
+    laws: Mapping[str, Law],
+    x: Axis,
+    y: Axis,
+    *,
+    by: str = "backend",
+    tip: Sequence[str] = (),
+) -> Chart:
+    """Markers with their power laws: error against a swept parameter, or under refinement.
+
+    Each law is drawn over the range in which it holds, and its floor, dotted, over all of `x`.
+
+    Args:
+        data: as of `curves`.
+        laws: of values of `by`; those without a law have markers only.
+        x, y, by, tip: as of `curves`.
+    """
+    shown, left_out = _drawable(data, x, y)
+    words = {name: f", {law.text}" for name, law in laws.items()}
+    with _plot() as (figure, axes):
+        tips = _markers(axes, shown, x, y, by, tip, words, "none")
+        for colour, name in _colours(shown, by):
+            if name in laws:
+                _draw(axes, laws[name], colour, shown[x.column])
+        _finish(figure, axes, x, y)
+    slopes = "; ".join(f"{name}: {law.text}" for name, law in laws.items())
+    summary = _summary(shown, x, y, by, left_out)
+    return Chart(figure, f"{summary} {slopes}." if slopes else summary, tips)
+
+
+def profile(data: pd.DataFrame, *, ratio: Axis, share: Axis, by: str = "backend") -> Chart:
+    """Steps of a performance or data profile.
+
+    Args:
+        data: one row a step: from `ratio.column` on, the share is `share.column` (0 to 1).
+        ratio: the axis of the ratio to the best, or of the budget.
+        share: the axis of the share of problems solved; shown in per cent.
+        by: column that tells the profiles apart.
+    """
+    shown, left_out = _drawable(data, ratio, share)
+    with _plot() as (figure, axes):
+        tips = []
+        last = float(shown[ratio.column].max()) if len(shown) else 1.0
+        for number, (colour, name) in enumerate(_colours(shown, by)):
+            own = shown[shown[by].astype(str) == name].sort_values(ratio.column)
+            places, shares = own[ratio.column].to_list(), own[share.column].to_list()
+            axes.step(
+                [*places, 1.3 * last],
+                [*shares, shares[-1]],
+                where="post",
+                color=colour,
+                ls=_DASHES[number % len(_DASHES)],
+                lw=2,
+                label=labelled(name),
+            )
+            tips += [
+                Tip(axes, place, value, f"{name}: {100 * value:.3g} % within {place:.3g}")
+                for place, value in zip(places, shares, strict=True)
+            ]
+        axes.set_ylim(-0.02, 1.04)
+        axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+        _finish(figure, axes, ratio, share)
+    return Chart(figure, _summary(shown, ratio, share, by, left_out), tips)
+
+
+def refinement(
+    results: pd.DataFrame, laws: Mapping[str, Law], *, by: str = "backend", tip: Sequence[str] = ()
+) -> Chart:
+    """Relative error against the number of elements: columns `error`, `n_elements`, `by`, `tip`."""
+    return fitted(results, laws, ELEMENTS, ERROR, by=by, tip=tip)
+
+
+def cost(results: pd.DataFrame, *, by: str = "backend", tip: Sequence[str] = ("mesh",)) -> Chart:
+    """Relative error against time: columns `error`, `solve_time`, `by` and those of `tip`."""
+    return curves(results, SOLVE_TIME, ERROR, by=by, tip=tip)
+
+
+def figure_axes() -> tuple[Figure, Axes]:
+    """An empty figure for one chart; draw within `theme.styled`."""
+    figure = Figure(figsize=_SIZE, layout="constrained")
+    return figure, figure.add_subplot()
+
+
+@contextmanager
+def _plot() -> Iterator[tuple[Figure, Axes]]:
+    with styled():
+        yield figure_axes()
+
+
+def _drawable(data: pd.DataFrame, x: Axis, y: Axis) -> tuple[pd.DataFrame, int]:
+    """Rows that can be drawn, signs dropped on a logarithmic y; and how many others there are."""
+    numbers = data.assign(
+        **{axis.column: data[axis.column].astype(float) for axis in (x, y)},
+    )
+    if y.log:
+        numbers[y.column] = numbers[y.column].abs()
+    keep = np.isfinite(numbers[x.column]) & np.isfinite(numbers[y.column])
+    for axis in (x, y):
+        if axis.log:
+            keep &= numbers[axis.column] > 0
+    return numbers[keep], int((~keep).sum())
+
+
+def _colours(data: pd.DataFrame, by: str) -> list[tuple[str, str]]:
+    """Colour and name of each line."""
+    names = sorted(set(data[by].astype(str)))
+    return [(SERIES[number % len(SERIES)], name) for number, name in enumerate(names)]
+
+
+def _markers(
+    axes: Axes,
+    data: pd.DataFrame,
+    x: Axis,
+    y: Axis,
+    by: str,
+    tip: Sequence[str],
+    words: Mapping[str, str],
+    line: str,
+) -> list[Tip]:
+    """Draw a line for each value of `by`, with `words` behind its name in the legend."""
+    tips = []
+    for number, (colour, name) in enumerate(_colours(data, by)):
+        own = data[data[by].astype(str) == name].sort_values(x.column)
+        axes.plot(
+            own[x.column],
+            own[y.column],
+            color=colour,
+            ls=line,
+            marker=MARKERS[number % len(MARKERS)],
+            mfc="none" if number % 2 else colour,  # an open marker lets one below it be seen
+            ms=5 + 2 * (number % 2),
+            label=labelled(name, words.get(name, "")),
+        )
+        for record in own.to_dict("records"):
+            shown = [f"{axis.label}: {record[axis.column]:.4g}" for axis in (x, y)]
+            shown += [f"{column}: {_text(record[column])}" for column in tip]
+            text = "\n".join([name, *shown])
+            tips.append(Tip(axes, record[x.column], record[y.column], text))
+    return tips
+
+
+def _draw(axes: Axes, law: Law, colour: str, places: Iterable[float]) -> None:
+    """A law over its range, its floor over all places."""
+    if isfinite(law.slope) and isfinite(law.coefficient):
+        ends = np.array([law.start, law.stop])
+        axes.plot(ends, law.coefficient * ends**law.slope, color=colour, lw=1.4)
+    if isfinite(law.floor):
+        ends = np.array([min(places), max(places)])
+        axes.plot(ends, [law.floor, law.floor], color=colour, lw=1.2, ls=":")
+
+
+def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
+    """Scales, labels, legend."""
+    for axis, which, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
+        if axis.log:
+            scale("log")
+            ends = which.get_view_interval()
+            subs = (1.0,) if log10(ends[1] / ends[0]) > _FEW else (1.0, 2.0, 5.0)
+            which.set_major_locator(LogLocator(subs=subs, numticks=_DECADES))
+            which.set_major_formatter(FuncFormatter(lambda value, _: power(value)))
+        which.set_tick_params(which="minor", length=0)
+        which.set_label_text(axis.label)
+    legend(figure, axes)
+
+
+def legend(figure: Figure, axes: Axes) -> None:
+    """What the lines are, above the axes; `labelled` has made the names fit."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = 2 if all(len(label) <= _HALF for label in labels) else 1
+    figure.legend(handles, labels, loc="outside upper left", ncols=columns, borderaxespad=0.2)
+
+
+def labelled(name: str, words: str = "") -> str:
+    """A name for the legend: short, and shown even where it begins with an underscore."""
+    short = name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…"
+    return ("\u200b" if short.startswith("_") else "") + short + words
+
+
+def power(value: float) -> str:
+    """A tick as text, without mathematics that fonts could lack: ``10⁻³``, ``2·10⁻³``, ``50``."""
+    if not value > 0:
+        return f"{value:g}"
+    if 1e-2 <= value < 1e4:
+        return f"{value:g}"
+    exponent = int(np.floor(log10(value) + 1e-9))  # of an exact power, whatever log10 rounds to
+    digit = round(value / 10.0**exponent)
+    return ("" if digit == 1 else f"{digit}·") + f"10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def _summary(data: pd.DataFrame, x: Axis, y: Axis, by: str, left_out: int) -> str:
+    names = ", ".join(name for _, name in _colours(data, by)) or "no points"
+    missing = f" {left_out} points cannot be drawn." if left_out else ""
+    return f"{y.label} against {x.label}: {names}.{missing}"
+
+
+def _text(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
