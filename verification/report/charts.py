@@ -184,7 +184,7 @@ def _plot() -> Iterator[tuple[Figure, Axes]]:
 def _drawable(data: pd.DataFrame, x: Axis, y: Axis) -> tuple[pd.DataFrame, int]:
     """Rows that can be drawn, signs dropped on a logarithmic y; and how many others there are."""
     numbers = data.assign(
-        **{axis.column: data[axis.column].astype(float) for axis in (x, y)},
+        **{axis.column: data[axis.column].to_numpy(dtype=float, na_value=nan) for axis in (x, y)},
     )
     if y.log:
         numbers[y.column] = numbers[y.column].abs()

@@ -1,4 +1,4 @@
-"""Figures of the report."""
+"""Figures of a comparison."""
 
 import io
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from verification.case import Case, Variant
 from verification.judging import BOUNDS
+from verification.report.charts import figure_axes, labelled, legend
+from verification.report.svg import Chart, Tip
+from verification.report.theme import BAND, INK, MARKERS, SERIES, styled
 from verification.run import Outcome
-
-_MARKERS = "osD^v<>pX"
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 
 def png(figure: Figure, dpi: int = 110) -> bytes:
@@ -41,7 +41,7 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
     return best
 
 
-def sweep_figure(case: Case, outcomes: Sequence[Outcome]) -> Figure | None:
+def sweep_chart(case: Case, outcomes: Sequence[Outcome]) -> Chart | None:
     """Load factor against the parameter `case.sweep`; None with fewer than three values of it.
 
     Of the variants that differ in nothing else: the largest such family.
@@ -54,40 +54,47 @@ def sweep_figure(case: Case, outcomes: Sequence[Outcome]) -> Figure | None:
     values = _swept(case, family)
     if len(values) < 3:
         return None
-    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
-    figure.set_facecolor("white")
-    axes = figure.add_subplot()
-    points, low, high = _reference_curve(case, family[0].run.variant, values)
-    axes.plot(points, low, color="#444444", lw=1.4, label="reference", zorder=1)
-    if low != high:
-        axes.plot(points, high, color="#444444", lw=1.4, zorder=1)
-        axes.fill_between(points, low, high, color="#dddddd", label="Coulomb loads", zorder=0)
-    backends = list(dict.fromkeys(outcome.run.backend for outcome in family))
-    for index, backend in enumerate(backends):
-        rows = [
-            (float(outcome.run.variant.parameters[case.sweep]), outcome.row.load_factor)
-            for outcome in _finest(family, backend)
-        ]
-        if not rows:
-            continue
-        axes.plot(
-            *zip(*rows, strict=True),
-            ls="none",
-            marker=_MARKERS[index % len(_MARKERS)],
-            ms=9 - 2.2 * (index % 3),
-            mfc="none" if index % 3 == 0 else _COLOURS[index % len(_COLOURS)],
-            mec=_COLOURS[index % len(_COLOURS)],
-            mew=1.6,
-            label=backend,
-        )
-    axes.set_xlabel(case.sweep)
-    axes.set_ylabel(f"load factor [{case.unit}]")
-    axes.grid(color="#e5e5e5", lw=0.8)
-    axes.set_axisbelow(True)
-    axes.legend(edgecolor="none", framealpha=0.9)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-    return figure
+    with styled():
+        figure, axes = figure_axes()
+        points, low, high = _reference_curve(case, family[0].run.variant, values)
+        axes.plot(points, low, color=INK, lw=1.3, label="reference", zorder=1)
+        if low != high:
+            axes.plot(points, high, color=INK, lw=1.3, zorder=1)
+            axes.fill_between(points, low, high, color=BAND, label="Coulomb loads", zorder=0)
+        tips = []
+        for number, backend in enumerate(sorted({outcome.run.backend for outcome in family})):
+            finest = _finest(family, backend)
+            colour = SERIES[number % len(SERIES)]
+            places = [float(outcome.run.variant.parameters[case.sweep]) for outcome in finest]
+            axes.plot(
+                places,
+                [outcome.row.load_factor for outcome in finest],
+                ls="none",
+                marker=MARKERS[number % len(MARKERS)],
+                ms=9 - 2.2 * (number % 3),
+                mfc="none" if number % 3 == 0 else colour,
+                mec=colour,
+                mew=1.6,
+                label=labelled(backend),
+            )
+            tips += [
+                Tip(axes, place, outcome.row.load_factor, _words(case, outcome, place))
+                for place, outcome in zip(places, finest, strict=True)
+            ]
+        axes.set_xlabel(case.sweep)
+        axes.set_ylabel(f"load factor [{case.unit}]")
+        legend(figure, axes)
+    return Chart(
+        figure, f"{case.title}: load factor against {case.sweep}, with the reference", tips
+    )
+
+
+def _words(case: Case, outcome: Outcome, place: float) -> str:
+    row = outcome.row
+    return (
+        f"{row.backend}, {row.coupling}\n{case.sweep}: {place:g}\n"
+        f"load factor: {row.load_factor:.7g}\nreference: {row.expected}"
+    )
 
 
 def _finest(outcomes: Sequence[Outcome], backend: str) -> list[Outcome]:

@@ -1,132 +1,46 @@
-"""The page: every case explained beside its numbers, in one file that loads nothing."""
+"""The page of a comparison: what came out, and every case explained beside its numbers."""
 
-from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+import pandas as pd
 
 from lacore.errors import InputError
 from verification.case import EXACT, SOLVER, Case
+from verification.compare import Tally as Verdicts
 from verification.compare import efforts, tally
 from verification.evidence import restored
-from verification.judging import FAIL, PASS, SKIPPED, STRONG
-from verification.report.figures import finest_exact, png, sweep_figure
-from verification.run import Outcome, Run
+from verification.judging import FAIL, STRONG
+from verification.report import document
+from verification.report.blocks import (
+    Anchor,
+    Block,
+    Column,
+    Count,
+    Details,
+    Document,
+    Drawing,
+    Facts,
+    Gallery,
+    Heading,
+    Html,
+    Link,
+    Links,
+    Picture,
+    Section,
+    Table,
+    Tally,
+    slug,
+)
+from verification.report.description import description, lead
+from verification.report.figures import finest_exact, png, sweep_chart
+from verification.report.tables import RUN, certificates_table, reasons_table, results_table
+from verification.results import as_table
+from verification.run import Outcome
 
 MECHANISMS = 4
 """Pictures of a case; variants that failed come first."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure: file name, what it shows, and the PNG."""
-
-    name: str
-    caption: str
-    data: bytes
-
-    @property
-    def uri(self) -> str:
-        """As a data URI, to be embedded."""
-        return f"data:image/png;base64,{b64encode(self.data).decode('ascii')}"
-
-
-@dataclass(frozen=True)
-class Section:
-    """One case with its outcomes and pictures."""
-
-    case: Case
-    outcomes: Sequence[Outcome]
-    pictures: Sequence[Picture]
-
-    @property
-    def blocks(self) -> Iterator[tuple[bool, str]]:
-        """Paragraphs of the explanation: whether it is a sketch, and the text."""
-        for block in self.case.explanation.strip("\n").split("\n\n"):
-            yield all(line.startswith("  ") for line in block.splitlines()), block
-
-    @property
-    def runs(self) -> list[Run]:
-        """One run of each variant."""
-        return list({outcome.run.variant.name: outcome.run for outcome in self.outcomes}.values())
-
-    @property
-    def references(self) -> list[tuple[str, str]]:
-        """Values by variant, and formula with source, one pair a formula."""
-        values: dict[str, list[str]] = {}
-        for run in self.runs:
-            reference = self.case.reference_of(run.variant)
-            kinds = [(reference, "")]
-            if reference.associated is not None:
-                kinds.append((reference.of_associated(), ", associated"))
-            for one, suffix in kinds:
-                text = f"{one.formula} ({one.kind}; {one.source})"
-                values.setdefault(text, []).append(f"{run.variant.name}{suffix}: {one.text}")
-        return [(", ".join(own), text) for text, own in values.items()]
-
-    @property
-    def reasons(self) -> list[tuple[str, str]]:
-        """Variants, and why their band on the finest mesh run is what it is."""
-        texts: dict[str, str] = {}
-        sizes: dict[str, float] = {}
-        for outcome in self.outcomes:
-            name, elements = outcome.run.variant.name, outcome.row.n_elements
-            if isfinite(elements) and elements > sizes.get(name, 0):
-                band = self.case.band_of(outcome.run.variant, int(elements))
-                texts[name], sizes[name] = band.reason, elements
-        names: dict[str, list[str]] = {}
-        for name, text in texts.items():
-            names.setdefault(text, []).append(name)
-        return [(", ".join(own), text) for text, own in names.items()]
-
-    @property
-    def residuals(self) -> list[tuple[Outcome, dict[str, float]]]:
-        """Outcomes that carry a certificate."""
-        return [
-            (outcome, dict(outcome.evidence.residuals))
-            for outcome in self.outcomes
-            if outcome.evidence.residuals
-        ]
-
-    @property
-    def worst_error(self) -> float:
-        """Largest error of an exact backend on the finest mesh run; NaN without any.
-
-        Of values that were found: a status has no error.
-        """
-        exact = [o for o in self.outcomes if o.evidence.residuals and isnan(o.row.P)]
-        finest = max((o.row.n_elements for o in exact), default=0)
-        errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
-        errors = [error for error in errors if isfinite(error)]
-        return max(errors, default=float("nan"))
-
-
-def sections(outcomes: Sequence[Outcome]) -> list[Section]:
-    """Outcomes by case, with their pictures drawn."""
-    by_case: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        by_case.setdefault(outcome.run.case.id, []).append(outcome)
-    return [
-        Section(own[0].run.case, own, list(_pictures(own[0].run.case, own)))
-        for own in by_case.values()
-    ]
-
-
-def _pictures(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Picture]:
-    if case.sweep:
-        figure = sweep_figure(case, outcomes)
-        if figure is not None:
-            text = f"Load factor against {case.sweep}, finest mesh of each backend"
-            yield Picture(f"{case.id}-sweep", text, png(figure))
-    shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
-    for name, outcome in shown[:MECHANISMS]:
-        state = restored(outcome.run, outcome.row, outcome.evidence)
-        caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
-        yield Picture(f"{case.id}-{name}", caption, png(state.plot(), dpi=90))
 
 
 def write(folder: Path, outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Path:
@@ -135,47 +49,154 @@ def write(folder: Path, outcomes: Sequence[Outcome], machine: Mapping[str, str])
     Raises:
         InputError: the folder cannot be written.
     """
-    parts = sections(outcomes)
-    page = folder / "index.html"
+    page = compared(outcomes, machine)
     try:
         pictures = folder / "pictures"
         pictures.mkdir(parents=True, exist_ok=True)
-        for part in parts:
-            for picture in part.pictures:
-                (pictures / f"{picture.name}.png").write_bytes(picture.data)
-        page.write_text(render(parts, outcomes, machine), encoding="utf-8")
+        for name, data in _files(page):
+            (pictures / f"{name}.png").write_bytes(data)
     except OSError as error:
         raise InputError(
             "--out", str(folder), f"cannot write there ({error.strerror})", "name a folder"
         ) from error
-    return page
+    return document.write(page, folder / "index.html")
 
 
-def render(
-    parts: Sequence[Section], outcomes: Sequence[Outcome], machine: Mapping[str, str]
-) -> str:
-    """The page as text."""
-    environment = Environment(
-        loader=PackageLoader("verification.report", ""),
-        autoescape=True,  # template names end in .j2, which a choice by extension would miss
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+def compared(outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Document:
+    """The page of outcomes, in their order."""
+    results = as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
+    by_case: dict[str, list[int]] = {}
+    for index, outcome in enumerate(outcomes):
+        by_case.setdefault(outcome.run.case.id, []).append(index)
+    cases = [
+        (outcomes[own[0]].run.case, [outcomes[n] for n in own], results.iloc[own])
+        for own in by_case.values()
+    ]
+    seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
+    return Document(
+        title="Plastic collapse loads compared with references",
+        lead=f"{len(cases)} cases, {len(outcomes)} runs, {seconds:.0f} s of solving. Each load"
+        " factor links to its certificate: residuals recomputed from velocity, stress, reactions.",
+        summary=list(_summary(outcomes, results)),
+        sections=[
+            Section("cases", "Cases at a glance", [_cases_table(cases)]),
+            Section("couplings", "Couplings and backends", [_efforts_table(outcomes)]),
+            *(_section(*case) for case in cases),
+            Section("verdicts", "How a verdict is reached", [_rules()]),
+            Section("machine", "Machine and versions", [Facts(machine)]),
+        ],
     )
-    environment.filters["number"] = _number
-    environment.globals.update(PASS=PASS, FAIL=FAIL, SKIPPED=SKIPPED)
-    rules: dict[str, Any] = {"solver": SOLVER, "exact": EXACT, "strong": STRONG}
-    return environment.get_template("page.html.j2").render(
-        sections=parts,
-        outcomes=outcomes,
-        tally=tally,
-        efforts=efforts(outcomes),
-        machine=machine,
-        rules=rules,
-        solve_time=sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time)),
+
+
+def _summary(outcomes: Sequence[Outcome], results: pd.DataFrame) -> Iterator[Block]:
+    yield _tally(tally(outcomes))
+    failed = results[results["verdict"] == FAIL]
+    if len(failed):
+        labels = [outcome.run.label for outcome in outcomes if outcome.row.verdict == FAIL]
+        yield Heading("What failed")
+        yield Links(
+            [
+                Link(label, RUN.of({"run": run}), why)
+                for label, run, why in zip(labels, failed["run"], failed["why"], strict=True)
+            ]
+        )
+
+
+def _tally(count: Verdicts) -> Tally:
+    counts = [
+        Count(count.passed, "pass", "good"),
+        Count(count.failed, "FAIL", "bad" if count.failed else "mild"),
+        Count(count.skipped, "skipped"),
+    ]
+    return Tally(counts + ([Count(count.no_result, "no result")] if count.no_result else []))
+
+
+def _cases_table(cases: Sequence[tuple[Case, Sequence[Outcome], pd.DataFrame]]) -> Table:
+    rows = [
+        {"case": case.id, "title": case.title, "worst": _worst_error(own)} | vars(tally(own))
+        for case, own, _ in cases
+    ]
+    columns = (
+        Column("title", "case", link=Anchor("case", "case"), long=True),
+        Column("passed", "pass", ".0f"),
+        Column("failed", "FAIL", ".0f"),
+        Column("skipped", "skipped", ".0f"),
+        Column("worst", "error %, exact, finest", ".2g", scale=100),
     )
+    return Table(columns, pd.DataFrame(rows, columns=[*rows[0]] if rows else []))
 
 
-def _number(value: float, how: str = ".6g") -> str:
-    """Formatted; empty where there is none."""
-    return format(value, how) if isfinite(value) else ("" if value != value else str(value))
+def _worst_error(outcomes: Sequence[Outcome]) -> float:
+    """Largest error of an exact backend on the finest mesh run; NaN without any.
+
+    Of values that were found: a status has no error.
+    """
+    exact = [o for o in outcomes if o.evidence.residuals and isnan(o.row.P)]
+    finest = max((o.row.n_elements for o in exact), default=0)
+    errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
+    return max((error for error in errors if isfinite(error)), default=nan)
+
+
+def _efforts_table(outcomes: Sequence[Outcome]) -> Table:
+    columns = (
+        Column("coupling"),
+        Column("backend"),
+        Column("solved", "certified", ".0f"),
+        Column("cases", "of", ".0f"),
+        Column("median", "median solves", "g"),
+        Column("most", "most solves", "g"),
+        Column("failed", "FAIL", ".0f"),
+    )
+    rows = [vars(effort) for effort in efforts(outcomes)]
+    return Table(columns, pd.DataFrame(rows, columns=[column.name for column in columns]))
+
+
+def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> Section:
+    runs = {outcome.run.variant.name: outcome.run for outcome in outcomes}
+    elements: dict[str, int] = {}
+    for outcome in outcomes:
+        name, size = outcome.run.variant.name, outcome.row.n_elements
+        if isfinite(size):
+            elements[name] = max(int(size), elements.get(name, 0))
+    blocks: list[Block] = [
+        description(case, [run.variant for run in runs.values()], elements),
+        Heading("Results"),
+        results_table(results),
+        Details("Why each verdict", [reasons_table(results)]),
+    ]
+    certificates = certificates_table(results)
+    if len(certificates.data):
+        title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
+        blocks.append(Details(title, [certificates]))
+    blocks.append(Gallery([*_charts(case, outcomes), *_mechanisms(outcomes)]))
+    mood = "bad" if FAIL in set(results["verdict"]) else "good" if tally(outcomes).passed else ""
+    return Section(f"case-{slug(case.id)}", case.title, blocks, lead(case), mood)
+
+
+def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
+    chart = sweep_chart(case, outcomes) if case.sweep else None
+    if chart is not None:
+        text = f"Load factor against {case.sweep}, finest mesh of each backend"
+        yield Drawing(f"{case.id}-sweep", text, chart)
+
+
+def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture]:
+    shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
+    for name, outcome in shown[:MECHANISMS]:
+        state = restored(outcome.run, outcome.row, outcome.evidence)
+        caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
+        file = f"{slug(outcome.run.case.id)}-{slug(name)}"
+        yield Picture(file, caption, png(state.plot(), dpi=90))
+
+
+def _files(page: Document) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of all charts and pictures on a page."""
+    for section in page.sections:
+        for block in section.blocks:
+            for item in block.items if isinstance(block, Gallery) else ():
+                data = item.data if isinstance(item, Picture) else png(item.chart.figure)
+                yield item.name, data
+
+
+def _rules() -> Html:
+    return Html(document.fragment("verdicts.html.j2", solver=SOLVER, exact=EXACT, strong=STRONG))

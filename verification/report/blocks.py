@@ -1,0 +1,306 @@
+"""What a page is made of: plain data, shown as HTML by `document` and as Markdown by `markdown`.
+
+Every text in here is shown as text: names and messages may come from anywhere.
+"""
+
+import re
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, isnan
+from typing import Any, SupportsFloat, TypeGuard
+
+import pandas as pd
+from markupsafe import Markup
+
+from verification.report.svg import Chart
+
+
+def slug(name: object) -> str:
+    """A name as part of an id: letters, digits and ``-``, others by their code."""
+    return re.sub(r"[^A-Za-z0-9-]", lambda m: f"-{ord(m[0]):x}-", str(name))
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A place to link to: one for each value of a column.
+
+    Attributes:
+        prefix: what is there, such as ``certificate``; on one page one table has it.
+        column: whose values are unique in that table, such as ``run``.
+    """
+
+    prefix: str
+    column: str
+
+    def of(self, record: Mapping[str, Any]) -> str:
+        """The id for a row; empty where it has no value to make one of."""
+        value = record[self.column]
+        return "" if _missing(value) else f"{self.prefix}-{slug(value)}"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes:
+        name: of the DataFrame.
+        title: head of the column; empty: the name.
+        form: format of numbers, such as ``.4f``; empty: a column of text.
+        scale: factor on numbers, 100 for per cent.
+        link: where its cells link to.
+        long: whether lines break in it.
+        moods: ``good``, ``bad`` or ``mild`` for values that have a colour.
+        hover: another column whose text is seen under the pointer.
+        order: another column to sort by, such as the number of elements for the name of a mesh.
+    """
+
+    name: str
+    title: str = ""
+    form: str = ""
+    scale: float = 1.0
+    link: Anchor | None = None
+    long: bool = False
+    moods: Mapping[str, str] = field(default_factory=dict)
+    hover: str = ""
+    order: str = ""
+
+    @property
+    def head(self) -> str:
+        """What stands above the column."""
+        return self.title or self.name.replace("_", " ")
+
+    @property
+    def numeric(self) -> bool:
+        """Whether cells are numbers, to the right."""
+        return bool(self.form)
+
+    @property
+    def sorts_by_number(self) -> bool:
+        """Whether rows are ordered by number."""
+        return self.numeric or bool(self.order)
+
+    def shown(self, record: Mapping[str, Any]) -> str:
+        """The text of a cell; empty where there is no value."""
+        value = record[self.name]
+        if _missing(value):
+            return ""
+        if not self.numeric or isinstance(value, str):
+            return str(value)
+        number = float(value)
+        return format(self.scale * number, self.form) if isfinite(number) else str(number)
+
+    def key(self, record: Mapping[str, Any]) -> str:
+        """What a cell is ordered by; empty ones are always last."""
+        value = record[self.order or self.name]
+        if _missing(value):
+            return ""
+        return repr(float(value)) if _is_number(value) and self.sorts_by_number else str(value)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of a DataFrame.
+
+    Attributes:
+        columns: what to show, in this order.
+        data: has these columns, and those that they and `anchor` name.
+        caption: above the table; empty for none.
+        anchor: makes each row a place to link to.
+        sortable: whether a reader can sort it.
+    """
+
+    columns: Sequence[Column]
+    data: pd.DataFrame
+    caption: str = ""
+    anchor: Anchor | None = None
+    sortable: bool = True
+
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """Its rows."""
+        return [{str(key): v for key, v in row.items()} for row in self.data.to_dict("records")]
+
+    @property
+    def plain(self) -> pd.DataFrame:
+        """As shown, all of it text: for Markdown."""
+        rows = [[column.shown(record) for column in self.columns] for record in self.records]
+        return pd.DataFrame(rows, columns=[column.head for column in self.columns], dtype="str")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A chart: file name without suffix, what it shows, and its lines."""
+
+    name: str
+    caption: str
+    chart: Chart
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in pixels: file name without suffix, what it shows, and the PNG."""
+
+    name: str
+    caption: str
+    data: bytes
+
+    @property
+    def uri(self) -> str:
+        """As a data URI, to be embedded."""
+        return f"data:image/png;base64,{b64encode(self.data).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class Gallery:
+    """Charts and pictures, side by side where there is room."""
+
+    items: Sequence[Drawing | Picture]
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph.
+
+    Attributes:
+        text: of it.
+        lead: bold, on a line before it.
+        soft: whether it is an aside.
+    """
+
+    text: str
+    lead: str = ""
+    soft: bool = False
+
+
+@dataclass(frozen=True)
+class Html:
+    """HTML that we have written ourselves; `plain` is the same for Markdown."""
+
+    markup: Markup
+    plain: str = ""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading inside a section."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Preformatted:
+    """Text in which columns matter: a calculation by hand, a sketch.
+
+    Attributes:
+        text: of it.
+        sketch: what it is a picture of, for those who cannot see it; empty: it is to be read.
+    """
+
+    text: str
+    sketch: str = ""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A line of a list: what is linked, where to on this page, and what is said of it."""
+
+    text: str
+    target: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Links:
+    """A list of links."""
+
+    items: Sequence[Link]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and what they are, two columns."""
+
+    items: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Count:
+    """How many ended in which way, and whether that is ``good``, ``bad`` or ``mild``."""
+
+    number: int
+    label: str
+    mood: str = "mild"
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Counts, large, and a bar of their shares."""
+
+    counts: Sequence[Count]
+
+
+@dataclass(frozen=True)
+class Details:
+    """Blocks that are folded away until asked for; open in print."""
+
+    title: str
+    blocks: Sequence["Block"]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Two columns, one below the other where the page is narrow."""
+
+    left: Sequence["Block"]
+    right: Sequence["Block"]
+
+
+Block = (
+    Text | Html | Heading | Preformatted | Links | Facts | Tally | Table | Drawing | Picture
+    | Gallery | Details | Columns
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page that the list of contents links to.
+
+    Attributes:
+        id: unique on the page; other texts link to it.
+        title: heading.
+        blocks: what is in it.
+        lead: one line below the heading.
+        mood: ``good``, ``bad`` or ``mild``: how the list of contents marks it; empty: not at all.
+    """
+
+    id: str
+    title: str
+    blocks: Sequence[Block]
+    lead: str = ""
+    mood: str = ""
+
+
+@dataclass(frozen=True)
+class Document:
+    """A page.
+
+    Attributes:
+        title: heading and title of the window.
+        lead: one sentence below it.
+        summary: what a reader sees first, above the list of contents.
+        sections: everything else.
+    """
+
+    title: str
+    lead: str
+    sections: Sequence[Section]
+    summary: Sequence[Block] = field(default=())
+
+
+def _is_number(value: object) -> TypeGuard[SupportsFloat]:
+    return isinstance(value, SupportsFloat)
+
+
+def _missing(value: object) -> bool:
+    return value is None or value is pd.NA or value is pd.NaT or (_is_number(value) and isnan(value))

@@ -1,0 +1,70 @@
+"""What is said of a case: explanation, calculation by hand, references, allowed errors."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from verification.case import Case, Variant
+from verification.report.blocks import Block, Columns, Heading, Preformatted, Text
+
+
+def lead(case: Case) -> str:
+    """One line on a case."""
+    return f"{case.id} · {', '.join(case.tags)} · load factor in {case.unit}"
+
+
+def description(case: Case, variants: Sequence[Variant], elements: Mapping[str, int]) -> Columns:
+    """Explanation beside calculation by hand, references, and what error is allowed.
+
+    Args:
+        case: what is described.
+        variants: those of it that are.
+        elements: by name of the variant the size of the mesh whose band is explained.
+    """
+    right: list[Block] = [Heading("By hand"), Preformatted(case.hand_calculation)]
+    right += [Heading("Reference"), *_references(case, variants), *_unfit(variants)]
+    reasons = list(_reasons(case, variants, elements))
+    if reasons:
+        right += [Heading("Allowed error"), *reasons]
+    return Columns(list(_explanation(case)), right)
+
+
+def _explanation(case: Case) -> Iterator[Block]:
+    """Paragraphs; indented ones are a sketch."""
+    for block in case.explanation.strip("\n").split("\n\n"):
+        if all(line.startswith("  ") for line in block.splitlines()):
+            yield Preformatted(block, sketch=f"sketch of {case.title}")
+        else:
+            yield Text(block)
+
+
+def _references(case: Case, variants: Sequence[Variant]) -> Iterator[Text]:
+    """Formula and source once, above it the values of the variants that have it."""
+    values: dict[str, list[str]] = {}
+    for variant in variants:
+        reference = case.reference_of(variant)
+        kinds = [(reference, "")]
+        if reference.associated is not None:
+            kinds.append((reference.of_associated(), ", associated"))
+        for one, suffix in kinds:
+            text = f"{one.formula} ({one.kind}; {one.source})"
+            values.setdefault(text, []).append(f"{variant.name}{suffix}: {one.text}")
+    for text, own in values.items():
+        yield Text(text, lead=", ".join(own))
+
+
+def _unfit(variants: Sequence[Variant]) -> Iterator[Text]:
+    for variant in variants:
+        for name, why in variant.unfit.items():
+            yield Text(why, lead=f"{variant.name} without {name}")
+
+
+def _reasons(
+    case: Case, variants: Sequence[Variant], elements: Mapping[str, int]
+) -> Iterator[Text]:
+    """Why bands are what they are, each reason once."""
+    names: dict[str, list[str]] = {}
+    for variant in variants:
+        if variant.name in elements:
+            reason = case.band_of(variant, elements[variant.name]).reason
+            names.setdefault(reason, []).append(variant.name)
+    for reason, own in names.items():
+        yield Text(reason, lead=", ".join(own))

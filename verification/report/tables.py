@@ -1,0 +1,73 @@
+"""Tables of the report, from a DataFrame with the columns of results, one row a run."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+import lacore as la
+from verification.report.blocks import Anchor, Column, Table
+
+VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}
+"""Colours of verdicts; all others are mild."""
+RUN = Anchor("run", "run")
+"""Row of a run."""
+CERTIFICATE = Anchor("certificate", "certificate")
+"""Certificate of a run."""
+_RESIDUAL = "residual_"
+_NAMES = (
+    Column("variant"),
+    Column("mesh", order="n_elements"),
+    Column("backend"),
+    Column("coupling"),
+)
+
+
+def results_table(results: pd.DataFrame) -> Table:
+    """Every run; its load factor links to its certificate, where it has one."""
+    solved = results["status"] == la.Status.SOLVED.label
+    outcome = results["rigor"].where(solved, results["status"])
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        *_NAMES,
+        Column("n_elements", "elements", ".0f"),
+        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
+        Column("expected", "reference", "g", order="reference"),
+        Column("error", "error %", "+.4f", scale=100),
+        Column("energy", "C", ".2g"),
+        Column("outcome", "rigor, status"),
+        Column("outer_iterations", "solves", ".0f"),
+        Column("build_time", "build s", ".2f"),
+        Column("solve_time", "solve s", ".2f"),
+    )
+    return Table(columns, _proven(results).assign(outcome=outcome), anchor=RUN)
+
+
+def reasons_table(results: pd.DataFrame) -> Table:
+    """Why each verdict is what it is."""
+    columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", long=True))
+    return Table(columns, results)
+
+
+def certificates_table(results: pd.DataFrame) -> Table:
+    """Residuals of the runs that have any; each load factor links back to its run."""
+    proven = _proven(results)
+    proven = proven[proven[CERTIFICATE.column].notna()]
+    columns = (
+        *_NAMES,
+        Column("load_factor", "load factor", ".7f", link=RUN),
+        *(
+            Column(name, name.removeprefix(_RESIDUAL).replace("_", " "), ".1e")
+            for name in _residuals(results)
+        ),
+    )
+    return Table(columns, proven, anchor=CERTIFICATE)
+
+
+def _residuals(results: pd.DataFrame) -> list[str]:
+    return [str(name) for name in results.columns if str(name).startswith(_RESIDUAL)]
+
+
+def _proven(results: pd.DataFrame) -> pd.DataFrame:
+    """With a column ``certificate``: the run where it has residuals, else nothing."""
+    has = results[_residuals(results)].notna().any(axis=1)
+    return results.assign(certificate=results["run"].where(has))
