@@ -4,12 +4,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare test test-all lint bench bench-readme readme clean
+.PHONY: help compare test test-all test-browser lint bench bench-readme readme clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
+	@echo "make test-browser   open a report in Chromium; fails where there is none"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-readme   write the benchmarks of the README from that JSON"
@@ -30,6 +31,9 @@ test: $(READY)
 
 test-all: $(READY)
 	$(BIN)/python -m pytest -m "slow or not slow"
+
+test-browser: $(READY)
+	$(BIN)/python -m pytest tests/verification/test_page_browser.py --require-browser
 
 lint: $(READY)
 	$(BIN)/ruff check .

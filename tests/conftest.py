@@ -26,6 +26,14 @@ settings.load_profile("lacore")
 ROOT = Path(__file__).parents[1]
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--require-browser",
+        action="store_true",
+        help="fail where playwright or Chromium is missing, instead of skipping the tests of pages",
+    )
+
+
 @pytest.fixture(scope="session")
 def with_example(tmp_path_factory):
     """Run a Python module where the example is installed, far from the repository."""

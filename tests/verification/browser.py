@@ -1,0 +1,95 @@
+"""A real Chromium, the one that is installed; none is downloaded."""
+
+import shutil
+
+import pytest
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+)
+WIDTHS = (1280, 390)
+
+
+@pytest.fixture(scope="session")
+def chromium(request):
+    """A running browser. Skips where there is none, unless ``--require-browser``."""
+    missing = pytest.fail if request.config.getoption("--require-browser") else pytest.skip
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        missing("playwright is not installed: pip install playwright")
+    path = next(filter(None, map(shutil.which, NAMES)), None)
+    if path is None:
+        missing(f"no Chromium is installed, by none of the names {', '.join(NAMES)}")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+class Visit:
+    """A page that was opened from a file, with all that it asked for and complained about."""
+
+    def __init__(self, browser, path, width=1280, scheme="light"):
+        self.context = browser.new_context(
+            viewport={"width": width, "height": 900}, color_scheme=scheme
+        )
+        self.page = self.context.new_page()
+        self.address = path.as_uri()
+        self.requests, self.complaints, self.dialogs = [], [], []
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("dialog", self._refuse)
+        self.page.on("console", self._listen)
+        self.page.goto(self.address)
+
+    def _listen(self, message):
+        if message.type in ("error", "warning"):
+            self.complaints.append(message.text)
+
+    def _refuse(self, dialog):
+        self.dialogs.append(dialog.message)
+        dialog.dismiss()
+
+    @property
+    def elsewhere(self):
+        """Addresses asked for that are not the file, nor in it."""
+        return [url for url in self.requests if url != self.address and not url.startswith("data:")]
+
+    @property
+    def overflow(self):
+        """How many pixels the page is wider than its window."""
+        return self.page.evaluate(
+            "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        )
+
+    def column(self, number, table=0):
+        """Texts of a column of a sortable table, from the top."""
+        return self.page.evaluate(
+            "([t, n]) => [...document.querySelectorAll('table.sortable')[t].tBodies[0].rows]"
+            ".map(row => row.cells[n].textContent)",
+            [table, number],
+        )
+
+    def head(self, number, table=0):
+        """The head of a column of a sortable table."""
+        return self.page.locator("table.sortable").nth(table).locator("thead th").nth(number)
+
+    def close(self):
+        self.context.close()
+
+
+@pytest.fixture
+def visit(chromium):
+    """Open pages: ``visit(path, width=390, scheme="dark")``; they are closed at the end."""
+    visits = []
+
+    def open_page(path, **how):
+        visits.append(Visit(chromium, path, **how))
+        return visits[-1]
+
+    yield open_page
+    for one in visits:
+        one.close()
