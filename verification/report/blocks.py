@@ -303,4 +303,6 @@ def _is_number(value: object) -> TypeGuard[SupportsFloat]:
 
 
 def _missing(value: object) -> bool:
-    return value is None or value is pd.NA or value is pd.NaT or (_is_number(value) and isnan(value))
+    return (
+        value is None or value is pd.NA or value is pd.NaT or (_is_number(value) and isnan(value))
+    )
