@@ -99,6 +99,10 @@ def test_without_a_range_there_is_a_reason_and_no_number(error, reason):
 
 def test_floor_without_a_slope():
     assert fit_slope(R, np.full(9, -3e-9)).floor == pytest.approx(3e-9)
+    bent = np.array([1e-3, 1e-4, 3e-5, 2e-5, *np.full(5, 2e-5)])
+    found = fit_slope(R, bent)
+    assert (found.floor, found.floor_points) == (pytest.approx(2e-5), 6)
+    assert "only 6 neighbours on a floor" in found.reason
     below = fit_slope(R, np.array([1, -2, 3, -4, 5, -6, 7, -8, 9]) * 1e-9, 1e-8)
     assert (below.floor, below.floor_points) == (pytest.approx(5e-9), 9)
 

@@ -137,6 +137,23 @@ def test_frozen_friction_keeps_the_sides():
     assert (joined["error_alpha_reg"] >= joined["error_lambda"]).all()
 
 
+def test_the_reaction_loop_costs_lambda_an_order_where_normal_forces_are_hyperstatic():
+    """Reactions err linearly in r, and lambda with them (T19: the order holds at frozen ones).
+
+    At frozen laws, associated ones here, the order is 2 on the same mesh.
+    """
+    name = "platens-coulomb:mu-0.2"
+    looped = slopes_of(sweep(name, ["newton"], R, tolerance=1e-9))
+    frozen = slopes_of(sweep(name, ["newton"], R, coupling="associated"))
+    assert frozen["error_lambda"]["frozen"]
+    assert frozen["error_lambda"]["slope"] >= 1.8
+    assert not looped["error_lambda"]["frozen"]
+    assert looped["error_lambda"]["slope"] == pytest.approx(1, abs=0.15)
+    for found in (frozen, looped):
+        assert found["error_alpha_reg"]["slope"] == pytest.approx(1, abs=0.1)
+        assert found["error_alpha_reg"]["points"] == 9
+
+
 @cache
 def refined():
     """The smooth punch on uniform meshes, each cell cut into four."""

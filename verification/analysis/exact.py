@@ -18,7 +18,8 @@ def with_exact(results: pd.DataFrame) -> pd.DataFrame:
     It is the load factor of an exact backend, the one with the smallest gap of several, or else
     the limit of `lambda_limits` with the smallest uncertainty; of neither, NaN. Where Coulomb
     load factors are not unique, an exact and a regularised solve may have found different ones,
-    and the error is no regularisation error.
+    and the error is no regularisation error. The gap does not bound the error of a Coulomb load
+    factor (T15): to see small errors of a sweep, solve the exact one to 1e-9.
 
     Args:
         results: one row a run.

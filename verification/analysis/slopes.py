@@ -19,6 +19,7 @@ from verification.analysis.columns import (
     groups,
     numbers,
     problem_columns,
+    require_columns,
     says,
     solver_columns,
     table,
@@ -44,7 +45,8 @@ class Slope:
         usable: points with a finite error and a positive parameter.
         spread: between the smallest and the largest local slope in the range.
         floor: median |error| of the points that lie beyond the range, on the side to which the
-            line falls, and no longer follow it; NaN where none does: it is not reached.
+            line falls, and no longer follow it; NaN where none does: it is not reached. Without a
+            slope that of the points below the noise, or of the longest run that is flat.
         floor_points: how many these are.
         reason: why there is no slope; empty where there is one.
     """
@@ -113,10 +115,12 @@ def fit_slope(
         for first, last in combinations(range(len(x)), 2)
         if last - first + 1 >= fewest and np.ptp(local[first:last]) <= agreement
     ]
+    runs.sort(key=lambda run: (run[1] - run[0], -np.ptp(local[slice(*run)])))
     steep = [run for run in runs if abs(np.median(local[slice(*run)])) >= FLAT]
     if not steep:
-        return _no_range(size, y, bool(runs), fewest, agreement)
-    first, last = max(steep, key=lambda run: (run[1] - run[0], -np.ptp(local[slice(*run)])))
+        flat = slice(runs[-1][0], runs[-1][1] + 1) if runs else slice(0)
+        return _no_range(y, flat, fewest, agreement)
+    first, last = steep[-1]
     inside = slice(first, last + 1)
     line = stats.linregress(np.log(x[inside]), np.log(size[inside]))
     slope, deviation = float(line.slope), float(line.stderr)
@@ -180,18 +184,21 @@ def _too_few(size: Floats, clear: Bools, fewest: int) -> Slope:
     )
 
 
-def _no_range(size: Floats, y: Floats, flat: bool, fewest: int, agreement: float) -> Slope:
-    if flat:
-        return Slope(
-            usable=len(size),
-            floor=float(np.median(size)),
-            floor_points=len(size),
-            reason="the error does not follow the parameter",
-        )
+def _no_range(y: Floats, flat: slice, fewest: int, agreement: float) -> Slope:
+    on_floor = np.abs(y[flat])
     signs = "" if np.all(y > 0) or np.all(y < 0) else "; the error changes its sign"
+    reason = f"no {fewest} neighbours with local slopes within {agreement:g}{signs}"
+    if len(on_floor) == len(y):
+        reason = "the error does not follow the parameter"
+    elif on_floor.size:
+        reason = (
+            f"only {on_floor.size} neighbours on a floor have local slopes within {agreement:g}"
+        )
     return Slope(
-        usable=len(size),
-        reason=f"no {fewest} neighbours with local slopes within {agreement:g}{signs}",
+        usable=len(y),
+        floor=float(np.median(on_floor)) if on_floor.size else nan,
+        floor_points=int(on_floor.size),
+        reason=reason,
     )
 
 
@@ -252,13 +259,19 @@ def regularisation_slopes(frame: pd.DataFrame, parameter: str = "option_r") -> p
 
     Returns:
         As `slopes`, by all other columns that tell runs apart, two rows a group (``error`` is
-        ``error_alpha_reg`` or ``error_lambda``), and ``expected``, the slope of T19: 1 and 2
-        in r, -1 and -2 in a penalty.
+        ``error_alpha_reg`` or ``error_lambda``); ``expected``, the slope of T19 at frozen
+        reactions: 1 and 2 in r, -1 and -2 in a penalty; and ``frozen``: each solve was a single
+        one. After a loop the reactions depend on r, too: lambda errs with slope 1 in r and either
+        sign, unless statics alone give the normal forces.
 
     Raises:
         InputError: no such column.
     """
+    require_columns(frame, ["outer_iterations"])
     by = other_columns(frame, parameter)
+    most = frame.groupby(by, dropna=False, sort=False)["outer_iterations"].transform("max")
+    frame = frame.assign(frozen=most == 1)
+    by.append("frozen")
     direction = 1 if parameter == "option_r" else -1
     parts = [
         slopes(frame, parameter, error, by, "alpha_star_noise").assign(expected=order * direction)
