@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.rigid import RigidDofs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
 _SAME_NORMAL = 9  # digits to which the normals of two faces count as one
@@ -56,6 +59,12 @@ class Problem:
         """Pickle by the arguments; predicates on coordinates must be named functions for it."""
         given = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return type(self), tuple((given | {"bodies": dict(self.bodies)}).values())
+
+    def plot(self) -> "Figure":
+        """Sketch of the problem: see `lacore.plotting_problem.plot_problem`."""
+        from lacore.plotting_problem import plot_problem
+
+        return plot_problem(self)
 
     def __post_init__(self) -> None:
         if not isinstance(self.bodies, Mapping) or not self.bodies:

@@ -22,8 +22,13 @@ shear band has a width there. The error vanishes with the mesh. Uniform compress
 the platens is admissible for any frozen friction, so every discrete value lies above 2 k.
 """
 
+from typing import TYPE_CHECKING
+
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SIDE = 0.5  # of the quarter
 _ERROR = Convergence(
@@ -52,6 +57,11 @@ def band(elements: int, mu: float) -> Band:
     return _ERROR.strict(elements)
 
 
+def sketch(axes: "Axes", problem: la.Problem) -> None:
+    """The cut."""
+    axes.plot([0, SIDE], [0, SIDE], color="#7a6a3a", lw=1.0, ls=(0, (5, 3)), zorder=3.5)
+
+
 CASE = Case(
     id="platens-square",
     title="Square block between platens: 2 k at any friction",
@@ -70,6 +80,7 @@ from above:  platens close at rate 2 v, four cuts of length
     build=build,
     reference=reference,
     band=band,
+    sketch=sketch,
     variants=(
         Variant("mu-0.1", {"mu": 0.1}, meshes=("coarse",)),
         Variant("mu-0.5", {"mu": 0.5}),

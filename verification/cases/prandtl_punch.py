@@ -21,13 +21,17 @@ the footing, a passive wedge (3) goes up. The edge is a singular point where the
 bounded, so the mesh is graded towards it: uniform meshes converge at order 1 only.
 """
 
-from math import pi
+from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, Reference, Variant
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _SMOOTH = Convergence(
     5.41, 0.965, "120 to 7440 elements: 5.33, 1.87, 0.707, 0.320, 0.150, 0.100 % above"
@@ -69,6 +73,16 @@ def band(elements: int, rough: bool) -> Band:
     return (_ROUGH if rough else _SMOOTH).strict(elements)
 
 
+def sketch(axes: "Axes", problem: la.Problem) -> None:
+    """The three zones."""
+    turn = np.linspace(-3 * pi / 4, -pi / 4, 40)
+    fan_x, fan_y = 1 + sqrt(2) * np.cos(turn), sqrt(2) * np.sin(turn)
+    for line in (([*fan_x, 3], [*fan_y, 0]), ([0, 1, 2], [-1, 0, -1])):
+        axes.plot(*line, color="#7a6a3a", lw=1.0, ls=(0, (5, 3)), zorder=3.5)
+    for text, x, y in (("1", 0.3, -0.3), ("2", 1.0, -0.8), ("3", 2.0, -0.35)):
+        axes.text(x, y, text, color="#7a6a3a", fontsize=9, ha="center", va="center")
+
+
 CASE = Case(
     id="prandtl-punch",
     title="Strip footing on a half space (Prandtl)",
@@ -91,5 +105,6 @@ active wedge 1:   sigma_y = -(p1 + k)
     build=build,
     reference=reference,
     band=band,
+    sketch=sketch,
     variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
 )

@@ -1,0 +1,217 @@
+"""Supports, obstacles and friction in the sketch of a problem."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from lacore.arrays import Bools, Floats
+from lacore.blocks import BlockAssembly
+from lacore.contact_geometry import AnyBody, boundary_edges, interface_segments
+from lacore.frames import Frame
+from lacore.interfaces import SMOOTH, STICK, Coulomb, Friction, Interface, RigidObstacle
+from lacore.loads import Fix
+from lacore.plotting_contact import GROUND
+from lacore.plotting_sheet import Label, Sheet, middle, spaced
+from lacore.rigid import RigidDofs
+from lacore.touching import Edges
+
+_HELD = "#3c3c3c"
+_LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")
+_DEPTH, _GROUND = 7.0, 9.0  # points: hatches of supports and of obstacles
+_BALL, _SPACING = 6.0, 14.0  # points: diameter of rollers, and how far they are apart
+_FOOT = 13.0  # points: half of the ground under a node
+_ASIDE = 0.3  # of a joint: where its label stands
+_NODES = {"clamped": "s", "xy": "^", "rotation": "D"}
+_BESIDE = {"x": np.array([-1.0, 0.0]), "y": np.array([0.0, -1.0])}  # where a node's roller stands
+_HOLDS = {
+    "x": "$u_x = 0$",
+    "y": "$u_y = 0$",
+    "xy": "$u = 0$",
+    "normal": "$u_n = 0$",
+    "tangential": "$u_t = 0$",
+    "rotation": r"$\omega = 0$",
+    "clamped": r"$u = 0$, $\omega = 0$",
+}
+
+
+def held_blocks(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> Bools:
+    """Which blocks supports leave no velocity, shape (blocks,)."""
+    basis = RigidDofs(body, 0).free([s for s in supports if s.body == name])
+    largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 3)
+    return np.asarray(~np.any(largest > 0, axis=1))
+
+
+def draw_support(sheet: Sheet, support: Fix, body: AnyBody, whole: bool, gid: str) -> None:
+    """Hatches where all is held, rollers where the boundary may slide, squares where not.
+
+    Args:
+        sheet: to draw on.
+        support: to be drawn.
+        body: that it holds.
+        whole: whether it holds whole blocks, which are drawn as held themselves.
+        gid: of the artists.
+    """
+    text = _HOLDS[support.components]
+    edges = boundary_edges(body, support.where, "Fix.where")[1]
+    if isinstance(body, Frame):
+        _draw_held_nodes(sheet, support, edges, text, gid)
+    elif support.components == "xy":
+        if not whole:
+            sheet.hatch(edges, _DEPTH, _HELD, gid)
+            sheet.line(edges, _HELD, 1.2, gid)
+            handle = Patch(facecolor="none", edgecolor=_HELD, hatch="//////", lw=0)
+            sheet.handles[text] = handle
+    else:
+        axis = {"x": np.array([1.0, 0.0]), "y": np.array([0.0, 1.0])}.get(support.components)
+        across = support.components == "normal" if axis is None else _across(edges, axis)
+        _draw_rollers(sheet, edges, "o" if across else "s", text, gid)
+
+
+def _across(edges: Edges, axis: Floats) -> bool:
+    """Whether a direction points out of the boundary, rather than along it."""
+    return bool(np.mean(np.abs(axis @ edges.normal)) > np.sqrt(0.5))
+
+
+def _draw_rollers(sheet: Sheet, edges: Edges, marker: str, text: str, gid: str) -> None:
+    places, normals = spaced(edges, _SPACING * sheet.point)
+    _draw_balls(sheet, places, normals, edges, marker, text, gid)
+
+
+def _draw_balls(
+    sheet: Sheet,
+    places: Floats,
+    normals: Floats,
+    edges: Edges,
+    marker: str,
+    text: str,
+    gid: str,
+) -> None:
+    """Rollers at places, and the rail that they run on along edges."""
+    x, y = places + 0.5 * _BALL * sheet.point * normals
+    sheet.axes.scatter(
+        x,
+        y,
+        s=(0.85 * _BALL) ** 2,
+        marker=marker,
+        facecolor="white",
+        edgecolor=_HELD,
+        linewidths=1.0,
+        zorder=5,
+        gid=gid,
+    )
+    sheet.line(edges, _HELD, 1.0, gid, away=_BALL + 0.6)
+    sheet.take(sheet.band(edges, 0.0, _BALL + 1.0))
+    sheet.handles[text] = Line2D(
+        [], [], ls="none", marker=marker, mfc="white", mec=_HELD, ms=5.5, label=text
+    )
+
+
+def _draw_held_nodes(sheet: Sheet, support: Fix, nodes: Edges, text: str, gid: str) -> None:
+    if support.components in _BESIDE:
+        away = np.tile(_BESIDE[support.components][:, None], nodes.start.shape[1])
+        half = 0.5 * _FOOT * sheet.point * np.stack([-away[1], away[0]])
+        ground = Edges(nodes.start - half, nodes.start + half, away)
+        _draw_balls(sheet, nodes.start, away, ground, "o", text, gid)
+        return
+    marker = _NODES[support.components]
+    x, y = nodes.start
+    sheet.axes.scatter(
+        x, y, s=70, marker=marker, facecolor=GROUND, edgecolor="#222222", zorder=5, gid=gid
+    )
+    box = 6.0 * sheet.point * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    sheet.take(nodes.start.T[:, None] + box)
+    sheet.handles[text] = Line2D(
+        [], [], ls="none", marker=marker, mfc=GROUND, mec="#222222", ms=7, label=text
+    )
+
+
+def law_text(law: Friction) -> str:
+    """A friction law, as mathtext."""
+    if isinstance(law, Coulomb):
+        return rf"$\mu = {law.mu:.4g}$" + (", associated" if law.associated else "")
+    if law in (SMOOTH, STICK):
+        return "smooth" if law == SMOOTH else "stick"
+    return rf"$|t_t| \leq {law.limit:.4g}$ Pa"
+
+
+def law_colours(texts: Sequence[str]) -> dict[str, str]:
+    """A colour for each law; one for all of more laws than can be told apart."""
+    distinct = list(dict.fromkeys(texts))
+    if len(distinct) > len(_LAWS):
+        return dict.fromkeys(distinct, _LAWS[0])
+    return dict(zip(distinct, _LAWS, strict=False))
+
+
+def joint_laws(body: BlockAssembly) -> list[str]:
+    """The law of each joint, as text."""
+    joints = body.joints
+    laws = []
+    for coefficient, limit, dilatancy in zip(
+        joints.coefficient, joints.limit, joints.dilatancy, strict=True
+    ):
+        if dilatancy > 0:
+            laws.append(law_text(Coulomb(float(dilatancy), associated=True)))
+        elif coefficient > 0:
+            laws.append(law_text(Coulomb(float(coefficient))))
+        else:
+            laws.append("stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"{limit:.4g}")
+    return laws
+
+
+def draw_joints(
+    sheet: Sheet, body: BlockAssembly, colours: Mapping[str, str], label: bool, gid: str
+) -> None:
+    """Joints of an assembly, coloured by their friction; `label`: each with its law beside it."""
+    laws, joints = joint_laws(body), body.joints
+    many = len(colours) > len(set(colours.values()))
+    if many:
+        shown = f"joints: {len(set(laws))} laws of friction"
+        sheet.handles[shown] = Line2D([], [], color=_LAWS[0], lw=2.6)
+    for text in dict.fromkeys(laws):
+        chosen = np.array([law == text for law in laws])
+        edges = Edges(*(array[:, chosen] for array in (joints.start, joints.end, joints.normal)))
+        thin = chosen.size > 150
+        sheet.line(edges, colours[text], 1.2 if thin else 2.6, gid)
+        if label:
+            for start, end, normal in zip(edges.start.T, edges.end.T, edges.normal.T, strict=True):
+                place = _ASIDE * start + (1 - _ASIDE) * end  # arrows stand in the middle
+                sheet.labels.append(Label(text, place, 0.1 * normal, colours[text]))
+        elif not many:
+            shown = f"joints: {text}"
+            sheet.handles[shown] = Line2D([], [], color=colours[text], lw=2.6)
+
+
+def draw_interface(
+    sheet: Sheet,
+    interface: Interface,
+    bodies: Mapping[str, AnyBody],
+    colour: str,
+    label: bool,
+    gid: str,
+) -> None:
+    """Contact, coloured by its friction, and the obstacle, hatched."""
+    segments = interface_segments(interface, bodies, "Interface")
+    edges = Edges(segments.start, segments.end, -segments.normal)
+    points = isinstance(bodies[interface.slave[0]], Frame) or (
+        not isinstance(interface.master, RigidObstacle)
+        and isinstance(bodies[interface.master[0]], Frame)
+    )
+    if points:
+        tangent = np.stack([-edges.normal[1], edges.normal[0]])
+        half = _FOOT * sheet.point * tangent
+        edges = Edges(edges.start - half, edges.end + half, edges.normal)
+    if isinstance(interface.master, RigidObstacle):
+        sheet.hatch(edges, _GROUND, GROUND, gid)
+        handle = Patch(facecolor="none", edgecolor=GROUND, hatch="//////", lw=0)
+        sheet.handles["rigid obstacle"] = handle
+    sheet.line(edges, colour, 3.0, gid)
+    text = law_text(interface.law)
+    if label:
+        place, normal = middle(edges)
+        behind = _GROUND * sheet.point if isinstance(interface.master, RigidObstacle) else 0.0
+        sheet.labels.append(Label(text, place + behind * normal, normal, colour))
+    else:
+        shown = f"contact: {text}"
+        sheet.handles[shown] = Line2D([], [], color=colour, lw=3, label=shown)

@@ -1,0 +1,225 @@
+"""Loads in the sketch of a problem: arrows, and what they are worth."""
+
+import numpy as np
+import shapely
+from matplotlib.lines import Line2D
+
+from lacore.arrays import Floats
+from lacore.blocks import BlockAssembly
+from lacore.bodies import Body
+from lacore.contact_geometry import AnyBody, boundary_edges
+from lacore.frames import Frame
+from lacore.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.plotting_sheet import Label, Sheet, middle, spaced
+from lacore.touching import Edges
+
+LIVE, DEAD = "#c1121f", "#6c6c6c"
+_SINGLE, _OF_BODY, _OF_ROW = 40.0, 34.0, 20.0  # points: lengths of arrows
+_SHORTEST = 28.0  # points of a block that an arrow inside of it needs
+_SPACING = 15.0  # points, in a row
+_ALONG = 0.25  # cosine to the normal, below which a traction acts along a boundary
+_BAR = (2.0, 7.0)  # points: a footing, from its body on
+_ROLL = 5.0  # points: the rollers under a smooth one
+_STEP, _TRIES = 4.0, 10  # points: rows give way to what is there
+
+
+def draw_load(sheet: Sheet, load: Load, body: AnyBody, live: bool, gid: str) -> None:
+    """One load; the label is its size, of a body force that of the resultant."""
+    colour = LIVE if live else DEAD
+    _legend(sheet, live)
+    if isinstance(load, PointForce):
+        _draw_point_force(sheet, load, body, colour, live, gid)
+    elif isinstance(load, BodyForce):
+        _draw_body_force(sheet, load, body, colour, live, gid)
+    elif isinstance(load, RigidFooting):
+        _draw_footing(sheet, load, body, colour, live, gid)
+    else:
+        _draw_row(sheet, load, body, colour, live, gid)
+
+
+def _legend(sheet: Sheet, live: bool) -> None:
+    text = r"live load, times $\alpha$" if live else "dead load"
+    colour = LIVE if live else DEAD
+    sheet.handles[text] = Line2D([], [], color=colour, lw=1.6, marker=">", ms=5, label=text)
+
+
+def _worth(size: float, unit: str, live: bool) -> str:
+    return rf"$\alpha \cdot {size:.4g}$ {unit}" if live else f"${size:.4g}$ {unit}"
+
+
+def _draw_point_force(
+    sheet: Sheet, load: PointForce, body: AnyBody, colour: str, live: bool, gid: str
+) -> None:
+    vector = np.asarray(load.vector, dtype=np.float64)
+    size = float(np.linalg.norm(vector))
+    place, block = _point(load, body)
+    along = vector / size
+    length = _SINGLE if block is None else _inner_length(sheet, place, along, block)
+    text = _worth(size, "N/m", live)
+    _draw_single(sheet, place, along, block is not None, length, text, colour, gid)
+
+
+def _point(load: PointForce, body: AnyBody) -> tuple[Floats, shapely.Polygon | None]:
+    """Where a force acts, and the block in the middle of which that is."""
+    if not isinstance(load.at, str):
+        return np.asarray(load.at, dtype=np.float64), None
+    if isinstance(body, BlockAssembly):
+        polygon = shapely.Polygon(body.polygons[load.at])
+        return body.centroid[:, body.names.index(load.at)], polygon
+    assert isinstance(body, Frame)  # of continua points are coordinates
+    return body.position[:, body.names.index(load.at)], None
+
+
+def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Polygon) -> float:
+    """Length of an arrow, in points, that ends inside of a block if that is large enough."""
+    ray = shapely.LineString([place, place + _SINGLE * sheet.point * along])
+    inside = shapely.intersection(ray, block).length / sheet.point
+    return 0.8 * inside if inside > _SHORTEST else _OF_BODY
+
+
+def _draw_body_force(
+    sheet: Sheet, load: BodyForce, body: AnyBody, colour: str, live: bool, gid: str
+) -> None:
+    place, area = _centre(load, body)
+    vector = np.asarray(load.vector, dtype=np.float64)
+    size = float(np.linalg.norm(vector))
+    text = _worth(size * area, "N/m", live)
+    _draw_single(sheet, place, vector / size, True, _OF_BODY, text, colour, gid)
+    sheet.axes.scatter(place[0], place[1], s=14, color=colour, zorder=6, gid=gid)
+
+
+def _centre(load: BodyForce, body: AnyBody) -> tuple[Floats, float]:
+    """Centroid, m, and area, m^2, of what a body force acts on."""
+    if isinstance(body, Body):
+        parts = shapely.polygons(body.mesh.p[:, body.mesh.t].T)
+        area = shapely.area(parts)
+        centroids = shapely.get_coordinates(shapely.centroid(parts)).T
+    else:
+        assert isinstance(body, BlockAssembly)  # frames have no volume
+        names = (load.where,) if isinstance(load.where, str) else load.where or body.names
+        chosen = np.isin(body.names, names)
+        area, centroids = body.area[chosen], body.centroid[:, chosen]
+    return centroids @ area / area.sum(), float(area.sum())
+
+
+def _draw_single(
+    sheet: Sheet,
+    place: Floats,
+    along: Floats,
+    inside: bool,
+    length: float,
+    text: str,
+    colour: str,
+    gid: str,
+) -> None:
+    """One arrow, out of bodies and up to points, unless another one is there."""
+    reach = length * sheet.point * along
+    pushed, pulled = (place - reach, place), (place, place + reach)
+    ways = [pulled, pushed] if inside else [pushed, pulled]
+    tail, tip = min(ways, key=lambda way: _crossings(sheet, way))
+    sheet.arrow(tail, tip, colour, gid, width=2.2)
+    far = tip if np.allclose(tail, place) else tail
+    sheet.labels.append(Label(text, far, (far - place) / np.linalg.norm(far - place), colour))
+
+
+def _crossings(sheet: Sheet, way: tuple[Floats, Floats]) -> int:
+    """What the middle half of an arrow crosses; another arrow is the worst."""
+    tail, tip = way
+    line = shapely.LineString([0.75 * tail + 0.25 * tip, 0.25 * tail + 0.75 * tip])
+    arrows, symbols = (shapely.intersects(line, p).sum() for p in (sheet.arrows, sheet.taken))
+    return int(10 * arrows + symbols)
+
+
+def _draw_footing(
+    sheet: Sheet, load: RigidFooting, body: AnyBody, colour: str, live: bool, gid: str
+) -> None:
+    edges = boundary_edges(body, load.where, "RigidFooting.where")[1]
+    low = _BAR[0] if load.rough else _ROLL
+    high = low + _BAR[1] - _BAR[0]
+    corners = sheet.band(edges, low if not load.rough else 0.0, high)
+    for bar in corners:
+        sheet.axes.fill(*bar.T, facecolor="#3c3c3c", edgecolor="#3c3c3c", lw=0.3, gid=gid)
+    if not load.rough:
+        places, normals = spaced(edges, 10.0 * sheet.point)
+        x, y = places + 0.5 * _ROLL * sheet.point * normals
+        sheet.axes.scatter(x, y, s=9, facecolor="white", edgecolor="#3c3c3c", lw=0.8, zorder=5)
+    sheet.take(sheet.band(edges, 0.0, high))
+    text = f"rigid footing, {'rough' if load.rough else 'smooth'}"
+    sheet.handles[text] = Line2D([], [], color="#3c3c3c", lw=5, label=text)
+    along = np.asarray(load.direction)
+    place, normal = middle(edges)
+    start = place + (high + 1.0) * sheet.point * normal
+    pushes = float(along @ normal) < 0
+    reach = _SINGLE * sheet.point * along
+    tail, tip = (start - reach, start) if pushes else (start, start + reach)
+    sheet.arrow(tail, tip, colour, gid, width=2.6)
+    far = tail if pushes else tip
+    worth = _worth(load.pressure, "Pa in the mean", live)
+    sheet.labels.append(Label(worth, far, normal, colour))
+
+
+def _draw_row(
+    sheet: Sheet, load: Traction | Pressure, body: AnyBody, colour: str, live: bool, gid: str
+) -> None:
+    """Arrows along a boundary or a member, as far outside as other symbols are not."""
+    edges, unit = _loaded(load, body)
+    if isinstance(load, Pressure):
+        size, press = abs(load.value), np.sign(load.value)
+        places, normals = spaced(edges, _SPACING * sheet.point)
+        directions = -press * normals
+        cosine = -float(press)
+    else:
+        size = float(np.linalg.norm(load.vector))
+        along = np.asarray(load.vector, dtype=np.float64) / size
+        cosine = float(np.mean(along @ edges.normal))
+        tangential = abs(cosine) < _ALONG
+        spacing = (_OF_ROW + 7.0 if tangential else _SPACING) * sheet.point
+        places, normals = spaced(edges, spacing)
+        directions = np.tile(along[:, None], places.shape[1])
+    depth = 5.0 if abs(cosine) < _ALONG else _OF_ROW * abs(cosine)
+    low = _free_depth(sheet, edges, depth)
+    base = places + low * sheet.point * normals
+    if abs(cosine) < _ALONG:
+        tails = _between(base) - 0.5 * _OF_ROW * sheet.point * directions[:, :-1]
+        tips = tails + _OF_ROW * sheet.point * directions[:, :-1]
+    else:
+        reach = _OF_ROW * sheet.point * directions
+        tails, tips = (base - reach, base) if cosine < 0 else (base, base + reach)
+    for tail, tip in zip(tails.T, tips.T, strict=True):
+        sheet.arrow(tail, tip, colour, gid, width=1.1)
+    sheet.take(sheet.band(edges, low, low + depth))
+    if cosine <= -_ALONG:
+        sheet.line(edges, colour, 0.9, gid, away=low + depth)
+    place, normal = middle(edges)
+    outside = place + (low + depth) * sheet.point * normal
+    sheet.labels.append(Label(_worth(size, unit, live), outside, normal, colour))
+
+
+def _between(places: Floats) -> Floats:
+    return np.asarray((places[:, 1:] + places[:, :-1]) / 2)
+
+
+def _loaded(load: Traction | Pressure, body: AnyBody) -> tuple[Edges, str]:
+    """What a load is spread over, and its unit; of a member the side that the load comes from."""
+    if not isinstance(body, Frame):
+        return boundary_edges(body, load.where, "where")[1], "Pa"
+    assert isinstance(load, Traction)  # frames take no pressure
+    names = (load.where,) if isinstance(load.where, str) else load.where
+    pieces = np.isin(body.member_names, names)[body.pieces.member]  # type: ignore[arg-type]
+    along = body.pieces.along[:, pieces]
+    across = np.stack([-along[1], along[0]])
+    from_there = np.where(np.asarray(load.vector) @ across > 0, -1.0, 1.0)
+    ends = body.position[:, body.pieces.nodes[pieces]]
+    return Edges(ends[:, :, 0], ends[:, :, 1], across * from_there), "N/m per m"
+
+
+def _free_depth(sheet: Sheet, edges: Edges, depth: float) -> float:
+    """Distance from edges, in points, from which on a strip is free."""
+    for step in range(_TRIES):
+        low = 2.0 + step * _STEP
+        # The middle of the strip: what stands around the corner does not count.
+        corners = sheet.band(edges, low, low + depth)
+        inner = 0.9 * corners + 0.1 * corners.mean(axis=1, keepdims=True)
+        if all(sheet.is_free(polygon) for polygon in shapely.polygons(inner)):
+            return low
+    return 2.0
