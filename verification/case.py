@@ -193,6 +193,10 @@ class Order:
     tolerance: float
     reason: str
 
+    def holds(self, order: float) -> bool:
+        """Whether a measured order is the expected one; never NaN."""
+        return abs(order - self.expected) <= self.tolerance
+
 
 @dataclass(frozen=True)
 class Variant:

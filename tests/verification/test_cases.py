@@ -7,6 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.state import contact_force
+from verification.analysis.slopes import fit_slope
 from verification.assemblies import UNKNOWN
 from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
@@ -20,7 +21,7 @@ MESHED = [(case, variant) for case, variant in VARIANTS if case.meshed]
 
 
 def name_of(part):
-    return getattr(part, "id", None) or part.name
+    return getattr(part, "id", None) or getattr(part, "name", "")
 
 
 def outcome_of(case, variant, mesh):
@@ -126,6 +127,42 @@ def test_cylinder_converges_at_order_one():
     errors = [load_factor(case.id, "burst", mesh) / reference - 1 for mesh in case.meshes]
     assert errors[0] > errors[1] > errors[2]
     assert log(errors[1] / errors[2]) / log(4784 / 576) == pytest.approx(1.0, abs=0.15)
+
+
+ORDERED = [(c, v, o) for c in CASES for v in c.variants if (o := c.order_of(v)) is not None]
+
+
+def test_orders_are_expected_where_the_reference_is_good_enough():
+    assert {f"{case.id}:{variant.name}" for case, variant, _ in ORDERED} == {
+        "platens-coulomb:mu-0.3",
+        "platens-square:mu-0.1",
+        "platens-square:mu-0.5",
+        "prandtl-punch:rough",
+        "prandtl-punch:smooth",
+        "thick-cylinder:burst",
+    }
+
+
+def test_nan_is_no_order():
+    order = ORDERED[0][-1]
+    assert order.holds(order.expected)
+    assert not order.holds(float("nan"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "variant", "order"), ORDERED, ids=name_of)
+def test_refinement_shows_the_expected_order(case, variant, order):
+    """Over the whole ladder, in an interval of confidence no wider than the tolerance."""
+    elements, errors = [], []
+    reference = case.reference_of(variant).value
+    for size in order.meshes:
+        d = la.discretise(case.build(**size, **variant.parameters))
+        elements.append(d.n_elements)
+        errors.append(la.solve(d, throw=True).load_factor / reference - 1)
+    fit = fit_slope(np.array(elements), np.array(errors))
+    assert fit.points == len(order.meshes)
+    assert order.holds(-fit.slope), fit
+    assert (fit.high - fit.low) / 2 <= order.tolerance
 
 
 def test_allowed_values_widen_by_half_width_and_band():

@@ -28,7 +28,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,6 +38,17 @@ _SMOOTH = Convergence(
 )
 _ROUGH = Convergence(
     2.24, 0.68, "120 to 7440 elements: 8.63, 3.73, 1.92, 1.08, 0.690, 0.530 % above"
+)
+
+_LADDER = tuple(
+    {"nx": nx, "ny": ny, "ratio_x": ratio_x, "ratio_y": ratio_y}
+    for nx, ny, ratio_x, ratio_y in (
+        (8, 4, 30.0, 10.0),
+        (12, 6, 50.0, 16.0),
+        (16, 9, 75.0, 24.0),
+        (24, 13, 130.0, 42.0),
+        (32, 17, 180.0, 60.0),
+    )
 )
 
 
@@ -73,6 +84,27 @@ def band(elements: int, rough: bool) -> Band:
     return (_ROUGH if rough else _SMOOTH).strict(elements)
 
 
+def order(rough: bool) -> Order:
+    """Graded meshes win back most of what the singular edge costs."""
+    if rough:
+        return Order(
+            _LADDER,
+            0.64,
+            0.1,
+            "Measured: 0.640 +- 0.038 (95 %) over 128 to 2176 elements, 0.68 over 120 to 7440. The"
+            " stress jumps along a rough footing, which grading towards its edge does not resolve."
+            " Without grading 1/2.",
+        )
+    return Order(
+        _LADDER,
+        0.9,
+        0.1,
+        "Measured: 0.894 +- 0.069 (95 %) over 128 to 2176 elements, 0.965 over 120 to 7440:"
+        " towards 1, that of squared mesh sizes, as meshes are graded to the edge ever more."
+        " Without grading 1/2.",
+    )
+
+
 def sketch(axes: "Axes", problem: la.Problem) -> None:
     """The three zones."""
     turn = np.linspace(-3 * pi / 4, -pi / 4, 40)
@@ -105,6 +137,7 @@ active wedge 1:   sigma_y = -(p1 + k)
     build=build,
     reference=reference,
     band=band,
+    order=order,
     sketch=sketch,
     variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
 )
