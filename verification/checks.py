@@ -4,7 +4,7 @@ import inspect
 import pickle
 import re
 from collections.abc import Callable, Mapping, Sequence
-from math import isnan
+from math import isinf, isnan
 from numbers import Real
 from typing import Any
 
@@ -129,13 +129,17 @@ def _check_variants(case: Case) -> None:
             if not isinstance(getattr(variant, field), Mapping):
                 raise InputError(f"{where}.{field}", None, "not a mapping", "give a dict")
         for name, value in variant.parameters.items():
-            if not isinstance(value, Real | str):
+            if not isinstance(value, Real | str) or value != value:
                 raise InputError(
                     f"{where}.parameters[{name!r}]",
-                    type(value).__name__,
+                    value if isinstance(value, Real) else type(value).__name__,
                     "not a number, a word, True or False",
                     "give one of them: a column of the results shows it",
                 )
+        if not isinstance(variant.meshes, tuple | list):
+            raise InputError(
+                f"{where}.meshes", variant.meshes, "not names in a tuple", "write ('fine',)"
+            )
         for mesh in variant.meshes:
             if mesh not in case.meshes:
                 raise InputError(
@@ -213,6 +217,13 @@ def _check_reference(variant: Variant, reference: object) -> None:
             "not a number",
             "give a load factor, or NaN where none is known",
         )
+    if reference.status is la.Status.SOLVED and isinf(reference.value):
+        raise InputError(
+            f"{where}, value",
+            reference.value,
+            "no load factor that a solve can end with",
+            "give the status too: LOCKED or JAM for +inf, UNSAFE for -inf",
+        )
     if not (is_number(reference.half_width) and reference.half_width >= 0):
         raise InputError(
             f"{where}, half_width", reference.half_width, "not a distance", "give a number >= 0"
@@ -260,10 +271,10 @@ def _check_order(case: Case, variant: Variant, order: object) -> None:
         return
     if not isinstance(order, Order):
         raise InputError(where, type(order).__name__, "no Order", "return an Order, or None")
-    if len(order.meshes) < _LADDER:
+    if not isinstance(order.meshes, Sequence) or len(order.meshes) < _LADDER:
         raise InputError(
             f"{where}, meshes",
-            len(order.meshes),
+            len(order.meshes) if isinstance(order.meshes, Sequence) else None,
             f"fewer than {_LADDER} sizes give no slope that one could trust",
             f"give {_LADDER} or more",
         )

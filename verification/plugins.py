@@ -8,6 +8,7 @@ be what its name imports.
 import contextlib
 import importlib
 import importlib.util
+import os
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -88,6 +89,13 @@ def _files(folder: Path) -> list[Path]:
         raise InputError(
             "--cases", str(folder), f"cannot be read ({error.strerror})", "name a folder of cases"
         ) from error
+    if os.pathsep in str(folder.resolve()):
+        raise InputError(
+            "--cases",
+            str(folder),
+            f"other processes cannot be told a path with {os.pathsep!r} in it",
+            "rename the folder",
+        )
     files = [path for path in paths if path.suffix == ".py" and not path.name.startswith("_")]
     if not files:
         raise InputError(
@@ -142,9 +150,9 @@ def _imported(path: Path) -> ModuleType:
         )
     if folder not in sys.path:
         sys.path.append(folder)
-        importlib.invalidate_caches()
+    importlib.invalidate_caches()  # the file may be younger than the last look at its folder
     origin = _origin(name)
-    if origin is None or origin.resolve() != path:
+    if origin is None or origin.resolve() != path.resolve():
         raise InputError(
             str(path),
             None,

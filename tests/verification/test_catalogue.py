@@ -206,6 +206,15 @@ BAD = {
         [("    build=build", "    meshes={'coarse': {'h': 2}},\n    build=build")],
         "Case.meshes['coarse'] = 'h': is a parameter of variant 'square' too",
     ),
+    "parameter nan": ([('{"h": 2.0}', '{"h": float("nan")}')], "parameters['h'] = nan: not a"),
+    "levels": (
+        [('{"h": 1.0})', '{"h": 1.0}, meshes="fine")')],
+        "Case.variants[0].meshes = 'fine': not names in a tuple; write ('fine',)",
+    ),
+    "no load factor": (
+        [("Reference(value", "Reference(float('inf')")],
+        "value = inf: no load factor that a solve can end with; give the status too",
+    ),
     "level": (
         [('{"h": 1.0})', '{"h": 1.0}, meshes=("fine",))')],
         "Case.variants[0].meshes = 'fine': unknown level; known names: blocks",
@@ -293,9 +302,20 @@ def test_two_folders_with_one_file_name(planted, tmp_path):
     assert f"the name 'planted' imports {folder / 'planted.py'} instead; rename" in done.stderr
 
 
-@pytest.mark.parametrize("kind", ["missing", "file", "empty"])
+def test_a_link_to_a_file_is_a_file(planted, tmp_path):
+    (tmp_path / "links").mkdir()
+    real = planted(name="real_planted.py") / "real_planted.py"
+    (tmp_path / "links" / "planted.py").symlink_to(real)
+    assert "block-on-step" in gather([tmp_path / "links"])
+
+
+@pytest.mark.parametrize("kind", ["missing", "file", "empty", "with:colon"])
 def test_folders_that_are_none(tmp_path, kind):
     place = tmp_path / kind
+    if kind == "with:colon":
+        if os.pathsep != ":":
+            pytest.skip("paths are separated otherwise here")
+        place.mkdir()
     if kind == "file":
         place.write_text("")
     elif kind == "empty":
@@ -325,6 +345,25 @@ def test_cases_of_packages_are_found(installed):
     installed(mine="planted:CASE")
     assert "block-on-step" in gather()
     assert "block-on-step" in run("cases").stdout
+
+
+def test_an_installed_package_is_found_by_its_metadata(planted):
+    """A distribution as an installer leaves it, read by another process."""
+    site = planted()
+    about = site / "mine-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[lacore.cases]\nmine = planted:CASE\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "verification", "cases", "--json"],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(site)])},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    (entry,) = [e for e in json.loads(done.stdout) if e["id"] == "block-on-step"]
+    assert entry["source"] == "mine, entry point 'mine' of lacore.cases"
 
 
 def test_a_broken_package_hinders_no_one_else(installed):
