@@ -1,6 +1,7 @@
 """Charts as SVG, tables and documents as HTML: what a browser is not needed for."""
 
 import re
+from dataclasses import asdict
 from html.parser import HTMLParser
 from math import inf, nan
 
@@ -9,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from lacore import InputError
+from verification.analysis import Slope
 from verification.report import charts, document
 from verification.report.blocks import (
     Anchor,
@@ -21,7 +23,7 @@ from verification.report.blocks import (
     Table,
     slug,
 )
-from verification.report.charts import ERROR, Axis, Law
+from verification.report.charts import ERROR, FACTOR, Axis
 from verification.report.svg import Chart, inline
 from verification.report.theme import VARIABLES
 
@@ -32,12 +34,13 @@ SWEEP = pd.DataFrame(
         for r in (1e-1, 1e-2, 1e-3, 1e-4)
     ]
 )
-LAW = Law(slope=2.0, coefficient=2.0, start=1e-3, stop=1e-1, error=0.02, floor=1e-9)
+LAW = Slope(slope=2.0, low=1.98, high=2.02, coefficient=2.0, start=1e-3, stop=1e-1, floor=1e-9)
+FITS = pd.DataFrame([{"backend": "newton", **asdict(LAW)}])
 R = Axis("r", "regularisation r")
 
 
 def fitted():
-    return charts.fitted(SWEEP, {"newton": LAW}, R, ERROR, tip=["mesh"])
+    return charts.fitted(SWEEP, FITS, R, ERROR, tip=["mesh"])
 
 
 def ids(text):
@@ -115,8 +118,15 @@ def test_tips_lie_on_their_markers():
 
 
 def test_law_in_words():
-    assert LAW.text == "slope 2.00 ± 0.02"
-    assert Law(-1.0, 1.0, 1, 2).text == "slope −1.00"  # noqa: RUF001
+    assert charts.slope_text(asdict(LAW)) == "slope 2.00 ± 0.02"
+    minus = charts.slope_text(asdict(Slope(slope=-1.0)))
+    assert minus == "slope \N{MINUS SIGN}1.00"
+    assert charts.slope_text(asdict(Slope())) == "no slope"
+
+
+def test_one_line_has_one_law():
+    with pytest.raises(ValueError, match="several fits for one backend"):
+        charts.fitted(SWEEP, pd.concat([FITS, FITS]), R, ERROR)
 
 
 def test_legend_says_the_slope_and_the_floor_is_drawn():
@@ -130,7 +140,7 @@ def test_what_cannot_be_drawn_is_counted():
     data = pd.DataFrame(
         {"backend": "a", "n_elements": [10, 20, 30, 40], "error": [-0.1, 0.0, nan, inf]}
     )
-    chart = charts.refinement(data, {})
+    chart = charts.refinement(data, FITS)
     assert len(chart.tips) == 1
     assert chart.tips[0].y == pytest.approx(0.1)
     assert "3 points cannot be drawn" in chart.summary
@@ -139,21 +149,19 @@ def test_what_cannot_be_drawn_is_counted():
 def test_a_chart_of_nothing_can_be_drawn():
     empty = SWEEP.iloc[:0]
     for chart in (
-        charts.fitted(empty, {}, R, ERROR),
+        charts.fitted(empty, FITS.iloc[:0], R, ERROR),
         charts.curves(empty, R, ERROR),
-        charts.profile(empty, ratio=R, share=Axis("error", "share", log=False)),
+        charts.profile(empty, R, Axis("error", "share", log=False), by="backend"),
     ):
         assert "no points" in chart.summary
         assert inline(chart, "a").startswith("<svg")
 
 
-def test_profile_steps_to_the_end():
+def test_profile_steps():
     data = pd.DataFrame(
-        {"backend": ["a", "a", "b"], "ratio": [1.0, 4.0, 2.0], "share": [0.5, 1, 0.25]}
+        {"solver": ["a", "a", "b"], "factor": [1.0, 4.0, 2.0], "share": [0.5, 1, 0.25]}
     )
-    chart = charts.profile(
-        data, ratio=Axis("ratio", "time / best"), share=Axis("share", "solved", log=False)
-    )
+    chart = charts.profile(data, FACTOR)
     assert [tip.text for tip in chart.tips] == [
         "a: 50 % within 1",
         "a: 100 % within 4",
@@ -190,7 +198,7 @@ HOSTILE = [
 @pytest.mark.parametrize("name", HOSTILE)
 def test_any_name_can_be_a_line(name):
     data = SWEEP.assign(backend=name)
-    text = inline(charts.fitted(data, {name: LAW}, R, ERROR, tip=["backend"]), "a")
+    text = inline(charts.fitted(data, FITS.assign(backend=name), R, ERROR, tip=["backend"]), "a")
     assert "<script" not in text
     assert "<img" not in text
     assert text.count("slope 2.00") == 2  # in the legend and in the summary

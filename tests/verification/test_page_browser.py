@@ -9,7 +9,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from tests.verification.browser import WIDTHS
-from tests.verification.test_page import LAW, SWEEP, R
+from tests.verification.test_page import FITS, SWEEP, R
 from verification.catalogue import find
 from verification.cli import main
 from verification.report import charts, document
@@ -74,7 +74,9 @@ def hostile_page():
     )  # fmt: skip
     variant = replace(variant, name=HOSTILE, unfit={HOSTILE: HOSTILE})
     data = SWEEP.assign(backend=HOSTILE, mesh=HOSTILE)
-    chart = charts.fitted(data, {HOSTILE: LAW}, replace(R, label=HOSTILE), ERROR, tip=["mesh"])
+    chart = charts.fitted(
+        data, FITS.assign(backend=HOSTILE), replace(R, label=HOSTILE), ERROR, tip=["mesh"]
+    )
     results = hostile_results()
     anchor = Anchor("own", "why")
     table = Table((Column("why", HOSTILE, link=anchor, hover="why"),), results, HOSTILE, anchor)

@@ -5,10 +5,10 @@ values. What cannot be drawn (no finite value, not positive on a logarithmic axi
 the summary of the chart says how many points that were.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, log10, nan
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,7 @@ from verification.report.svg import Chart, Tip
 from verification.report.theme import MARKERS, SERIES, styled
 
 _SIZE = (5.6, 3.9)  # inches: type of 10 points stays readable on a phone
+_MINUS = "\N{MINUS SIGN}"
 _DASHES = ("-", "--", "-.", ":")
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONGEST = 40  # letters of a name in the legend
@@ -45,32 +46,9 @@ class Axis:
 
 ELEMENTS = Axis("n_elements", "elements")
 ERROR = Axis("error", "relative error")
+FACTOR = Axis("factor", "time over that of the fastest")
+SHARE = Axis("share", "problems solved", log=False)
 SOLVE_TIME = Axis("solve_time", "time to solve [s]")
-
-
-@dataclass(frozen=True)
-class Law:
-    """A power law that was fitted, ``y = coefficient * x**slope``.
-
-    Attributes:
-        slope, coefficient: of the law.
-        start, stop: range of x over which it holds.
-        error: half width of the confidence interval of the slope; NaN: not known.
-        floor: what y does not fall below; NaN: none was seen.
-    """
-
-    slope: float
-    coefficient: float
-    start: float
-    stop: float
-    error: float = nan
-    floor: float = nan
-
-    @property
-    def text(self) -> str:
-        """For the legend: ``slope -1.02 ± 0.03``."""
-        error = f" ± {self.error:.2f}" if isfinite(self.error) else ""
-        return f"slope {self.slope:.2f}{error}".replace("-", "−")  # noqa: RUF001  # a minus sign
 
 
 def curves(
@@ -85,7 +63,8 @@ def curves(
         tip: more columns to show under the pointer.
     """
     shown, left_out = _drawable(data, x, y)
-    with _plot() as (figure, axes):
+    with styled():
+        figure, axes = figure_axes()
         tips = _markers(axes, shown, x, y, by, tip, {}, "-")
         _finish(figure, axes, x, y)
     return Chart(figure, _summary(shown, x, y, by, left_out), tips)
@@ -93,54 +72,63 @@ def curves(
 
 def fitted(
     data: pd.DataFrame,
-    laws: Mapping[str, Law],
+    fits: pd.DataFrame,
     x: Axis,
     y: Axis,
     *,
     by: str = "backend",
     tip: Sequence[str] = (),
 ) -> Chart:
-    """Markers with their power laws: error against a swept parameter, or under refinement.
+    """Markers with power laws: error against a swept parameter, or under refinement.
 
-    Each law is drawn over the range in which it holds, and its floor, dotted, over all of `x`.
+    Each law is drawn over the range in which it holds, its floor dotted over all of `x`; the
+    legend names its slope, or says that there is none.
 
     Args:
         data: as of `curves`.
-        laws: of values of `by`; those without a law have markers only.
+        fits: from `verification.analysis.slopes` (columns `by` and those of `Slope`), at most one
+            row for each value of `by`.
         x, y, by, tip: as of `curves`.
+
+    Raises:
+        ValueError: two fits of one line.
     """
+    if fits[by].duplicated().any():
+        raise ValueError(f"several fits for one {by}: {list(fits[by])}; choose one group")
     shown, left_out = _drawable(data, x, y)
-    words = {name: f", {law.text}" for name, law in laws.items()}
-    with _plot() as (figure, axes):
+    laws = {str(record[by]): record for record in fits.to_dict("records")}
+    words = {name: slope_text(law) for name, law in laws.items()}
+    with styled():
+        figure, axes = figure_axes()
         tips = _markers(axes, shown, x, y, by, tip, words, "none")
         for colour, name in _colours(shown, by):
             if name in laws:
                 _draw(axes, laws[name], colour, shown[x.column])
         _finish(figure, axes, x, y)
-    slopes = "; ".join(f"{name}: {law.text}" for name, law in laws.items())
+    slopes = "; ".join(f"{name}: {text}" for name, text in words.items())
     summary = _summary(shown, x, y, by, left_out)
     return Chart(figure, f"{summary} {slopes}." if slopes else summary, tips)
 
 
-def profile(data: pd.DataFrame, *, ratio: Axis, share: Axis, by: str = "backend") -> Chart:
-    """Steps of a performance or data profile.
+def profile(data: pd.DataFrame, x: Axis, share: Axis = SHARE, *, by: str = "solver") -> Chart:
+    """Steps of a profile from `verification.analysis`.
 
     Args:
-        data: one row a step: from `ratio.column` on, the share is `share.column` (0 to 1).
-        ratio: the axis of the ratio to the best, or of the budget.
-        share: the axis of the share of problems solved; shown in per cent.
+        data: one row a step: from `x.column` on, the share is `share.column` (0 to 1).
+        x: the axis of the factor to the best (`FACTOR`), or of the budget.
+        share: the axis of the share of problems that are solved; shown in per cent.
         by: column that tells the profiles apart.
     """
-    shown, left_out = _drawable(data, ratio, share)
-    with _plot() as (figure, axes):
+    shown, left_out = _drawable(data, x, share)
+    with styled():
+        figure, axes = figure_axes()
         tips = []
-        last = float(shown[ratio.column].max()) if len(shown) else 1.0
         for number, (colour, name) in enumerate(_colours(shown, by)):
-            own = shown[shown[by].astype(str) == name].sort_values(ratio.column)
-            places, shares = own[ratio.column].to_list(), own[share.column].to_list()
+            own = shown[shown[by].astype(str) == name].sort_values(x.column)
+            places, shares = own[x.column].to_list(), own[share.column].to_list()
             axes.step(
-                [*places, 1.3 * last],
-                [*shares, shares[-1]],
+                places,
+                shares,
                 where="post",
                 color=colour,
                 ls=_DASHES[number % len(_DASHES)],
@@ -153,15 +141,21 @@ def profile(data: pd.DataFrame, *, ratio: Axis, share: Axis, by: str = "backend"
             ]
         axes.set_ylim(-0.02, 1.04)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-        _finish(figure, axes, ratio, share)
-    return Chart(figure, _summary(shown, ratio, share, by, left_out), tips)
+        _finish(figure, axes, x, share)
+    return Chart(figure, _summary(shown, x, share, by, left_out), tips)
 
 
 def refinement(
-    results: pd.DataFrame, laws: Mapping[str, Law], *, by: str = "backend", tip: Sequence[str] = ()
+    results: pd.DataFrame, fits: pd.DataFrame, *, by: str = "backend", tip: Sequence[str] = ()
 ) -> Chart:
-    """Relative error against the number of elements: columns `error`, `n_elements`, `by`, `tip`."""
-    return fitted(results, laws, ELEMENTS, ERROR, by=by, tip=tip)
+    """Relative error against the number of elements.
+
+    Args:
+        results: columns `error`, `n_elements`, `by` and those of `tip`.
+        fits: from `verification.analysis.refinement_orders`, as of `fitted`.
+        by, tip: as of `curves`.
+    """
+    return fitted(results, fits, ELEMENTS, ERROR, by=by, tip=tip)
 
 
 def cost(results: pd.DataFrame, *, by: str = "backend", tip: Sequence[str] = ("mesh",)) -> Chart:
@@ -173,12 +167,6 @@ def figure_axes() -> tuple[Figure, Axes]:
     """An empty figure for one chart; draw within `theme.styled`."""
     figure = Figure(figsize=_SIZE, layout="constrained")
     return figure, figure.add_subplot()
-
-
-@contextmanager
-def _plot() -> Iterator[tuple[Figure, Axes]]:
-    with styled():
-        yield figure_axes()
 
 
 def _drawable(data: pd.DataFrame, x: Axis, y: Axis) -> tuple[pd.DataFrame, int]:
@@ -223,7 +211,7 @@ def _markers(
             marker=MARKERS[number % len(MARKERS)],
             mfc="none" if number % 2 else colour,  # an open marker lets one below it be seen
             ms=5 + 2 * (number % 2),
-            label=labelled(name, words.get(name, "")),
+            label=labelled(name, f", {words[name]}" if name in words else ""),
         )
         for record in own.to_dict("records"):
             shown = [f"{axis.label}: {record[axis.column]:.4g}" for axis in (x, y)]
@@ -233,14 +221,23 @@ def _markers(
     return tips
 
 
-def _draw(axes: Axes, law: Law, colour: str, places: Iterable[float]) -> None:
+def slope_text(law: Mapping[Any, Any]) -> str:
+    """For the legend: ``slope -1.02 ± 0.03``, by half the confidence interval."""
+    if not isfinite(law["slope"]):
+        return "no slope"
+    half = (law["high"] - law["low"]) / 2
+    error = f" ± {half:.2f}" if isfinite(half) else ""
+    return f"slope {law['slope']:.2f}{error}".replace("-", _MINUS)
+
+
+def _draw(axes: Axes, law: Mapping[Any, Any], colour: str, places: Iterable[float]) -> None:
     """A law over its range, its floor over all places."""
-    if isfinite(law.slope) and isfinite(law.coefficient):
-        ends = np.array([law.start, law.stop])
-        axes.plot(ends, law.coefficient * ends**law.slope, color=colour, lw=1.4)
-    if isfinite(law.floor):
+    if isfinite(law["slope"]) and isfinite(law["coefficient"]):
+        ends = np.array([law["start"], law["stop"]])
+        axes.plot(ends, law["coefficient"] * ends ** law["slope"], color=colour, lw=1.4)
+    if isfinite(law["floor"]):
         ends = np.array([min(places), max(places)])
-        axes.plot(ends, [law.floor, law.floor], color=colour, lw=1.2, ls=":")
+        axes.plot(ends, [law["floor"], law["floor"]], color=colour, lw=1.2, ls=":")
 
 
 def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
