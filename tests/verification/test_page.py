@@ -179,10 +179,16 @@ def test_cost_joins_meshes_in_the_order_of_time():
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(1e-3, "10⁻³"), (1e-12, "10⁻¹²"), (2e-5, "2·10⁻⁵"), (0.01, "0.01"), (50, "50"), (1e5, "10⁵")],
+    [(1e-3, "10⁻³"), (1e-12, "10⁻¹²"), (2e-5, "2·10⁻⁵"), (1, "10⁰"), (1e5, "10⁵")],
 )
-def test_ticks(value, text):
+def test_powers(value, text):
     assert charts.power(value) == text
+
+
+def test_ticks_of_an_axis_are_written_alike():
+    short, long = charts.tick_words(1e-3, 1.0), charts.tick_words(1e-9, 1.0)
+    assert [short(value, 0) for value in (0.001, 0.1, 1.0)] == ["0.001", "0.1", "1"]
+    assert [long(value, 0) for value in (1e-9, 0.1, 1.0)] == ["10⁻⁹", "10⁻¹", "10⁰"]
 
 
 HOSTILE = [

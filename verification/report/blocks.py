@@ -130,11 +130,19 @@ class Table:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A chart: file name without suffix, what it shows, and its lines."""
+    """A chart under its title.
+
+    Attributes:
+        name: of a file of it, without suffix.
+        caption: its title.
+        chart: its lines.
+        note: what else must be known to read it, below.
+    """
 
     name: str
     caption: str
     chart: Chart
+    note: str = ""
 
 
 @dataclass(frozen=True)

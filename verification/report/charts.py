@@ -5,7 +5,7 @@ values. What cannot be drawn (no finite value, not positive on a logarithmic axi
 the summary of the chart says how many points that were.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, log10, nan
 from typing import Any
@@ -25,6 +25,7 @@ _DASHES = ("-", "--", "-.", ":")
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONGEST = 40  # letters of a name in the legend
 _HALF = 38  # letters of an entry that fits into half the width
+_PLAIN = (1e-4, 2e4)  # an axis within has its numbers written out
 _DECADES = 8  # labels on a logarithmic axis at most
 _FEW = 2.2  # decades: with less, powers of ten alone would leave the axis without labels
 
@@ -226,8 +227,9 @@ def slope_text(law: Mapping[Any, Any]) -> str:
     if not isfinite(law["slope"]):
         return "no slope"
     half = (law["high"] - law["low"]) / 2
-    error = f" ± {half:.2f}" if isfinite(half) else ""
-    return f"slope {law['slope']:.2f}{error}".replace("-", _MINUS)
+    digits = 2 if not half < 0.01 else 3
+    error = f" ± {half:.{digits}f}" if isfinite(half) else ""
+    return f"slope {law['slope']:.{digits}f}{error}".replace("-", _MINUS)
 
 
 def _draw(axes: Axes, law: Mapping[Any, Any], colour: str, places: Iterable[float]) -> None:
@@ -248,7 +250,7 @@ def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
             ends = which.get_view_interval()
             subs = (1.0,) if log10(ends[1] / ends[0]) > _FEW else (1.0, 2.0, 5.0)
             which.set_major_locator(LogLocator(subs=subs, numticks=_DECADES))
-            which.set_major_formatter(FuncFormatter(lambda value, _: power(value)))
+            which.set_major_formatter(FuncFormatter(tick_words(*ends)))
         which.set_tick_params(which="minor", length=0)
         which.set_label_text(axis.label)
     legend(figure, axes)
@@ -267,12 +269,14 @@ def labelled(name: str, words: str = "") -> str:
     return ("\u200b" if short.startswith("_") else "") + short + words
 
 
+def tick_words(low: float, high: float) -> Callable[[float, int], str]:
+    """How ticks between two ends are written: all plainly, or all as powers of ten."""
+    plain = _PLAIN[0] <= low and high <= _PLAIN[1]
+    return lambda value, _: f"{value:g}" if plain or not value > 0 else power(value)
+
+
 def power(value: float) -> str:
-    """A tick as text, without mathematics that fonts could lack: ``10⁻³``, ``2·10⁻³``, ``50``."""
-    if not value > 0:
-        return f"{value:g}"
-    if 1e-2 <= value < 1e4:
-        return f"{value:g}"
+    """A positive number in letters that every font has: ``10⁻³``, ``2·10⁻³``."""
     exponent = int(np.floor(log10(value) + 1e-9))  # of an exact power, whatever log10 rounds to
     digit = round(value / 10.0**exponent)
     return ("" if digit == 1 else f"{digit}·") + f"10{str(exponent).translate(_SUPERSCRIPT)}"

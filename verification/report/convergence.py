@@ -1,0 +1,169 @@
+"""Sections on convergence: regularisation (T19) and mesh refinement, fitted by the analysis."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import pandas as pd
+
+from verification.analysis import refinement_orders, regularisation_slopes, with_exact
+from verification.analysis.columns import groups, problem_columns, solver_columns
+from verification.report import charts
+from verification.report.blocks import (
+    Block,
+    Column,
+    Details,
+    Drawing,
+    Gallery,
+    Section,
+    Table,
+    Text,
+)
+from verification.report.charts import Axis
+from verification.report.lines import LINE, with_lines
+from verification.report.svg import Chart
+
+_ERRORS = {"error_alpha_reg": "α* − α_reg", "error_lambda": "α* − λ"}
+_PARAMETERS = {
+    "option_r": "regularisation r",
+    "option_eta": "viscosity η",
+    "option_bulk": "bulk penalty K_c",
+    "option_normal": "normal penalty K_n",
+    "option_tangential": "tangential penalty K_t",
+}
+_NAMES = (Column("case"), Column("variant"))
+_FIT = (
+    Column("slope", form="+.3f"),
+    Column("low", "from", "+.3f"),
+    Column("high", "to", "+.3f"),
+)
+_RANGE = (
+    Column("start", "holds from", ".2g"),
+    Column("stop", "to", ".2g"),
+    Column("points", form=".0f"),
+    Column("usable", "of", ".0f"),
+    Column("floor", form=".1e"),
+    Column("reason", long=True),
+)
+
+
+def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -> Section | None:
+    """Errors of regularised values against r or one penalty; None where it was not swept.
+
+    Args:
+        results: as of `load_results`.
+        parameter: ``option_r``, ``option_eta``, ``option_bulk``, ``option_normal`` or
+            ``option_tangential``.
+    """
+    if parameter not in results:
+        return None
+    errors = with_exact(results)
+    fits = regularisation_slopes(errors, parameter)
+    if not len(fits):
+        return None
+    label = _PARAMETERS.get(parameter, parameter)
+    expected = "1 and 2" if parameter == "option_r" else "−1 and −2"
+    text = (
+        "α* is the value of the exact program on the same mesh. At frozen reactions"
+        f" P ≤ α_reg ≤ λ ≤ α*, and theory (T19) expects the slopes {expected}. A line is drawn over"
+        " the points that it was fitted to; dotted is the floor, where solver accuracy takes over."
+    )
+    columns = (
+        *_NAMES,
+        Column("mesh"),
+        Column(LINE, "backend"),
+        Column("error"),
+        *_FIT,
+        Column("expected", "theory", "+.0f"),
+        Column("frozen"),
+        *_RANGE,
+    )
+    named = with_lines(fits, _solvers(fits, parameter), fits)
+    shown = named.assign(error=named["error"].map(_ERRORS))
+    blocks: list[Block] = [
+        Text(text),
+        Gallery(list(_against(errors, fits, Axis(parameter, label)))),
+        Details("Slopes, their confidence intervals, and where they hold", [Table(columns, shown)]),
+    ]
+    return Section(f"convergence-{parameter}", f"Error against {label}", blocks)
+
+
+def _against(errors: pd.DataFrame, fits: pd.DataFrame, x: Axis) -> Iterator[Drawing]:
+    """Two charts for each problem that was swept."""
+    problem = problem_columns(errors)
+    for names, own in groups(fits, problem):
+        points = _rows(errors, names)
+        points = points[points[x.column].notna()]
+        title = _title(names)
+        for error, label in _ERRORS.items():
+            chart = _fitted(points, own[own["error"] == error], x, Axis(error, label))
+            yield Drawing(f"{title}-{x.column}-{error}", f"{title}: {label}", chart)
+
+
+def refinement_section(results: pd.DataFrame) -> Section | None:
+    """Error against the reference under refinement; None where no mesh was refined."""
+    fits = refinement_orders(results)
+    if not len(fits):
+        return None
+    columns = (
+        *_NAMES,
+        Column(LINE, "backend"),
+        Column("order", form="+.2f"),
+        Column("order_low", "from", "+.2f"),
+        Column("order_high", "to", "+.2f"),
+        *_RANGE,
+    )
+    solved = results[results["error"].notna() & results["rigor"].ne("")]
+    drawings = []
+    for names, own in groups(fits, [n for n in problem_columns(fits) if n in fits]):
+        if own["slope"].notna().any():  # what is exact on every mesh does not converge
+            drawings += _refined(_rows(solved, names), own, _title(names))
+    named = with_lines(fits, _solvers(fits, ""), fits)
+    text = (
+        "Relative error against the reference, fitted over three or more meshes. The order is that"
+        " in the size of the elements, h = N^(−1/2)."
+    )
+    blocks: list[Block] = [
+        Text(text),
+        Gallery(drawings),
+        Details("Orders", [Table(columns, named)]),
+    ]
+    return Section("refinement", "Error under refinement", blocks)
+
+
+def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawing]:
+    """Error against elements, and against time."""
+    columns = _solvers(fits, "")
+    lines = with_lines(points, columns, fits)
+    error = _fitted(points, fits, charts.ELEMENTS, charts.ERROR, tip=["mesh"])
+    cost = charts.cost(lines, by=LINE)
+    return [
+        Drawing(f"{title}-refinement", f"{title}: error under refinement", error),
+        Drawing(f"{title}-cost", f"{title}: what accuracy costs", cost),
+    ]
+
+
+def _fitted(
+    points: pd.DataFrame, fits: pd.DataFrame, x: Axis, y: Axis, tip: Sequence[str] = ()
+) -> Chart:
+    columns = _solvers(fits, x.column)
+    return charts.fitted(
+        with_lines(points, columns, fits), with_lines(fits, columns, fits), x, y, by=LINE, tip=tip
+    )
+
+
+def _solvers(fits: pd.DataFrame, parameter: str) -> list[str]:
+    return [name for name in solver_columns(fits) if name != parameter]
+
+
+def _rows(frame: pd.DataFrame, names: dict[str, Any]) -> pd.DataFrame:
+    """Rows with these values, missing ones equal to missing ones."""
+    keep = pd.Series(True, index=frame.index)
+    for name, value in names.items():
+        same = frame[name].isna() if pd.isna(value) else (frame[name] == value).fillna(False)
+        keep &= same.astype(bool)
+    return frame[keep]
+
+
+def _title(names: dict[str, Any]) -> str:
+    mesh = f", {names['mesh']} mesh" if "mesh" in names else ""
+    return f"{names['case']}:{names['variant']}{mesh}"

@@ -1,0 +1,112 @@
+"""Section on solvers side by side: profiles, means, what they claim and what is right, cost."""
+
+import pandas as pd
+
+from verification.analysis import (
+    costs,
+    costs_of_accuracy,
+    efforts,
+    performance_profile,
+    rates,
+    shifted_geometric_means,
+)
+from verification.report import charts
+from verification.report.blocks import Anchor, Column, Drawing, Section, Table
+from verification.report.tables import RUN
+
+SHIFT = 0.1  # s: solves that take much less count alike
+_SOLVER = (Column("backend"), Column("coupling"))
+
+
+def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit: float) -> Section:
+    """How fast solvers are, how often they are right, and what accuracy costs.
+
+    Args:
+        results: as of `load_results`, one row for each problem, backend and coupling.
+        solved_by: what counts as solved: ``claim``, ``certificate`` or ``verdict``.
+        unsolved: problems that nobody solved: ``keep`` or ``drop``.
+        limit: s, what an unsolved problem counts in the means.
+
+    Raises:
+        InputError: several runs of one solver on one problem, or no such filter.
+    """
+    found = costs(results, "solve_time", solved_by, unsolved)
+    filters = (
+        f"A run counts as solved by its {solved_by}, one that was not made does not. Of the"
+        f" {len(found.cost)} problems shown, those that nobody solved"
+        f" ({found.nobody} in all) are {'kept' if unsolved == 'keep' else 'left out'}."
+    )
+    chart = charts.profile(performance_profile(found), charts.FACTOR)
+    caption = "Share of problems solved within a factor of the fastest solver"
+    means = shifted_geometric_means(found, SHIFT, limit)
+    return Section(
+        "solvers",
+        "Solvers side by side",
+        [
+            Drawing("profile", caption, chart, filters),
+            _means_table(means, "Shifted geometric means of the time to solve, same filters"),
+            _rates_table(rates(results)),
+            _accuracy_table(results),
+            _efforts_table(efforts(results)),
+        ],
+    )
+
+
+def _means_table(means: pd.DataFrame, caption: str) -> Table:
+    columns = (
+        Column("solver"),
+        Column("mean", "mean s", ".3g"),
+        Column("ratio", "of the best", ".2f"),
+        Column("solved", form=".0f"),
+        Column("shift", "shift s", "g"),
+        Column("limit", "unsolved count s", "g"),
+    )
+    return Table(columns, means, caption)
+
+
+def _rates_table(found: pd.DataFrame) -> Table:
+    columns = (
+        *_SOLVER,
+        Column("runs", form=".0f"),
+        Column("success_rate", "claimed %", ".1f", scale=100),
+        Column("certified_rate", "certified %", ".1f", scale=100),
+        Column("correctness_rate", "correct %", ".1f", scale=100),
+        Column("wrong_claims", form=".0f"),
+    )
+    return Table(columns, found, "Success that solvers claim, beside what was proven")
+
+
+def _accuracy_table(results: pd.DataFrame) -> Table:
+    """Least times, one column a level of error; each links to the row of its run."""
+    found = costs_of_accuracy(results)
+    names = ["case", "variant", "backend", "coupling"]
+    levels = list(dict.fromkeys(found["level"]))
+    shown = found.drop_duplicates(names)[[*names, "closest"]]
+    columns = [Column("case"), Column("variant"), *_SOLVER]
+    for level in levels:
+        cost, run = f"{100 * level:g} %", f"run {level:g}"
+        own = found[found["level"] == level].rename(columns={"cost": cost, "run": run})
+        shown = shown.merge(own[[*names, cost, run]], on=names)
+        columns.append(Column(cost, form=".3g", link=Anchor(RUN.prefix, run)))
+    columns.append(Column("closest", "closest %", ".2g", scale=100))
+    caption = "Seconds to solve on the cheapest mesh with an error of at most, and the least error"
+    return Table(columns, shown, caption)
+
+
+def _efforts_table(found: pd.DataFrame) -> Table:
+    columns = (
+        Column("case"),
+        Column("variant"),
+        *_SOLVER,
+        Column("certified", form=".0f"),
+        Column("runs", "of", ".0f"),
+        Column("inner_solves", "solves", "g"),
+        Column("most_inner_solves", "most", "g"),
+        Column("iterations_per_solve", "iterations a solve", ".1f"),
+        Column("contraction", form=".3f"),
+        Column("worst_contraction", "worst", ".3f"),
+        Column("time_per_solve", "s a solve", ".3g"),
+    )
+    return Table(
+        columns, found, "Inner solves, iterations and contraction: medians of certified runs"
+    )
