@@ -23,6 +23,7 @@ from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
     Penalties,
     RegularisedPoint,
+    check_penalties,
     escaped,
     evaluate,
     judged_status,
@@ -61,6 +62,7 @@ class DenseOptions:
     time_limit: float = 600.0
 
     def __post_init__(self) -> None:
+        check_penalties(self.r, self.eta, self.bulk, self.normal, self.tangential)
         require_count("max_iterations", self.max_iterations)
         for name in ("tolerance", "time_limit"):
             require_positive(name, getattr(self, name))

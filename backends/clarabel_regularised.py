@@ -14,7 +14,13 @@ from backends._clarabel import STATUS_MAP, Answer, ConicSolver, version
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import RegularisedPoint, evaluate, judged_status, penalties
+from lacore.regularization import (
+    RegularisedPoint,
+    check_penalties,
+    evaluate,
+    judged_status,
+    penalties,
+)
 from lacore.status import Status
 
 _PROVEN = 1e-8  # of the power: gap at which the duals are those of the velocity
@@ -43,6 +49,7 @@ class ClarabelRegularisedOptions:
     time_limit: float = 3600.0
 
     def __post_init__(self) -> None:
+        check_penalties(self.r, self.eta, self.bulk, self.normal, self.tangential)
         require_positive("clarabel-regularised.tolerance", self.tolerance)
         require_count("clarabel-regularised.max_iterations", self.max_iterations)
         require_positive("clarabel-regularised.time_limit", self.time_limit)

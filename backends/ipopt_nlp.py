@@ -19,7 +19,14 @@ from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.regularization import Penalties, escaped, evaluate, judged_status, penalties
+from lacore.regularization import (
+    Penalties,
+    check_penalties,
+    escaped,
+    evaluate,
+    judged_status,
+    penalties,
+)
 from lacore.status import Status
 
 _ON_THE_WAY = 1e-3  # tolerance of the steps of the continuation but the last
@@ -54,6 +61,7 @@ class IpoptOptions:
     time_limit: float = 3600.0
 
     def __post_init__(self) -> None:
+        check_penalties(self.r, self.eta, self.bulk, self.normal, self.tangential)
         require_count("ipopt.max_iterations", self.max_iterations)
         for name in ("tolerance", "time_limit"):
             require_positive(f"ipopt.{name}", getattr(self, name))

@@ -21,6 +21,7 @@ from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
     Penalties,
     RegularisedPoint,
+    check_penalties,
     escaped,
     evaluate,
     judged_status,
@@ -74,6 +75,7 @@ class NewtonOptions:
     time_limit: float = 3600.0
 
     def __post_init__(self) -> None:
+        check_penalties(self.r, self.eta, self.bulk, self.normal, self.tangential)
         require_count("newton.max_iterations", self.max_iterations)
         for name in ("tolerance", "time_limit"):
             require_positive(f"newton.{name}", getattr(self, name))

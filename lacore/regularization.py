@@ -58,6 +58,32 @@ class Penalties:
         return [self.softened(reduction**step) for step in range(steps, -1, -1)]
 
 
+def check_penalties(
+    r: float,
+    eta: float | None,
+    bulk: float | None,
+    normal: float | None,
+    tangential: float | None,
+) -> None:
+    """Raise `InputError` unless these can be arguments of `penalties`."""
+    for name, value in {
+        "r": r,
+        "eta": eta,
+        "bulk": bulk,
+        "normal": normal,
+        "tangential": tangential,
+    }.items():
+        if value is not None:
+            require_positive(name, value)
+    if not _SMALLEST_R <= r <= 1:
+        raise InputError(
+            "r",
+            r,
+            f"outside [{_SMALLEST_R:g}, 1]",
+            "above 1 nothing of the plasticity is left, below, nothing of the precision",
+        )
+
+
 def penalties(
     scales: Scales,
     r: float,
@@ -80,22 +106,7 @@ def penalties(
     Raises:
         InputError: a value that is not positive.
     """
-    for name, value in {
-        "r": r,
-        "eta": eta,
-        "bulk": bulk,
-        "normal": normal,
-        "tangential": tangential,
-    }.items():
-        if value is not None:
-            require_positive(name, value)
-    if not _SMALLEST_R <= r <= 1:
-        raise InputError(
-            "r",
-            r,
-            f"outside [{_SMALLEST_R:g}, 1]",
-            "above 1 nothing of the plasticity is left, below, nothing of the precision",
-        )
+    check_penalties(r, eta, bulk, normal, tangential)
     viscosity = scales.stress * scales.length / scales.velocity
     spring = scales.stress / scales.velocity
     eta_program = 1 / r if eta is None else eta / viscosity

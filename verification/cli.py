@@ -3,9 +3,8 @@
 Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
 """
 
-import json
 from collections import Counter
-from math import isfinite
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +17,14 @@ from verification import conformance, doctor, terminal
 from verification.case import KINDS
 from verification.catalogue import Catalogue, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
-from verification.execution import TIME_LIMIT
+from verification.execution import TIME_LIMIT, execute
 from verification.harness import RAW
-from verification.options import cases_option
+from verification.options import cases_option, json_option, name_list, print_json
 from verification.provenance import describe
 from verification.report.page import write
 from verification.results import as_table, export
 from verification.store import NAME
+from verification.sweep_command import sweep
 
 
 class _BadInput(click.ClickException):
@@ -50,33 +50,24 @@ def main() -> None:
     """
 
 
-def _list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
-    return [name.strip() for name in (value or "").split(",") if name.strip()]
-
-
-_json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
-)
-
-
 @main.command()
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
 @click.option(
     "--backends",
-    callback=_list,
+    callback=name_list,
     metavar="A,B",
     help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
 )
 @click.option(
     "--meshes",
-    callback=_list,
+    callback=name_list,
     metavar="A,B",
     help="Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have"
     " none.",
 )
 @click.option(
     "--couplings",
-    callback=_list,
+    callback=name_list,
     metavar="A,B",
     help=f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
     f" {', '.join(RAW)}; default: that of each backend. Where they are named, a table says how many"
@@ -106,7 +97,7 @@ _json_option = click.option(
     help="Runs at a time, each on one thread; more than one blurs the times.",
 )
 @click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
-@_json_option
+@json_option
 @click.pass_context
 def compare(
     ctx: click.Context,
@@ -138,7 +129,15 @@ def compare(
     require_positive("--time-limit", time_limit)
     runs = plan(cases, backends, meshes, couplings, known)
     with terminal.watching(len(runs)) as watch:
-        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, jobs, time_limit, fresh)
+        outcomes = run_all(
+            runs,
+            out / NAME,
+            watch.start,
+            watch.finish,
+            partial(execute, jobs=jobs),
+            time_limit,
+            fresh,
+        )
     export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
     about = describe()
     with terminal.status("drawing pictures, writing the page"):
@@ -153,7 +152,7 @@ def compare(
             "machine": about,
             "rows": rows,
         }
-        _print_json(document)
+        print_json(document)
     else:
         console = terminal.table_console()
         terminal.show_results(console, outcomes)
@@ -169,12 +168,12 @@ def compare(
 @click.option(
     "--tag",
     "tags",
-    callback=_list,
+    callback=name_list,
     metavar="A,B",
     help=f"Only cases that have all of these tags: {', '.join(KINDS)}, and those listed.",
 )
 @cases_option
-@_json_option
+@json_option
 def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
     """List the verification cases."""
     records = [
@@ -195,13 +194,13 @@ def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
         for case in tagged(known, tags)
     ]
     if as_json:
-        _print_json(records)
+        print_json(records)
     else:
         terminal.show_cases(terminal.table_console(), records)
 
 
 @main.command("backends")
-@_json_option
+@json_option
 def list_backends(as_json: bool) -> None:
     """List the backends: what they solve, their limits, and why one cannot run here.
 
@@ -209,14 +208,14 @@ def list_backends(as_json: bool) -> None:
     """
     records = [doctor.backend_record(*entry) for entry in doctor.all_backends()]
     if as_json:
-        _print_json(records)
+        print_json(records)
     else:
         terminal.show_backends(terminal.table_console(), records)
 
 
 @main.command("conformance")
 @click.argument("backends", nargs=-1, metavar="[BACKEND]...")
-@_json_option
+@json_option
 @click.pass_context
 def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool) -> None:
     """Check backends on small programs that were solved by hand.
@@ -253,12 +252,12 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
             "failed": counted[conformance.FAIL],
             "skipped": counted[conformance.SKIPPED],
         }
-        _print_json({"summary": summary, "rows": rows})
+        print_json({"summary": summary, "rows": rows})
     ctx.exit(1 if failed else 0)
 
 
 @main.command("doctor")
-@_json_option
+@json_option
 @click.pass_context
 def run_doctor(ctx: click.Context, as_json: bool) -> None:
     """Check the installation: packages, BLAS threads, a self-test of every backend.
@@ -269,22 +268,10 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     with terminal.patiently("self-test", entries) as on_start:
         found = doctor.examine(on_start)
     if as_json:
-        _print_json(found)
+        print_json(found)
     else:
         terminal.show_health(terminal.table_console(), found)
     ctx.exit(0 if found["healthy"] else 1)
 
 
-def _print_json(document: Any) -> None:
-    click.echo(json.dumps(_strict(document), indent=1, allow_nan=False))
-
-
-def _strict(value: Any) -> Any:
-    """JSON has no NaN (null here) and no infinity (a string here)."""
-    if isinstance(value, dict):
-        return {name: _strict(item) for name, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_strict(item) for item in value]
-    if isinstance(value, float) and not isfinite(value):
-        return None if value != value else str(value)
-    return value
+main.add_command(sweep)

@@ -1,7 +1,7 @@
 """Compare backends on cases: plan the runs, run them, keep every row."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from math import isfinite, isinf, isnan, nan
 from pathlib import Path
@@ -13,7 +13,7 @@ from lacore.errors import require_known
 from lacore.solving import COUPLINGS, coupling_for
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find
-from verification.execution import TIME_LIMIT, execute
+from verification.execution import TIME_LIMIT, Executor, execute
 from verification.harness import RAW
 from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
 from verification.provenance import code_of, describe
@@ -49,30 +49,48 @@ def plan(
     known = catalogue() if known is None else known
     if list(backends) == ["all"]:
         backends = la.backend_names()
-    for name in backends:
-        with suppress(la.CapabilityError):  # rows say so
-            load_backend(name)
-    for name in couplings:
-        require_known("coupling", name, [*COUPLINGS, *RAW])
-    picked: dict[str, list[str]] = {}
-    for name in names or (case.id for case in known.values() if not case.on_demand):
-        case, variants = find(name, known)
-        chosen = picked.setdefault(case.id, [])
-        chosen += [variant.name for variant in variants if variant.name not in chosen]
+    check_names(backends, couplings)
     return [
-        _run(case, variant, mesh, backend, coupling)
-        for case in map(known.__getitem__, picked)
-        for variant in case.variants
-        if variant.name in picked[case.id]
+        planned(case, variant, mesh, backend, coupling)
+        for case, variants in pick(names, known)
+        for variant in variants
         for mesh in case.levels(variant, meshes)
-        for backend in dict.fromkeys(backends or _default_backends(case, variant))
+        for backend in dict.fromkeys(backends or default_backends(case, variant))
         for coupling in dict.fromkeys(couplings or _default_couplings(case, variant, backend))
     ]
 
 
-def _run(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
+def check_names(backends: Sequence[str], couplings: Sequence[str]) -> None:
+    """Raise `InputError` on an unknown name; of a missing backend the rows say so."""
+    for name in backends:
+        with suppress(la.CapabilityError):
+            load_backend(name)
+    for name in couplings:
+        require_known("coupling", name, [*COUPLINGS, *RAW])
+
+
+def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Variant]]]:
+    """Cases with those of their variants that are named; without names, as `plan`.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    picked: dict[str, list[str]] = {}
+    for name in names or (case.id for case in known.values() if not case.on_demand):
+        case, variants = find(name, known)
+        picked.setdefault(case.id, []).extend(variant.name for variant in variants)
+    return [
+        (known[case_id], [one for one in known[case_id].variants if one.name in chosen])
+        for case_id, chosen in picked.items()
+    ]
+
+
+def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
     """A run, skipped where it is known that the backend cannot do it."""
-    known = coupling == "associated" and case.reference_of(variant).associated is not None
+    known = False
+    if coupling == "associated":
+        with suppress(Exception):  # of others, at parameters of others: the row says so
+            known = case.reference_of(variant).associated is not None
     skip, insist = _unfit(variant, backend), coupling is None or known
     with suppress(la.CapabilityError):  # of a missing backend the row says so
         engine = load_backend(backend)
@@ -84,7 +102,7 @@ def _run(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | 
     return Run(case, variant, mesh, backend, coupling, insist, skip)
 
 
-def _default_backends(case: Case, variant: Variant) -> list[str]:
+def default_backends(case: Case, variant: Variant) -> list[str]:
     """Backends that a comparison runs when none is named."""
     linear = () if case.meshed else LINEAR
     return [
@@ -197,14 +215,15 @@ def run_all(
     path: Path,
     on_start: Callable[[Run], None] = lambda _: None,
     on_finish: Callable[[Outcome], None] = lambda _: None,
-    jobs: int = 1,
+    executor: Executor = execute,
     time_limit: float = TIME_LIMIT,
     fresh: bool = False,
 ) -> list[Outcome]:
     """Outcomes of runs, in their order; each is in the store at `path` as soon as it is finished.
 
     Those that are there already, by the same code, are not run again, unless all is to be `fresh`.
-    `time_limit`: s, of a run; one that takes longer, or whose process dies, costs its own row.
+    `executor` runs them; `time_limit`: s, of a run; one that takes longer, or whose process dies,
+    costs its own row.
 
     Raises:
         InputError: the store cannot be used.
@@ -215,8 +234,9 @@ def run_all(
         for outcome in found.values():
             on_finish(outcome)
         due = list({run.key: run for run in runs if run.key not in found}.values())
-        for outcome in execute(due, jobs, time_limit, on_start):
-            store.append(outcome, codes[outcome.run.key])
-            found[outcome.run.key] = outcome
-            on_finish(outcome)
+        with closing(executor(due, time_limit=time_limit, on_start=on_start)) as outcomes:
+            for outcome in outcomes:
+                store.append(outcome, codes[outcome.run.key])
+                found[outcome.run.key] = outcome
+                on_finish(outcome)
     return [found[run.key] for run in runs]

@@ -1,10 +1,11 @@
 """Runs in interpreters of their own, several at a time: what hangs or dies costs its own row."""
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, suppress
 from queue import SimpleQueue
+from typing import Protocol
 
 import lacore as la
 from lacore.backend import load_backend
@@ -26,6 +27,15 @@ _WORKER = "verification.execution:Worker"
 _ATTEMPTS = 2  # a process may have been killed by somebody else
 
 OnStart = Callable[[Run], None]
+
+
+class Executor(Protocol):
+    """What performs runs: `execute`, or the like on other machines."""
+
+    def __call__(
+        self, runs: Sequence[Run], *, time_limit: float, on_start: OnStart
+    ) -> Generator[Outcome, None, None]:
+        """Outcomes as they come; closing the generator stops what is at work."""
 
 
 class Worker:
@@ -72,7 +82,7 @@ def execute(
     jobs: int = 1,
     time_limit: float = TIME_LIMIT,
     on_start: OnStart = lambda _: None,
-) -> Iterator[Outcome]:
+) -> Generator[Outcome, None, None]:
     """Outcomes as they come, of `jobs` processes; `time_limit`: s, of a run.
 
     A run that takes longer is stopped; closing the iterator stops all that are at work.

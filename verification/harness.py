@@ -68,7 +68,9 @@ def perform(
     """
     names = _names(run)
     if isinstance(assembled, Exception):
-        return Outcome(run, _failed(names, assembled))
+        return (
+            _skipped(run, names, run.skip) if run.skip else Outcome(run, _failed(names, assembled))
+        )
     discretisation = assembled.discretisation
     names["n_elements"] = discretisation.n_elements
     names["n_dofs"] = discretisation.program.n

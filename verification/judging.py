@@ -30,7 +30,7 @@ def judge(
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
     lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
     the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
-    claims nothing is none.
+    claims nothing, or nothing that can be judged, is none.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
         return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
@@ -43,21 +43,27 @@ def judge(
     if allowed_of is allowed_values and found_only:
         verdict = PASS if state.status is reference.status else FAIL
         return verdict, f"{state.status.label}, expected {reference.text}"
-    return _judge_value(state, reference, band, allowed_of(reference, band))
+    if state.regularised is not None and (too_strong := _too_strong(state, band)):
+        return FAIL if insist else NO_RESULT, too_strong
+    return _judge_value(state, reference, allowed_of(reference, band))
 
 
-def _judge_value(
-    state: la.LimitState, reference: Reference, band: Band, allowed: Allowed
-) -> tuple[str, str]:
+def _too_strong(state: la.LimitState, band: Band) -> str:
+    """Why a regularised value is worth no verdict; empty where it is worth one."""
+    assert state.regularised is not None
+    energy, value = state.regularised.energy, _CLAIMED.get(state.status, state.load_factor)
+    if max(energy, 0.0) <= STRONG * band.size(value):
+        return ""
+    return (
+        f"regularisation too strong to judge: C = {energy:.3g} is above {100 * STRONG:g} % of the"
+        " value; lower r"
+    )
+
+
+def _judge_value(state: la.LimitState, reference: Reference, allowed: Allowed) -> tuple[str, str]:
     value = _CLAIMED.get(state.status, state.load_factor)
     if state.regularised is not None:
-        energy = max(state.regularised.energy, 0.0)
-        if not energy <= STRONG * band.size(value):
-            return FAIL, (
-                f"regularisation too strong to judge: C = {energy:.3g} is above"
-                f" {100 * STRONG:g} % of the value; lower r"
-            )
-        allowed = Allowed(allowed.low - energy, allowed.high)
+        allowed = Allowed(allowed.low - max(state.regularised.energy, 0.0), allowed.high)
     verdict = PASS if allowed.holds(value) else FAIL
     why = f"{value:.7g} {'in' if verdict == PASS else 'not in'} {allowed}"
     if not (reference.complete or reference.low <= value <= reference.high):

@@ -1,11 +1,24 @@
-"""Options that several commands share."""
+"""What several commands share: options, and how they print."""
 
+import json
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import click
 
 from verification.catalogue import Catalogue
 from verification.plugins import gather
+
+
+def name_list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
+    """Names between commas: a callback of options."""
+    return [name.strip() for name in (value or "").split(",") if name.strip()]
+
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
+)
 
 
 def _gathered(ctx: click.Context, option: click.Parameter, folders: tuple[Path, ...]) -> Catalogue:
@@ -26,3 +39,19 @@ cases_option = click.option(
     " Those of installed packages (entry-point group lacore.cases) are found without it.",
 )
 """Gives a command the `Catalogue` as its argument `known`."""
+
+
+def print_json(document: Any) -> None:
+    """One strict document on stdout."""
+    click.echo(json.dumps(strict(document), indent=1, allow_nan=False))
+
+
+def strict(value: Any) -> Any:
+    """JSON has no NaN (null here) and no infinity (a string here)."""
+    if isinstance(value, dict):
+        return {name: strict(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [strict(item) for item in value]
+    if isinstance(value, float) and not isfinite(value):
+        return None if value != value else str(value)
+    return value

@@ -1,7 +1,8 @@
 """What the commands show on a terminal: progress on stderr, tables on stdout."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from math import isfinite
 from typing import Any
@@ -25,6 +26,8 @@ from verification.run import Outcome, Row, Run
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 120
+_MOST_REASONS = 10
+_LOOKBACK = 600.0  # s: the time left is estimated from the runs that ended in it
 
 
 class Watch:
@@ -33,14 +36,21 @@ class Watch:
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
         self._task = progress.add_task("", total=total)
+        self._done = 0
+        self._begun = False
 
     def start(self, run: Run) -> None:
         """Show what is running."""
+        self._begun = True
         self._progress.update(self._task, description=run.label)
 
     def finish(self, outcome: Outcome) -> None:
         """Count it; say at once what is wrong."""
-        self._progress.advance(self._task)
+        self._done += 1
+        if self._begun:
+            self._progress.advance(self._task)
+        else:  # known from before: it says nothing of the time that others take
+            self._progress.reset(self._task, completed=self._done)
         if outcome.row.verdict == FAIL:
             self._progress.console.print(
                 f"FAIL {outcome.run.label}: {outcome.row.why}", style="red", markup=False
@@ -60,6 +70,7 @@ def watching(total: int) -> Iterator[Watch]:
         TextColumn("{task.description}", markup=False),
         console=Console(stderr=True),
         transient=True,
+        speed_estimate_period=_LOOKBACK,
     ) as progress:
         yield Watch(progress, total)
 
@@ -121,6 +132,46 @@ def _expected(row: Row) -> str:
     if row.expected.startswith("["):
         return "interval"
     return _number(row.reference, ".6f") if isfinite(row.reference) else row.expected
+
+
+def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
+    """How many runs of each case and backend ended how; then what did not pass, and why."""
+    counts: dict[tuple[str, str, str], Counter[str]] = {}
+    for row in (outcome.row for outcome in outcomes):
+        counts.setdefault((row.case, row.backend, row.coupling), Counter())[row.status] += 1
+    line = "{:25} {:21} {:12} {:>5}  {}".format
+    _say(console, line("case", "backend", "coupling", "runs", "of these"), "bold")
+    for names, statuses in counts.items():
+        parts = ", ".join(f"{count} {status}" for status, count in statuses.most_common())
+        _say(console, line(*names, statuses.total(), parts))
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for outcome in outcomes:
+        if outcome.row.verdict != PASS:
+            reasons.setdefault((outcome.row.verdict, outcome.row.why), []).append(outcome.run.label)
+    for (verdict, why), labels in list(reasons.items())[:_MOST_REASONS]:
+        more = f" and {len(labels) - 1} more" if len(labels) > 1 else ""
+        _say(console, f"{verdict}: {labels[0]}{more}: {why}", "red" if verdict == FAIL else "dim")
+    if len(reasons) > _MOST_REASONS:
+        _say(console, f"{len(reasons) - _MOST_REASONS} other reasons are in the results", "dim")
+
+
+def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
+    """Fitted slopes, a line each; where there is none, why."""
+    line = "{:35} {:8} {:21} {:17} {:>7} {:>6}  {:24} {}".format
+    head = ("case", "mesh", "backend", "error", "slope", "T19", "where it holds", "floor")
+    _say(console, "\n" + line(*head), "bold")
+    for record in records:
+        name = record["parameter"].partition("_")[2]
+        within = f"{name} {record['start']:.3g} to {record['stop']:.3g}"
+        cells = (
+            f"{record['case']}:{record['variant']}",
+            *(record[key] for key in ("mesh", "backend", "error")),
+            _number(record["slope"], ".3f"),
+            _number(record["expected"], "g"),
+            record["reason"] or within,
+            _number(record["floor"], ".2g"),
+        )
+        _say(console, line(*cells), "dim" if record["reason"] else "")
 
 
 def show_efforts(console: Console, outcomes: Sequence[Outcome]) -> None:

@@ -12,6 +12,7 @@ from tests.verification.test_harness import VARIANT, wrong_case
 from verification import conformance, doctor
 from verification.catalogue import catalogue
 from verification.compare import plan
+from verification.options import strict
 from verification.run import Run
 
 # Every case, but not every variant: pictures take time.
@@ -185,7 +186,7 @@ def test_doctor(monkeypatch, healthy):
 
 
 def test_infinity_is_strict_json():
-    assert cli._strict({"a": [float("nan"), float("inf")]}) == {"a": [None, "inf"]}
+    assert strict({"a": [float("nan"), float("inf")]}) == {"a": [None, "inf"]}
 
 
 @pytest.mark.parametrize(

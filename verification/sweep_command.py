@@ -1,0 +1,190 @@
+"""The command ``lacore sweep``."""
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import pandas as pd
+
+from lacore.errors import require_positive
+from lacore.solving import COUPLINGS
+from verification import terminal
+from verification.catalogue import Catalogue
+from verification.compare import ON_DEMAND, run_all
+from verification.execution import TIME_LIMIT, execute
+from verification.harness import RAW
+from verification.judging import FAIL
+from verification.options import cases_option, json_option, name_list, print_json
+from verification.provenance import describe
+from verification.results import export, load_results
+from verification.run import Outcome
+from verification.store import NAME
+from verification.sweep import plan
+
+PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
+"""Options whose errors have a theory (T19)."""
+_STOPPED = 130  # as shells say of Ctrl-C
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@click.command()
+@click.argument("cases", nargs=-1, required=True, metavar="CASE...")
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="What to vary: START:STOP:N at equal distances, START:STOP:N:log at equal ratios, or"
+    " a,b,c. Several make a grid.",
+)
+@click.option(
+    "--backends",
+    callback=name_list,
+    metavar="A,B",
+    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
+)
+@click.option(
+    "--meshes",
+    callback=name_list,
+    metavar="A,B",
+    help="Mesh levels; default: those of each variant, or the first where a size is varied.",
+)
+@click.option(
+    "--couplings",
+    callback=name_list,
+    metavar="A,B",
+    help=f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=cores,
+    metavar="N",
+    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Of a run; one that takes longer is stopped.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reports/sweep"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for the results.",
+)
+@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
+@cases_option
+@json_option
+@click.pass_context
+def sweep(
+    ctx: click.Context,
+    cases: tuple[str, ...],
+    vary: tuple[str, ...],
+    backends: list[str],
+    meshes: list[str],
+    couplings: list[str],
+    jobs: int,
+    time_limit: float,
+    out: Path,
+    fresh: bool,
+    known: Catalogue,
+    as_json: bool,
+) -> None:
+    """Run cases over grids of parameters, mesh sizes, settings of the loop and backend options.
+
+    CASE is the id of a case (see `lacore cases`) or id:variant. NAME is a parameter of the case
+    (mu), a keyword of its mesh levels (n, nx), a setting of the coupling loop (damping, anderson,
+    kappa, start, tolerance, max_iterations), or a backend option (r, eta, bulk, normal, tangential,
+    ...; K_c, K_n, K_t are bulk, normal, tangential). Where a name is several of these, write
+    param.NAME, size.NAME, setting.NAME or option.NAME.
+
+    An option is given to the backends that have it; others, such as exact ones that know no r, run
+    once for all its values: their load factor is the exact one of the same mesh. A value that a
+    case or a backend refuses costs its own row.
+
+    Each result is kept in DIR the moment it is there. A sweep that was stopped, by Ctrl-C or in any
+    other way, goes on where it was when the same command is given again; by the same code, nothing
+    is run twice. `verification.load_results(DIR)` is the table of all that DIR has, as is
+    results.csv. Exit code 0 when the sweep is through and no result is wrong or failed, else 1; 130
+    after Ctrl-C.
+
+    \b
+    Examples:
+      lacore sweep prandtl-punch:smooth --vary r=1e-1:1e-5:9:log --backends newton,clarabel
+      lacore sweep deformable-block:sliding --vary mu=0.1:0.9:17 --meshes coarse --jobs 4
+      lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
+    """  # noqa: D301  # click reads the backspace
+    require_positive("--time-limit", time_limit)
+    runs = plan(cases, vary, backends, meshes, couplings, known)
+    executor = partial(execute, jobs=jobs)
+    try:
+        with terminal.watching(len(runs)) as watch:
+            outcomes = run_all(
+                runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh
+            )
+    except KeyboardInterrupt:
+        click.echo(
+            f"stopped: what was finished is kept in {out / NAME}; give the same command again to go"
+            " on from there",
+            err=True,
+        )
+        ctx.exit(_STOPPED)
+    export(load_results(out), out / "results.csv")
+    slopes = _slopes(out, outcomes)
+    if as_json:
+        print_json(_document(out, outcomes, slopes))
+    else:
+        console = terminal.table_console()
+        terminal.show_sweep(console, outcomes)
+        if slopes:
+            terminal.show_slopes(console, slopes)
+        click.echo(f"\nStore: {out / NAME}\nTable: {out / 'results.csv'}")
+    ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
+
+
+def _document(
+    out: Path, outcomes: Sequence[Outcome], slopes: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    statuses = Counter(outcome.row.status for outcome in outcomes)
+    verdicts = Counter(outcome.row.verdict for outcome in outcomes)
+    return {
+        "summary": {"runs": len(outcomes), "statuses": dict(statuses), "verdicts": dict(verdicts)},
+        "slopes": list(slopes),
+        "store": str(out / NAME),
+        "machine": describe(),
+        "rows": [outcome.record() for outcome in outcomes],
+    }
+
+
+def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """Slopes of the errors of T19 against each penalty that was varied."""
+    varied = [
+        f"option_{name}"
+        for name in PENALTIES
+        if len({run.options[name] for run in (o.run for o in outcomes) if name in run.options}) > 1
+    ]
+    if not varied:
+        return []
+    # Here, because it takes most of a second that other sweeps need not wait for.
+    from verification.analysis import regularisation_slopes, with_exact
+
+    keys = {outcome.run.key for outcome in outcomes}
+    results = load_results(out)
+    joined = with_exact(results[results["run"].isin(keys)])
+    found = pd.concat([regularisation_slopes(joined, name) for name in varied])
+    return found.to_dict("records")  # type: ignore[return-value]  # columns are text
