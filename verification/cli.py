@@ -21,9 +21,10 @@ from verification.execution import TIME_LIMIT, execute
 from verification.harness import RAW
 from verification.options import cases_option, json_option, name_list, print_json
 from verification.provenance import describe
-from verification.report.page import write
-from verification.results import as_table, export
-from verification.store import NAME
+from verification.report.files import write
+from verification.report.page import compared
+from verification.results import as_table, export, load_outcomes
+from verification.store import NAME, file_of, sessions
 from verification.sweep_command import sweep
 
 
@@ -141,7 +142,7 @@ def compare(
     export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
     about = describe()
     with terminal.status("drawing pictures, writing the page"):
-        page = write(out, outcomes, about)
+        page = write(compared(outcomes, about), out)
     count = tally(outcomes)
     if as_json:
         rows = [outcome.row.record() for outcome in outcomes]
@@ -162,6 +163,33 @@ def compare(
     if not count.passed:
         click.echo("nothing was verified: no run passed", err=True)
     ctx.exit(0 if count.passed and not count.failed else 1)
+
+
+@main.command()
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for the page, its tables and pictures; default: DIR itself.",
+)
+@cases_option
+def report(folder: Path, out: Path | None, known: Catalogue) -> None:
+    """Write the report of the results in DIR, from `compare`, `verify` or `sweep`.
+
+    One page, index.html, that loads nothing from anywhere: every case explained beside its numbers,
+    each number linked to its certificate, what regularisation costs, solvers side by side. The
+    same tables are in tables/ as CSV and Markdown.
+    """
+    outcomes, strange = load_outcomes(folder, known)
+    for entry in strange:
+        name = f"{entry.row.case}:{entry.row.variant}"
+        click.echo(f"warning: left out: {name}: no such case here (--cases?)", err=True)
+    if not outcomes:
+        raise la.InputError("DIR", str(folder), "holds no finished run", "run something into it")
+    with terminal.status("drawing pictures, writing the page"):
+        about = list(sessions(file_of(folder)).values())[-1]
+        page = write(compared(outcomes, about), out or folder)
+    click.echo(f"Report: {page}")
 
 
 @main.command("cases")

@@ -2,11 +2,9 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite, isnan, nan
-from pathlib import Path
 
 import pandas as pd
 
-from lacore.errors import InputError
 from verification.case import EXACT, SOLVER, Case
 from verification.compare import Tally as Verdicts
 from verification.compare import efforts, tally
@@ -35,6 +33,7 @@ from verification.report.blocks import (
 )
 from verification.report.description import description, lead
 from verification.report.figures import finest_exact, png, sweep_chart
+from verification.report.studies import studies
 from verification.report.tables import RUN, certificates_table, reasons_table, results_table
 from verification.results import as_table
 from verification.run import Outcome
@@ -43,26 +42,11 @@ MECHANISMS = 4
 """Pictures of a case; variants that failed come first."""
 
 
-def write(folder: Path, outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Path:
-    """Write pictures and page into a folder; returns the path of the page.
-
-    Raises:
-        InputError: the folder cannot be written.
-    """
-    page = compared(outcomes, machine)
-    try:
-        pictures = folder / "pictures"
-        pictures.mkdir(parents=True, exist_ok=True)
-        for name, data in _files(page):
-            (pictures / f"{name}.png").write_bytes(data)
-    except OSError as error:
-        raise InputError(
-            "--out", str(folder), f"cannot write there ({error.strerror})", "name a folder"
-        ) from error
-    return document.write(page, folder / "index.html")
-
-
-def compared(outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Document:
+def compared(
+    outcomes: Sequence[Outcome],
+    machine: Mapping[str, str],
+    title: str = "Plastic collapse loads compared with references",
+) -> Document:
     """The page of outcomes, in their order."""
     results = as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
     by_case: dict[str, list[int]] = {}
@@ -74,13 +58,14 @@ def compared(outcomes: Sequence[Outcome], machine: Mapping[str, str]) -> Documen
     ]
     seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
     return Document(
-        title="Plastic collapse loads compared with references",
+        title=title,
         lead=f"{len(cases)} cases, {len(outcomes)} runs, {seconds:.0f} s of solving. Each load"
         " factor links to its certificate: residuals recomputed from velocity, stress, reactions.",
         summary=list(_summary(outcomes, results)),
         sections=[
             Section("cases", "Cases at a glance", [_cases_table(cases)]),
             Section("couplings", "Couplings and backends", [_efforts_table(outcomes)]),
+            *studies(results),
             *(_section(*case) for case in cases),
             Section("verdicts", "How a verdict is reached", [_rules()]),
             Section("machine", "Machine and versions", [Facts(machine)]),
@@ -187,15 +172,6 @@ def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture]:
         caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
         file = f"{slug(outcome.run.case.id)}-{slug(name)}"
         yield Picture(file, caption, png(state.plot(), dpi=90))
-
-
-def _files(page: Document) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of all charts and pictures on a page."""
-    for section in page.sections:
-        for block in section.blocks:
-            for item in block.items if isinstance(block, Gallery) else ():
-                data = item.data if isinstance(item, Picture) else png(item.chart.figure)
-                yield item.name, data
 
 
 def _rules() -> Html:

@@ -1,0 +1,101 @@
+"""A page and its tables as files: HTML, Markdown, CSV, and its pictures."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from lacore.errors import InputError
+from verification.report import document
+from verification.report.blocks import (
+    Block,
+    Columns,
+    Details,
+    Document,
+    Gallery,
+    Heading,
+    Picture,
+    Table,
+    slug,
+)
+from verification.report.figures import png
+
+
+def write(page: Document, folder: Path) -> Path:
+    """Write ``index.html``, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
+
+    Returns:
+        the path of the page.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    try:
+        for place in ("pictures", "tables"):
+            (folder / place).mkdir(parents=True, exist_ok=True)
+        for name, data in pictures(page):
+            (folder / "pictures" / f"{name}.png").write_bytes(data)
+        for name, table in tables(page):
+            values(table).to_csv(folder / "tables" / f"{name}.csv", index=False)
+            (folder / "tables" / f"{name}.md").write_text(markdown(table), encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            "--out", str(folder), f"cannot write there ({error.strerror})", "name a folder"
+        ) from error
+    return document.write(page, folder / "index.html")
+
+
+def pictures(page: Document) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of all charts and pictures on a page."""
+    for _, block in _blocks(page):
+        for item in block.items if isinstance(block, Gallery) else ():
+            yield item.name, item.data if isinstance(item, Picture) else png(item.chart.figure)
+
+
+def tables(page: Document) -> Iterator[tuple[str, Table]]:
+    """Tables of a page that have rows, by section and what stands above them; names are unique."""
+    taken: dict[str, int] = {}
+    for title, block in _blocks(page):
+        if isinstance(block, Table) and len(block.data):
+            name = slug(title)
+            taken[name] = taken.get(name, 0) + 1
+            yield name + (f"-{taken[name]}" if taken[name] > 1 else ""), block
+
+
+def values(table: Table) -> pd.DataFrame:
+    """Its columns, numbers in full."""
+    shown = [column.name for column in table.columns]
+    return table.data[shown].rename(columns={c.name: c.head for c in table.columns})
+
+
+def markdown(table: Table) -> str:
+    """As a table of Markdown, numbers as on the page."""
+    plain = table.plain
+    marks = ["--:" if column.numeric else "---" for column in table.columns]
+    lines = [plain.columns, marks, *plain.itertuples(index=False, name=None)]
+    return "".join("| " + " | ".join(map(_cell, line)) + " |\n" for line in lines)
+
+
+def _cell(text: object) -> str:
+    """Text that neither ends a cell nor is taken for markup."""
+    escaped = str(text).replace("&", "&amp;").replace("<", "&lt;").replace("\\", "\\\\")
+    return " ".join(escaped.replace("|", "\\|").split())
+
+
+def _blocks(page: Document) -> Iterator[tuple[str, Block]]:
+    for section in page.sections:
+        yield from _inside(section.id, section.blocks)
+
+
+def _inside(section: str, blocks: Sequence[Block]) -> Iterator[tuple[str, Block]]:
+    """All blocks with the id of their section and the heading before them."""
+    heading = ""
+    for block in blocks:
+        if isinstance(block, Heading):
+            heading = block.text
+        if isinstance(block, Details):
+            yield from _inside(f"{section}-{block.title.split(':')[0]}", block.blocks)
+        elif isinstance(block, Columns):
+            yield from _inside(section, [*block.left, *block.right])
+        else:
+            yield f"{section}-{heading}".rstrip("-"), block
