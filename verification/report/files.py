@@ -1,5 +1,6 @@
 """A page and its tables as files: HTML, Markdown, CSV, and its pictures."""
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -16,7 +17,6 @@ from verification.report.blocks import (
     Heading,
     Picture,
     Table,
-    slug,
 )
 from verification.report.figures import png
 
@@ -57,7 +57,7 @@ def tables(page: Document) -> Iterator[tuple[str, Table]]:
     taken: dict[str, int] = {}
     for title, block in _blocks(page):
         if isinstance(block, Table) and len(block.data):
-            name = slug(title)
+            name = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
             taken[name] = taken.get(name, 0) + 1
             yield name + (f"-{taken[name]}" if taken[name] > 1 else ""), block
 
@@ -72,8 +72,8 @@ def markdown(table: Table) -> str:
     """As a table of Markdown, numbers as on the page."""
     plain = table.plain
     marks = ["--:" if column.numeric else "---" for column in table.columns]
-    lines = [plain.columns, marks, *plain.itertuples(index=False, name=None)]
-    return "".join("| " + " | ".join(map(_cell, line)) + " |\n" for line in lines)
+    lines = [list(plain.columns), marks, *plain.to_numpy().tolist()]
+    return "".join("| " + " | ".join(_cell(text) for text in line) + " |\n" for line in lines)
 
 
 def _cell(text: object) -> str:

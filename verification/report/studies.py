@@ -3,7 +3,7 @@
 Each study is a section, or None where the results hold nothing to show.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,7 @@ from verification.analysis import (
     shifted_geometric_means,
     with_exact,
 )
-from verification.analysis.columns import groups, problem_columns, solver_columns
+from verification.analysis.columns import SOLVER, groups, problem_columns, solver_columns
 from verification.judging import BOUNDS, SKIPPED
 from verification.report.blocks import (
     Block,
@@ -145,19 +145,21 @@ def _limits(results: pd.DataFrame) -> Iterator[Block]:
 def side_by_side(results: pd.DataFrame) -> Section | None:
     """Rates, performance profile and means of all solvers."""
     runs = results[~results["coupling"].isin(list(BOUNDS))]
-    solver = [name for name in solver_columns(runs) if runs[name].notna().any()]
+    varied = [name for name in solver_columns(runs) if name not in SOLVER]
+    runs = runs[runs[varied].isna().all(axis=1)]  # each with its defaults
     if runs["backend"].nunique() < 2:
         return None
-    found = costs(runs, "solve_time", solved_by="verdict", unsolved="drop", solver=solver)
+    found = costs(runs, "solve_time", solved_by="verdict", unsolved="drop", solver=SOLVER)
     if len(found.cost) < 2:
         return None
     steps = performance_profile(found)
     most = float(np.nanmax(found.cost.replace(np.inf, np.nan).to_numpy(dtype=float)))
     means = shifted_geometric_means(found, _SHIFT, limit=max(most, 1.0))
+    problems = len(found.cost) + found.nobody
     filters = (
-        f"Solved: runs whose verdict is pass. Of {len(found.cost) + found.nobody} problems"
-        f" {found.nobody} that nobody solved are left out. Problems that a solver was not run on"
-        " count as not solved by it."
+        "Runs with the default options of each backend. Solved: those whose verdict is pass. Of"
+        f" {problems} problems {found.nobody} that nobody solved are left out. Problems that a"
+        " solver was not run on count as not solved by it."
     )
     return Section(
         "solvers",
@@ -165,16 +167,16 @@ def side_by_side(results: pd.DataFrame) -> Section | None:
         [
             Text(filters, soft=True),
             Gallery([Drawing("profile", "Performance profile", profile(steps, FACTOR))]),
-            _rates_table(rates(runs, by=solver), solver),
+            _rates_table(rates(runs)),
             _means_table(means),
         ],
         "Who solves how much, how fast; what solvers claim beside what is right.",
     )
 
 
-def _rates_table(found: pd.DataFrame, solver: Sequence[str]) -> Table:
+def _rates_table(found: pd.DataFrame) -> Table:
     columns = (
-        *(Column(name) for name in solver),
+        *(Column(name) for name in SOLVER),
         Column("runs", "runs", ".0f"),
         Column("success_rate", "claimed %", ".1f", scale=100),
         Column("certified_rate", "certified %", ".1f", scale=100),

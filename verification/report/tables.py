@@ -30,6 +30,7 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("verdict", moods=VERDICTS, hover="why"),
         *_NAMES,
         Column("n_elements", "elements", ".0f"),
+        *_varied(results),
         Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
         Column("expected", "reference", "g", order="reference"),
         Column("error", "error %", "+.4f", scale=100),
@@ -54,6 +55,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
     proven = proven[proven[CERTIFICATE.column].notna()]
     columns = (
         *_NAMES,
+        *_varied(results),
         Column("load_factor", "load factor", ".7f", link=RUN),
         *(
             Column(name, name.removeprefix(_RESIDUAL).replace("_", " "), ".1e")
@@ -61,6 +63,17 @@ def certificates_table(results: pd.DataFrame) -> Table:
         ),
     )
     return Table(columns, proven, anchor=CERTIFICATE)
+
+
+def _varied(results: pd.DataFrame) -> list[Column]:
+    """What was set besides the case: sizes of its mesh, settings of the loop, options."""
+    found = []
+    for name in map(str, results.columns):
+        kind, _, rest = name.partition("_")
+        if kind in ("size", "setting", "option") and results[name].notna().any():
+            form = "g" if pd.api.types.is_numeric_dtype(results[name]) else ""
+            found.append(Column(name, rest.replace("_", " "), form))
+    return found
 
 
 def _residuals(results: pd.DataFrame) -> list[str]:
