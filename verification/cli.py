@@ -15,13 +15,14 @@ from lacore.errors import require_positive
 from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
 from verification.case import KINDS
-from verification.catalogue import Catalogue, tagged
+from verification.catalogue import Catalogue, find, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
 from verification.execution import TIME_LIMIT, execute
 from verification.harness import RAW
 from verification.options import cases_option, json_option, name_list, print_json
 from verification.provenance import describe
 from verification.report.files import write
+from verification.report.manual import write as write_manual
 from verification.report.page import compared
 from verification.results import as_table, export, load_outcomes
 from verification.store import NAME, file_of, sessions
@@ -190,6 +191,39 @@ def report(folder: Path, out: Path | None, known: Catalogue) -> None:
         about = list(sessions(file_of(folder)).values())[-1]
         page = write(compared(outcomes, about), out or folder)
     click.echo(f"Report: {page}")
+
+
+@main.command()
+@click.argument("names", nargs=-1, metavar="[CASE]...")
+@click.option(
+    "--results",
+    type=click.Path(path_type=Path),
+    default=Path("reports/verify"),
+    show_default=True,
+    help="Folder whose results are shown: that of `lacore verify`.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reports/manual"),
+    show_default=True,
+    help="Folder for the pages.",
+)
+@cases_option
+def manual(names: tuple[str, ...], results: Path, out: Path, known: Catalogue) -> None:
+    """Write the verification manual: a page for each case.
+
+    Each shows the problem drawn from its model, the reference and how it is found by hand, what
+    error is allowed and why, and what lacore found, with its certificates. CASE is the id of a
+    case; without any, all that have results are shown.
+    """
+    outcomes, _ = load_outcomes(results, known)
+    seen = {outcome.run.case.id for outcome in outcomes}
+    chosen = [find(name, known)[0].id for name in names] or [name for name in known if name in seen]
+    with terminal.status("drawing problems and mechanisms, writing the pages"):
+        about = list(sessions(file_of(results)).values())[-1]
+        page = write_manual([known[name] for name in chosen], outcomes, about, out)
+    click.echo(f"Manual: {page}")
 
 
 @main.command("cases")

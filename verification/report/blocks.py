@@ -226,6 +226,22 @@ class Links:
 
 
 @dataclass(frozen=True)
+class Page:
+    """A line of a list of pages: its title, its file in the same folder, what is said of it."""
+
+    title: str
+    file: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Pages:
+    """A list of other pages."""
+
+    items: Sequence[Page]
+
+
+@dataclass(frozen=True)
 class Facts:
     """Names and what they are, two columns."""
 
@@ -265,7 +281,7 @@ class Columns:
 
 
 Block = (
-    Text | Html | Heading | Preformatted | Links | Facts | Tally | Table | Drawing | Picture
+    Text | Html | Heading | Preformatted | Links | Pages | Facts | Tally | Table | Drawing | Picture
     | Gallery | Details | Columns
 )  # fmt: skip
 

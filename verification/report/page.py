@@ -48,7 +48,7 @@ def compared(
     title: str = "Plastic collapse loads compared with references",
 ) -> Document:
     """The page of outcomes, in their order."""
-    results = as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
+    results = results_frame(outcomes)
     by_case: dict[str, list[int]] = {}
     for index, outcome in enumerate(outcomes):
         by_case.setdefault(outcome.run.case.id, []).append(index)
@@ -71,6 +71,11 @@ def compared(
             Section("machine", "Machine and versions", [Facts(machine)]),
         ],
     )
+
+
+def results_frame(outcomes: Sequence[Outcome]) -> pd.DataFrame:
+    """Outcomes as the table that a store would give of them."""
+    return as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
 
 
 def _summary(outcomes: Sequence[Outcome], results: pd.DataFrame) -> Iterator[Block]:
@@ -146,6 +151,15 @@ def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> 
     blocks: list[Block] = [
         description(case, [run.variant for run in runs.values()], elements),
         Heading("Results"),
+        *results_of(case, outcomes, results),
+    ]
+    mood = "bad" if FAIL in set(results["verdict"]) else "good" if tally(outcomes).passed else ""
+    return Section(f"case-{slug(case.id)}", case.title, blocks, lead(case), mood)
+
+
+def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Block]:
+    """What came out of one case: runs, reasons, certificates, charts and mechanisms."""
+    blocks: list[Block] = [
         results_table(results),
         Details("Why each verdict", [reasons_table(results)]),
     ]
@@ -153,9 +167,7 @@ def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> 
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
         blocks.append(Details(title, [certificates]))
-    blocks.append(Gallery([*_charts(case, outcomes), *_mechanisms(outcomes)]))
-    mood = "bad" if FAIL in set(results["verdict"]) else "good" if tally(outcomes).passed else ""
-    return Section(f"case-{slug(case.id)}", case.title, blocks, lead(case), mood)
+    return [*blocks, Gallery([*_charts(case, outcomes), *_mechanisms(outcomes)])]
 
 
 def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
