@@ -30,6 +30,7 @@ from verification.report.description import description, lead
 from verification.report.figures import png
 from verification.report.page import results_frame, results_of
 from verification.run import Outcome
+from verification.sketches import sketch_of
 
 _BACK = Pages([Page("All cases", "index.html")])
 
@@ -105,11 +106,8 @@ def page_of(case: Case, outcomes: Sequence[Outcome], provenance: Mapping[str, st
 def _sketch(case: Case) -> Picture:
     """The problem of the first variant, drawn from its model."""
     variant = case.variants[0]
-    problem = case.problem(variant, next(iter(case.meshes)))
-    figure = problem.plot()
-    if case.sketch is not None:
-        case.sketch(figure.axes[0], problem)
-    return Picture(f"sketch-{slug(case.id)}", f"{variant.name}, drawn from the model", png(figure))
+    caption = f"{variant.name}, drawn from the model"
+    return Picture(f"sketch-{slug(case.id)}", caption, png(sketch_of(case, variant)))
 
 
 def _variants_table(case: Case) -> Table:
