@@ -20,6 +20,8 @@ from verification.report.blocks import (
 )
 from verification.report.figures import png
 
+_LONGEST = 60  # letters of the name of a file
+
 
 def write(page: Document, folder: Path) -> Path:
     """Write ``index.html``, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
@@ -57,7 +59,8 @@ def tables(page: Document) -> Iterator[tuple[str, Table]]:
     taken: dict[str, int] = {}
     for title, block in _blocks(page):
         if isinstance(block, Table) and len(block.data):
-            name = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
+            words = re.findall("[a-z0-9]+", f"{title} {block.caption}".lower())
+            name = "-".join(words)[:_LONGEST].strip("-")
             taken[name] = taken.get(name, 0) + 1
             yield name + (f"-{taken[name]}" if taken[name] > 1 else ""), block
 
