@@ -14,7 +14,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, PercentFormatter
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    PercentFormatter,
+)
 
 from verification.report.svg import Chart, Tip
 from verification.report.theme import MARKERS, SERIES, styled
@@ -27,6 +33,7 @@ _LONGEST = 40  # letters of a name in the legend
 _HALF = 38  # letters of an entry that fits into half the width
 _PLAIN = (1e-4, 2e4)  # an axis within has its numbers written out
 _DECADES = 8  # labels on a logarithmic axis at most
+_NARROW = 0.5  # decades: with less there may be no round multiple of a power of ten
 _FEW = 2.2  # decades: with less, powers of ten alone would leave the axis without labels
 
 
@@ -249,8 +256,11 @@ def _finish(figure: Figure, axes: Axes, x: Axis, y: Axis) -> None:
             scale("log")
             ends = which.get_view_interval()
             subs = (1.0,) if log10(ends[1] / ends[0]) > _FEW else (1.0, 2.0, 5.0)
-            which.set_major_locator(LogLocator(subs=subs, numticks=_DECADES))
+            narrow = log10(ends[1] / ends[0]) < _NARROW
+            locator = MaxNLocator(5) if narrow else LogLocator(subs=subs, numticks=_DECADES)
+            which.set_major_locator(locator)
             which.set_major_formatter(FuncFormatter(tick_words(*ends)))
+            which.set_minor_formatter(NullFormatter())
         which.set_tick_params(which="minor", length=0)
         which.set_label_text(axis.label)
     legend(figure, axes)
