@@ -2,7 +2,8 @@
 
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,12 @@ from typing import Any
 import click
 import pandas as pd
 
-from lacore.errors import require_positive
+from lacore.errors import InputError, require_positive
 from lacore.solving import COUPLINGS
 from verification import terminal
 from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
-from verification.execution import TIME_LIMIT, execute
+from verification.execution import TIME_LIMIT, Executor, execute
 from verification.harness import RAW
 from verification.judging import FAIL
 from verification.options import cases_option, json_option, name_list, print_json
@@ -72,6 +73,18 @@ def cores() -> int:
     help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
 )
 @click.option(
+    "--dask",
+    "on_dask",
+    is_flag=True,
+    help="Run on a Dask cluster on this machine, of --jobs workers, until the sweep is through.",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on the workers of the Dask scheduler at this address, as in tcp://127.0.0.1:8786."
+    " They need the same lacore, and folders of --cases at the same place.",
+)
+@click.option(
     "--time-limit",
     type=click.FloatRange(min=0, min_open=True),
     default=TIME_LIMIT,
@@ -99,6 +112,8 @@ def sweep(
     meshes: list[str],
     couplings: list[str],
     jobs: int,
+    on_dask: bool,
+    scheduler: str | None,
     time_limit: float,
     out: Path,
     fresh: bool,
@@ -131,9 +146,13 @@ def sweep(
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
     runs = plan(cases, vary, backends, meshes, couplings, known)
-    executor = partial(execute, jobs=jobs)
+    if on_dask and scheduler is not None:
+        raise InputError("--dask", None, "--scheduler is there too", "leave out one of them")
     try:
-        with terminal.watching(len(runs)) as watch:
+        with (
+            _executor(jobs, on_dask, scheduler, known) as executor,
+            terminal.watching(len(runs)) as watch,
+        ):
             outcomes = run_all(
                 runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh
             )
@@ -155,6 +174,33 @@ def sweep(
             terminal.show_slopes(console, slopes)
         click.echo(f"\nStore: {out / NAME}\nTable: {out / 'results.csv'}")
     ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
+
+
+@contextmanager
+def _executor(
+    jobs: int, on_dask: bool, scheduler: str | None, known: Catalogue
+) -> Iterator[Executor]:
+    """What performs the runs: processes here, or a cluster."""
+    if not on_dask and scheduler is None:
+        yield partial(execute, jobs=jobs)
+        return
+    try:
+        from verification import dask_execution
+    except ImportError as error:
+        raise InputError(
+            "--dask" if on_dask else "--scheduler",
+            scheduler,
+            "needs the package distributed",
+            "pip install 'lacore[dask]'",
+        ) from error
+    paths = [Path(source) for source in known.sources.values()]
+    folders = sorted({path.parent for path in paths if path.is_file()})
+    with ExitStack() as stack:
+        if scheduler is not None:
+            client = stack.enter_context(dask_execution.connected(scheduler, folders))
+        else:
+            client = stack.enter_context(dask_execution.local(jobs))
+        yield partial(dask_execution.execute, client=client, folders=folders)
 
 
 def _document(
