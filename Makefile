@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare test test-all test-browser lint bench bench-readme readme clean
+.PHONY: help compare test test-all test-browser lint bench bench-readme readme reference clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
@@ -15,6 +15,7 @@ help:
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-readme   write the benchmarks of the README from that JSON"
 	@echo "make readme    write the table and the picture of the README afresh"
+	@echo "make reference  write the committed report under reports/reference afresh"
 	@echo "make clean     remove the environment and all generated reports"
 
 $(READY): pyproject.toml constraints.txt
@@ -50,6 +51,9 @@ bench-readme: $(READY)
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py
+
+reference: $(READY)
+	$(BIN)/python docs/reference_report.py
 
 clean:
 	git clean -fdX reports

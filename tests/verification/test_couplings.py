@@ -1,5 +1,6 @@
 """Couplings side by side: the bracket of T14 on every case, and the structured sweep."""
 
+from functools import partial
 from itertools import pairwise
 from statistics import median
 
@@ -10,6 +11,7 @@ import lacore as la
 from verification.assemblies import ASSEMBLIES, FRICTIONS
 from verification.catalogue import catalogue, find
 from verification.compare import efforts, plan, run_all
+from verification.execution import execute
 from verification.harness import RAW
 from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
 from verification.store import NAME
@@ -63,7 +65,7 @@ def test_structured_sweep_is_certified(tmp_path):
     outcomes = run_all(
         plan(["structured-sweep"], ["clarabel"], couplings=["certified", *RAW]),
         tmp_path / NAME,
-        jobs=2,
+        executor=partial(execute, jobs=2),
     )
     assert len(outcomes) == len(ASSEMBLIES) * len(FRICTIONS) * (1 + len(RAW))
     failed = [outcome.row for outcome in outcomes if outcome.row.verdict == FAIL]

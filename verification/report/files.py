@@ -1,7 +1,8 @@
 """A page and its tables as files: HTML, Markdown, CSV, and its pictures."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -20,7 +21,7 @@ from verification.report.blocks import (
 )
 from verification.report.figures import png
 
-_LONGEST = 60  # letters of the name of a file
+_LONGEST = 80  # letters of the name of a file
 
 
 def write(page: Document, folder: Path) -> Path:
@@ -49,20 +50,26 @@ def write(page: Document, folder: Path) -> Path:
 
 def pictures(page: Document) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of all charts and pictures on a page."""
-    for _, block in _blocks(page):
-        for item in block.items if isinstance(block, Gallery) else ():
-            yield item.name, item.data if isinstance(item, Picture) else png(item.chart.figure)
+    galleries = (block for _, block in _blocks(page) if isinstance(block, Gallery))
+    items = [item for gallery in galleries for item in gallery.items]
+    for name, item in zip(_file_names(item.name for item in items), items, strict=True):
+        yield name, item.data if isinstance(item, Picture) else png(item.chart.figure)
 
 
 def tables(page: Document) -> Iterator[tuple[str, Table]]:
-    """Tables of a page that have rows, by section and what stands above them; names are unique."""
-    taken: dict[str, int] = {}
-    for title, block in _blocks(page):
-        if isinstance(block, Table) and len(block.data):
-            words = re.findall("[a-z0-9]+", f"{title} {block.caption}".lower())
-            name = "-".join(words)[:_LONGEST].strip("-")
-            taken[name] = taken.get(name, 0) + 1
-            yield name + (f"-{taken[name]}" if taken[name] > 1 else ""), block
+    """Tables of a page that have rows, named by section and what stands above them."""
+    found = [(t, b) for t, b in _blocks(page) if isinstance(b, Table) and len(b.data)]
+    names = _file_names(f"{title} {table.caption}" for title, table in found)
+    yield from zip(names, (table for _, table in found), strict=True)
+
+
+def _file_names(texts: Iterable[str]) -> Iterator[str]:
+    """Words in lower case, joined by ``-``; those that would be alike are numbered."""
+    taken: Counter[str] = Counter()
+    for text in texts:
+        name = "-".join(re.findall("[a-z0-9]+", text.lower()))[:_LONGEST].strip("-")
+        taken[name] += 1
+        yield name if taken[name] == 1 else f"{name}-{taken[name]}"
 
 
 def values(table: Table) -> pd.DataFrame:

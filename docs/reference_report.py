@@ -1,0 +1,51 @@
+"""Write the reference report afresh: ``make reference``.
+
+It is small, committed under reports/reference, and a test solves and draws it again.
+"""
+
+import shutil
+from pathlib import Path
+
+from verification.catalogue import catalogue
+from verification.compare import plan, run_all
+from verification.report.files import write
+from verification.report.page import compared
+from verification.results import load_outcomes
+from verification.run import Run
+from verification.store import NAME, sessions
+from verification.sweep import plan as plan_sweep
+
+FOLDER = Path(__file__).parent.parent / "reports" / "reference"
+TITLE = "Reference report of lacore"
+
+
+def runs() -> list[Run]:
+    """A sweep of r, a refinement, and friction that is not unique."""
+    swept = ["prandtl-punch:smooth", "deformable-block:crushing"]
+    return [
+        *plan_sweep(swept, ["r=1e-1:1e-3:5:log"], ["clarabel", "newton"], ["coarse"]),
+        *plan_sweep(["platens-square:mu-0.5"], ["n=3,5,8,12"], ["clarabel"]),
+        *plan(["deformable-block:sliding"], ["clarabel", "newton"], ["coarse"]),
+        *plan(["wall-1", "wedge-extraction:rough"], ["clarabel", "highs"]),
+        *plan(["portal-sway:one-foot-slides"], ["clarabel", "highs"]),
+    ]
+
+
+def draw(store: Path, folder: Path) -> Path:
+    """The report of a store; returns the path of its page."""
+    outcomes, _ = load_outcomes(store, catalogue())
+    (provenance,) = sessions(store).values()
+    return write(compared(outcomes, provenance, TITLE), folder)
+
+
+def main() -> None:
+    """Solve, draw, and replace what is there."""
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    run_all(runs(), FOLDER / NAME)
+    draw(FOLDER / NAME, FOLDER)
+    shutil.rmtree(FOLDER / "pictures")  # they are in the page
+    (FOLDER / f"{NAME}.lock").unlink(missing_ok=True)
+
+
+if __name__ == "__main__":
+    main()
