@@ -4,10 +4,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare test test-all test-browser lint bench bench-readme readme reference clean
+.PHONY: help compare verify test test-all test-browser lint bench bench-readme readme reference clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
+	@echo "make verify    check every case: values, sides, residuals, orders; a minute or two"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
@@ -26,6 +27,9 @@ $(READY): pyproject.toml constraints.txt
 
 compare: $(READY)
 	$(BIN)/lacore compare --out reports/compare
+
+verify: $(READY)
+	$(BIN)/lacore verify --out reports/verify
 
 test: $(READY)
 	$(BIN)/python -m pytest

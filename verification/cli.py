@@ -27,6 +27,7 @@ from verification.report.page import compared
 from verification.results import as_table, export, load_outcomes
 from verification.store import NAME, file_of, sessions
 from verification.sweep_command import sweep
+from verification.verify_command import verify
 
 
 class _BadInput(click.ClickException):
@@ -337,3 +338,4 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
 
 main.add_command(sweep)
+main.add_command(verify)

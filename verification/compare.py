@@ -114,16 +114,16 @@ def default_backends(case: Case, variant: Variant) -> list[str]:
 
 def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
     telling = case.reference_of(variant).associated_differs
-    return [None, "associated"] if telling and not _regularised(backend) else [None]
+    return [None, "associated"] if telling and not is_regularised(backend) else [None]
 
 
 def _unfit(variant: Variant, backend: str) -> str:
     """Why a backend cannot do a variant; empty where it can."""
-    family = "regularised" if _regularised(backend) else "exact"
+    family = "regularised" if is_regularised(backend) else "exact"
     return variant.unfit.get(backend, variant.unfit.get(family, ""))
 
 
-def _regularised(backend: str) -> bool:
+def is_regularised(backend: str) -> bool:
     """Whether a backend is known to be regularised; not of one that is missing."""
     with suppress(la.CapabilityError):
         return load_backend(backend).capabilities.regularised

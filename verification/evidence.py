@@ -99,7 +99,15 @@ def rechecked(run: Run, row: Row, evidence: Evidence) -> Certificate:
     Raises:
         ValueError: there is no state, or it is not one of this problem.
     """
-    discretisation = la.discretise(run.problem())
+    return recheck(la.discretise(run.problem()), row, evidence)
+
+
+def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> Certificate:
+    """As `rechecked`, of a run whose problem is discretised already.
+
+    Raises:
+        ValueError: there is no state, or it is not one of this problem.
+    """
     program = dimensionless(discretisation.program, discretisation.natural)
     laws = _LAWS[row.coupling](program.contact) if row.coupling in _LAWS else None
     return certify(program, point_in_program(discretisation, unpacked(evidence.arrays)), laws)

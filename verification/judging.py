@@ -1,9 +1,10 @@
 """Verdicts: what a result must be, from the reference and the band of its case."""
 
 from math import inf, isfinite, isnan, nan
-from typing import Any
+from typing import Any, Protocol
 
 import lacore as la
+from lacore.regularization import RegularisedValues
 from verification.case import (
     Allowed,
     Band,
@@ -21,9 +22,22 @@ _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
 """What statuses say of the load factor: they are claims, right or wrong, like a number."""
 
 
-def judge(
-    state: la.LimitState, reference: Reference, band: Band, insist: bool = True
-) -> tuple[str, str]:
+class Judged(Protocol):
+    """What a verdict is on: a state, or what a row says of one; as of `la.LimitState`."""
+
+    @property
+    def status(self) -> la.Status: ...  # noqa: D102
+    @property
+    def load_factor(self) -> float: ...  # noqa: D102
+    @property
+    def coupling(self) -> str: ...  # noqa: D102
+    @property
+    def message(self) -> str: ...  # noqa: D102
+    @property
+    def regularised(self) -> RegularisedValues | None: ...  # noqa: D102
+
+
+def judge(state: Judged, reference: Reference, band: Band, insist: bool = True) -> tuple[str, str]:
     """Verdict on a result, and why.
 
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
@@ -48,7 +62,7 @@ def judge(
     return _judge_value(state, reference, allowed_of(reference, band))
 
 
-def _too_strong(state: la.LimitState, band: Band) -> str:
+def _too_strong(state: Judged, band: Band) -> str:
     """Why a regularised value is worth no verdict; empty where it is worth one."""
     assert state.regularised is not None
     energy, value = state.regularised.energy, _CLAIMED.get(state.status, state.load_factor)
@@ -60,7 +74,7 @@ def _too_strong(state: la.LimitState, band: Band) -> str:
     )
 
 
-def _judge_value(state: la.LimitState, reference: Reference, allowed: Allowed) -> tuple[str, str]:
+def _judge_value(state: Judged, reference: Reference, allowed: Allowed) -> tuple[str, str]:
     value = _CLAIMED.get(state.status, state.load_factor)
     if state.regularised is not None:
         allowed = Allowed(allowed.low - max(state.regularised.energy, 0.0), allowed.high)

@@ -1,6 +1,7 @@
 """What several commands share: options, and how they print."""
 
 import json
+import os
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -55,3 +56,11 @@ def strict(value: Any) -> Any:
     if isinstance(value, float) and not isfinite(value):
         return None if value != value else str(value)
     return value
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not everywhere
+        return os.cpu_count() or 1

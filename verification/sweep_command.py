@@ -1,6 +1,5 @@
 """The command ``lacore sweep``."""
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -19,7 +18,7 @@ from verification.compare import ON_DEMAND, run_all
 from verification.execution import TIME_LIMIT, Executor, execute
 from verification.harness import RAW
 from verification.judging import FAIL
-from verification.options import cases_option, json_option, name_list, print_json
+from verification.options import cases_option, cores, json_option, name_list, print_json
 from verification.provenance import describe
 from verification.results import export, load_results
 from verification.run import Outcome
@@ -29,13 +28,6 @@ from verification.sweep import plan
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
 _STOPPED = 130  # as shells say of Ctrl-C
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @click.command()

@@ -140,26 +140,30 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
     for row in (outcome.row for outcome in outcomes):
         counts.setdefault((row.case, row.backend, row.coupling), Counter())[row.status] += 1
     line = "{:25} {:21} {:12} {:>5}  {}".format
-    _say(console, line("case", "backend", "coupling", "runs", "of these"), "bold")
+    print_line(console, line("case", "backend", "coupling", "runs", "of these"), "bold")
     for names, statuses in counts.items():
         parts = ", ".join(f"{count} {status}" for status, count in statuses.most_common())
-        _say(console, line(*names, statuses.total(), parts))
+        print_line(console, line(*names, statuses.total(), parts))
     reasons: dict[tuple[str, str], list[str]] = {}
     for outcome in outcomes:
         if outcome.row.verdict != PASS:
             reasons.setdefault((outcome.row.verdict, outcome.row.why), []).append(outcome.run.label)
     for (verdict, why), labels in list(reasons.items())[:_MOST_REASONS]:
         more = f" and {len(labels) - 1} more" if len(labels) > 1 else ""
-        _say(console, f"{verdict}: {labels[0]}{more}: {why}", "red" if verdict == FAIL else "dim")
+        print_line(
+            console, f"{verdict}: {labels[0]}{more}: {why}", "red" if verdict == FAIL else "dim"
+        )
     if len(reasons) > _MOST_REASONS:
-        _say(console, f"{len(reasons) - _MOST_REASONS} other reasons are in the results", "dim")
+        print_line(
+            console, f"{len(reasons) - _MOST_REASONS} other reasons are in the results", "dim"
+        )
 
 
 def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
     """Fitted slopes, a line each; where there is none, why."""
     line = "{:35} {:8} {:21} {:17} {:>7} {:>6}  {:24} {}".format
     head = ("case", "mesh", "backend", "error", "slope", "T19", "where it holds", "floor")
-    _say(console, "\n" + line(*head), "bold")
+    print_line(console, "\n" + line(*head), "bold")
     for record in records:
         name = record["parameter"].partition("_")[2]
         within = f"{name} {record['start']:.3g} to {record['stop']:.3g}"
@@ -171,18 +175,18 @@ def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
             record["reason"] or within,
             _number(record["floor"], ".2g"),
         )
-        _say(console, line(*cells), "dim" if record["reason"] else "")
+        print_line(console, line(*cells), "dim" if record["reason"] else "")
 
 
 def show_efforts(console: Console, outcomes: Sequence[Outcome]) -> None:
     """How each coupling fared: how many runs it certified, and with how many inner solves."""
     line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format
-    _say(console, "\ncouplings, where a load factor exists", "cyan")
-    _say(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
+    print_line(console, "\ncouplings, where a load factor exists", "cyan")
+    print_line(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
     for effort in efforts(outcomes):
         shares = f"{effort.solved}/{effort.cases}"
         solves = (_number(effort.median, "g"), _number(effort.most, "g"))
-        _say(console, line(effort.coupling, effort.backend, shares, *solves, effort.failed))
+        print_line(console, line(effort.coupling, effort.backend, shares, *solves, effort.failed))
 
 
 _HEAD = (
@@ -234,22 +238,22 @@ def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
 def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
     """A line a case, below it its variants, and which backends it goes without."""
     line = "{:25} {:10} {}".format
-    _say(console, line("id", "run", "title"), "bold")
+    print_line(console, line("id", "run", "title"), "bold")
     for record in records:
-        _say(console, line(record["id"], record["run"], record["title"]))
+        print_line(console, line(record["id"], record["run"], record["title"]))
         variants = record["variants"]
         shown = ", ".join(variants[:8]) + (f", ... {len(variants)}" if len(variants) > 8 else "")
-        _say(console, f"  {shown}; on {', '.join(record['meshes'])}", "dim")
-        _say(console, f"  tags: {', '.join(record['tags'])}", "dim")
+        print_line(console, f"  {shown}; on {', '.join(record['meshes'])}", "dim")
+        print_line(console, f"  tags: {', '.join(record['tags'])}", "dim")
         for text in record["without"]:
-            _say(console, f"  without {text}", "dim")
+            print_line(console, f"  without {text}", "dim")
 
 
 def _text(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
-def _say(console: Console, text: str, style: str = "") -> None:
+def print_line(console: Console, text: str, style: str = "") -> None:
     """One line, neither cut nor wrapped."""
     console.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
 
@@ -258,7 +262,7 @@ def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
     """A line a backend, below it its title, or why it cannot run here."""
 
     def say(text: str, style: str = "") -> None:
-        _say(console, text, style)
+        print_line(console, text, style)
 
     line = "{:21} {:34} {:12} {:24} {:11} {}".format
     say(line("name", "version", "solves", "takes", "warm start", "state"), "bold")
@@ -278,7 +282,7 @@ def show_conformance(
     """One line a program with the error that came closest to what is allowed; then what failed."""
 
     def say(text: str, style: str = "") -> None:
-        _say(console, text, style)
+        print_line(console, text, style)
 
     line = "  {:31} {:8} {:>7} {:24} {:>9} {:>9}".format
     say(name, "cyan")

@@ -1,19 +1,16 @@
 """Every case builds, is told about, and holds for the exact backend; refinement behaves."""
 
-from math import log
-
 import numpy as np
 import pytest
 
 import lacore as la
 from lacore.state import contact_force
-from verification.analysis.slopes import fit_slope
 from verification.assemblies import UNKNOWN
 from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
 from verification.harness import execute
 from verification.judging import PASS
-from verification.run import Run
+from verification.verify import answer, ask, finish, runs_of
 
 CASES = list(catalogue().values())
 VARIANTS = [(case, variant) for case in CASES if not case.on_demand for variant in case.variants]
@@ -22,16 +19,6 @@ MESHED = [(case, variant) for case, variant in VARIANTS if case.meshed]
 
 def name_of(part):
     return getattr(part, "id", None) or getattr(part, "name", "")
-
-
-def outcome_of(case, variant, mesh):
-    (outcome,) = execute([Run(case, variant, mesh, "clarabel")])
-    return outcome
-
-
-def load_factor(case_id, variant_name, mesh):
-    case, (variant,) = find(f"{case_id}:{variant_name}")
-    return la.solve(case.problem(variant, mesh), throw=True).load_factor
 
 
 def test_catalogue_holds_the_cases_of_the_references():
@@ -92,41 +79,35 @@ def test_meshes_have_their_sizes(case):
     assert 4500 <= sizes["fine"] <= 5000
 
 
-@pytest.mark.parametrize(("case", "variant"), VARIANTS, ids=name_of)
-def test_exact_backend_passes_on_coarse(case, variant):
-    outcome = outcome_of(case, variant, case.levels(variant, ["coarse"])[0])
-    assert outcome.row.verdict == PASS, outcome.row.why
+def checked(questions):
+    return finish(questions, execute(runs_of(questions)))
+
+
+QUICK = [
+    question
+    for question in ask(backends=["clarabel"], meshes=["coarse"])
+    if question.check != "order"
+]
+
+
+@pytest.mark.parametrize("question", QUICK, ids=lambda question: question.name)
+def test_exact_backend_passes_on_coarse(question):
+    """The quick part of `pytest verification`."""
+    found = answer(question, checked([question]))
+    assert found.verdict == PASS, found.why
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("case", "variant"), MESHED, ids=name_of)
 def test_exact_backend_passes_on_medium_and_fine(case, variant):
-    for mesh in ("medium", "fine"):
-        outcome = outcome_of(case, variant, mesh)
-        assert outcome.row.verdict == PASS, outcome.row.why
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("variant", "allowed", "order"), [("smooth", 0.002, 0.9), ("rough", 0.008, 0.55)]
-)
-def test_punch_converges_from_above(variant, allowed, order):
-    case, _ = find("prandtl-punch")
-    reference = case.reference(rough=True).value
-    errors = [load_factor("prandtl-punch", variant, mesh) / reference - 1 for mesh in case.meshes]
-    assert min(errors) >= 0
-    assert errors[0] > errors[1] > errors[2]
-    assert errors[2] <= allowed
-    assert log(errors[1] / errors[2]) / log(4800 / 576) >= order
-
-
-@pytest.mark.slow
-def test_cylinder_converges_at_order_one():
-    case, _ = find("thick-cylinder")
-    reference = case.reference().value
-    errors = [load_factor(case.id, "burst", mesh) / reference - 1 for mesh in case.meshes]
-    assert errors[0] > errors[1] > errors[2]
-    assert log(errors[1] / errors[2]) / log(4784 / 576) == pytest.approx(1.0, abs=0.15)
+    """Beyond `pytest verification`: levels that a variant does not run by itself."""
+    name = f"{case.id}:{variant.name}"
+    questions = ask([name], ["clarabel"], ["medium", "fine"])
+    questions = [question for question in questions if question.check != "order"]
+    finished = checked(questions)
+    for question in questions:
+        found = answer(question, finished)
+        assert found.verdict == PASS, found.why
 
 
 ORDERED = [(c, v, o) for c in CASES for v in c.variants if (o := c.order_of(v)) is not None]
@@ -147,22 +128,6 @@ def test_nan_is_no_order():
     order = ORDERED[0][-1]
     assert order.holds(order.expected)
     assert not order.holds(float("nan"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("case", "variant", "order"), ORDERED, ids=name_of)
-def test_refinement_shows_the_expected_order(case, variant, order):
-    """Over the whole ladder, in an interval of confidence no wider than the tolerance."""
-    elements, errors = [], []
-    reference = case.reference_of(variant).value
-    for size in order.meshes:
-        d = la.discretise(case.build(**size, **variant.parameters))
-        elements.append(d.n_elements)
-        errors.append(la.solve(d, throw=True).load_factor / reference - 1)
-    fit = fit_slope(np.array(elements), np.array(errors))
-    assert fit.points == len(order.meshes)
-    assert order.holds(-fit.slope), fit
-    assert (fit.high - fit.low) / 2 <= order.tolerance
 
 
 def test_allowed_values_widen_by_half_width_and_band():

@@ -218,7 +218,9 @@ def test_unwritable_folder_is_exit_code_2(tmp_path):
     assert "cannot be used (Not a directory)" in result.stderr
 
 
-@pytest.mark.parametrize("command", ["compare", "cases", "backends", "conformance", "doctor"])
+@pytest.mark.parametrize(
+    "command", ["compare", "cases", "backends", "conformance", "doctor", "verify"]
+)
 def test_help_says_what_a_command_does(command):
     result = run(command, "--help")
     assert result.exit_code == 0

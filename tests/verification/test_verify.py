@@ -1,0 +1,382 @@
+"""`lacore verify`: what is asked, what is answered, and that planted errors are found."""
+
+import json
+import os
+import re
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from dataclasses import replace
+from math import nan
+
+import pytest
+from click.testing import CliRunner
+
+import verification.plugins as plugins
+from tests.conftest import ROOT
+from verification.case import Band, Reference
+from verification.catalogue import Catalogue, catalogue, find
+from verification.cli import main
+from verification.evidence import packed, unpacked
+from verification.harness import execute
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.store import _checksum
+from verification.verify import Finished, answer, as_table, ask, finish, runs_of, tally
+
+PATCH = find("shear-patch:yielding")[0]
+STEP = (ROOT / "examples" / "cases" / "block_on_step.py").read_text(encoding="utf-8")
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["verify", *map(str, arguments)])
+
+
+def checked(questions):
+    return finish(questions, execute(runs_of(questions)))
+
+
+def only(questions, check):
+    (found,) = [question for question in questions if question.check == check]
+    return found
+
+
+def changed(finished, question, **values):
+    """Outcomes in which the rows of a question say something else."""
+    rows = {
+        key: replace(outcome, row=replace(outcome.row, **values))
+        for key, outcome in finished.outcomes.items()
+        if key in {run.key for run in question.runs}
+    }
+    return Finished({**finished.outcomes, **rows}, finished.rechecked)
+
+
+def with_case(question, **fields):
+    """The same question on a case with other fields."""
+    case = replace(question.case, **fields)
+    return replace(question, runs=tuple(replace(run, case=case) for run in question.runs))
+
+
+# ---- what is asked
+
+
+def test_names_tell_case_variant_backend_and_check():
+    questions = ask()
+    names = [question.name for question in questions]
+    assert len(set(names)) == len(names)
+    assert {
+        "prandtl-punch:smooth-clarabel-order",
+        "prandtl-punch:smooth-newton-side",
+        "wall-1:mu-0.65-highs-associated-value",
+        "wedge-in-walls:pushed-down-clarabel-status",
+    } <= set(names)
+    assert {question.check for question in questions} == {
+        "value", "status", "side", "residuals", "order",
+    }  # fmt: skip
+
+
+def test_by_default_regularised_backends_run_the_coarsest_mesh():
+    runs = runs_of(ask(["prandtl-punch:smooth"], ["clarabel", "newton"]))
+    levels = {(run.backend, run.mesh) for run in runs if not run.size}
+    assert levels == {("clarabel", "coarse"), ("clarabel", "medium"), ("newton", "coarse")}
+    named = runs_of(ask(["prandtl-punch:smooth"], ["newton"], ["medium"]))
+    assert [(run.backend, run.mesh) for run in named] == [("newton", "medium")]
+
+
+def test_the_ladder_is_climbed_once_unless_backends_are_named():
+    def climbers(*backends):
+        questions = ask(["prandtl-punch:smooth"], backends)
+        return [question.backend for question in questions if question.check == "order"]
+
+    assert climbers() == ["clarabel"]
+    assert climbers("clarabel", "cvxpy", "newton") == ["clarabel", "cvxpy"]
+    assert climbers("newton") == []
+
+
+def test_sides_are_asked_for_where_they_are_promised():
+    def asked(name, backend):
+        return {q.check for q in ask([name], ["clarabel", backend]) if q.backend == backend}
+
+    assert "side" in asked("prandtl-punch:smooth", "newton")
+    assert "side" not in asked("deformable-block:sliding", "newton")  # a reaction loop (T19)
+    assert "side" not in asked("deformable-block:sliding", "clarabel")  # Coulomb friction
+    assert "side" not in asked("thick-cylinder", "clarabel")  # curved boundaries
+    assert "side" in asked("thick-cylinder", "newton")
+
+
+# ---- what is answered
+
+
+@pytest.fixture(scope="module")
+def cylinder():
+    questions = ask(["thick-cylinder"], ["clarabel", "newton"])
+    return questions, checked(questions)
+
+
+@pytest.fixture(scope="module")
+def punch():
+    questions = ask(["prandtl-punch:smooth"], ["clarabel", "newton"], ["coarse"])
+    questions = [question for question in questions if question.check != "order"]
+    return questions, checked(questions)
+
+
+def of(questions, check, backend="clarabel"):
+    return only([question for question in questions if question.backend == backend], check)
+
+
+def test_all_is_well(cylinder, punch):
+    for questions, finished in (cylinder, punch):
+        findings = [answer(question, finished) for question in questions]
+        assert [found for found in findings if found.verdict != PASS] == []
+        assert tally(findings) == {"passed": len(questions), "failed": 0, "skipped": 0}
+        assert len(as_table(findings)) == len(questions)
+        assert all(found.why and "\n" not in found.why for found in findings)
+
+
+def test_order_has_its_interval_and_its_meshes(cylinder):
+    questions, finished = cylinder
+    found = answer(of(questions, "order"), finished)
+    assert found.measured == pytest.approx(1.0, abs=0.02)
+    assert found.meshes == "32, 128, 288, 512, 800"
+    assert "(95 %)" in found.why
+
+
+def test_a_wrong_order_is_found(cylinder):
+    questions, finished = cylinder
+    asked = of(questions, "order")
+    stated = asked.case.order_of(asked.variant)
+    for wrong in (replace(stated, expected=1.5), replace(stated, tolerance=1e-4, expected=1.006)):
+        found = answer(with_case(asked, order=lambda order=wrong: order), finished)
+        assert found.verdict == FAIL, found.why
+        assert "thick-cylinder:burst" in found.why
+        assert f"expected {wrong.expected:g}" in found.why
+
+
+def test_there_is_no_order_without_the_whole_ladder(cylinder):
+    questions, finished = cylinder
+    asked = of(questions, "order")
+    found = answer(asked, changed(finished, asked, status="stalled"))
+    assert found.verdict == FAIL
+    assert "no ladder" in found.why
+
+
+def high(**parameters):
+    """Above what the coarse mesh gives by less than the band of `wide`."""
+    return Reference(6.2, "planted", "wrong", "exact")
+
+
+def low(**parameters):
+    """Far below what the coarse mesh gives."""
+    return Reference(4.0, "planted", "wrong", "exact")
+
+
+def wide(elements, **parameters):
+    return Band(0.1, 0.1, "as wide as a barn door")
+
+
+def test_an_upper_bound_below_the_reference_is_found(punch):
+    questions, finished = punch
+    fields = {"reference": high, "band": wide}
+    assert answer(with_case(of(questions, "value"), **fields), finished).verdict == PASS
+    found = answer(with_case(of(questions, "side"), **fields), finished)
+    assert found.verdict == FAIL
+    assert found.measured == pytest.approx(6.0258 / 6.2 - 1, abs=1e-4)
+    assert "prandtl-punch:smooth coarse clarabel" in found.why
+    assert "below (relative) the reference 6.2" in found.why
+
+
+def test_a_bound_without_its_label_is_found(punch):
+    questions, finished = punch
+    asked = of(questions, "side")
+    found = answer(asked, changed(finished, asked, rigor="discrete"))
+    assert found.verdict == FAIL
+    assert "labelled 'discrete'" in found.why
+
+
+def test_lambda_above_the_exact_value_is_found(punch):
+    questions, finished = punch
+    asked = of(questions, "side", "newton")
+    (outcome,) = finished.of(asked.runs)
+    for relative, verdict in ((1e-6, PASS), (1e-5, FAIL)):  # two solvers may err by 1e-6 each
+        value = outcome.row.load_factor * (1 + relative)
+        found = answer(asked, changed(finished, asked, load_factor=value))
+        assert found.verdict == verdict, found.why
+
+
+def test_a_row_is_judged_by_the_reference_of_today(punch):
+    questions, finished = punch
+    found = answer(with_case(of(questions, "value"), reference=low), finished)
+    assert all(outcome.row.verdict == PASS for outcome in finished.of(of(questions, "value").runs))
+    assert found.verdict == FAIL
+
+
+def test_a_row_that_differs_from_its_state_is_found(punch):
+    questions, finished = punch
+    for backend in ("clarabel", "newton"):
+        asked = of(questions, "residuals", backend)
+        found = answer(asked, changed(finished, asked, load_factor=6.0))
+        assert found.verdict == FAIL
+        assert "the row says 6, the stored state" in found.why
+
+
+def test_what_was_not_solved_fails_once_and_what_was_not_run_is_skipped(punch):
+    questions, finished = punch
+    value, side, residuals = (of(questions, check) for check in ("value", "side", "residuals"))
+    stalled = changed(finished, value, status="stalled", message="stalled: so it is")
+    assert answer(value, stalled).verdict == FAIL
+    assert "stalled: so it is" in answer(value, stalled).why
+    assert {answer(side, stalled).verdict, answer(residuals, stalled).verdict} == {SKIPPED}
+    lost = changed(finished, value, status="time limit", n_elements=nan, why="stopped after 1 s")
+    assert answer(value, lost).verdict == FAIL
+    assert "stopped after 1 s" in answer(value, lost).why
+    missing = changed(finished, value, status="skipped", verdict=SKIPPED, why="no licence")
+    assert answer(value, missing).verdict == SKIPPED
+    assert answer(value, missing).why == "no licence"
+
+
+def test_a_wrong_status_is_found():
+    asked = only(ask(["wedge-in-walls:pushed-down"], ["clarabel"]), "status")
+    finished = checked([asked])
+    assert answer(asked, finished).verdict == PASS
+    found = answer(asked, changed(finished, asked, status="solved", load_factor=3.0))
+    assert found.verdict == FAIL
+    assert found.allowed == "locked"
+
+
+# ---- from the command line
+
+
+def test_a_wrong_reference_in_a_case_of_ones_own_is_exit_code_1(tmp_path):
+    (tmp_path / "wrong_step.py").write_text(
+        STEP.replace("/ 2 / (h - STEP)", "/ 2 / (h - STEP) * 1.01").replace(
+            'id="block-on-step"', 'id="wrong-step"'
+        )
+    )
+    command = [sys.executable, "-m", "verification", "verify", "wrong-step:square"]
+    options = ["--cases", str(tmp_path), "--backends", "clarabel", "--out", str(tmp_path / "out")]
+    done = subprocess.run([*command, *options], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 1, done.stderr
+    (line,) = [line for line in done.stdout.splitlines() if line.startswith("FAIL value: ")]
+    assert "wrong-step:square" in line
+    assert "1.25 not in [" in line
+    assert "the reference is 1.2625" in line
+    assert (
+        "below (relative) the reference 1.2625" in done.stdout
+    )  # without friction, an upper bound
+    assert "1 checks pass, 2 FAIL" in done.stdout
+
+
+def planted_reference(**parameters):
+    return Reference(0.61, "planted", "wrong", "exact")
+
+
+def test_a_wrong_reference_in_a_built_in_case_is_exit_code_1(tmp_path, monkeypatch):
+    wrong = {**catalogue(), PATCH.id: replace(PATCH, reference=planted_reference)}
+    known = Catalogue(wrong, dict.fromkeys(wrong, "lacore"))
+    monkeypatch.setattr(plugins, "catalogue", lambda: known)
+    result = run("shear-patch:yielding", "--backends", "clarabel", "--out", tmp_path, "--json")
+    assert result.exit_code == 1
+    document = json.loads(result.stdout)
+    assert document["summary"]["failed"] == 1
+    (failed,) = [found for found in document["checks"] if found["verdict"] == FAIL]
+    assert failed["case"] == "shear-patch"
+    assert "shear-patch:yielding coarse clarabel: 0.6" in failed["why"]
+    assert "the reference is 0.61" in failed["why"]
+
+
+@pytest.fixture
+def stored(tmp_path):
+    """A verification that passed, and a function that changes its stored state."""
+    command = ("shear-patch:yielding", "--backends", "clarabel", "--meshes", "coarse")
+    arguments = (*command, "--out", tmp_path)
+    assert run(*arguments).exit_code == 0
+
+    def tamper(change, forge):
+        with closing(sqlite3.connect(tmp_path / "results.sqlite")) as database, database:
+            names = [row[1] for row in database.execute("PRAGMA table_info(runs)")]
+            (record,) = database.execute("SELECT * FROM runs")
+            record = dict(zip(names, record, strict=True))
+            record["arrays"] = packed(change(unpacked(record["arrays"])))
+            sealed = [record[name] for name in names if name != "checksum"]
+            checksum = _checksum(sealed) if forge else record["checksum"]
+            statement = "UPDATE runs SET arrays = ?, checksum = ?"
+            database.execute(statement, (record["arrays"], checksum))
+        return run(*arguments)
+
+    return tamper
+
+
+def overstressed(point):
+    return replace(point, stress=tuple(1.001 * stress for stress in point.stress))
+
+
+def test_a_tampered_state_is_found_even_with_its_checksum_forged(stored):
+    result = stored(overstressed, forge=True)
+    assert result.exit_code == 1
+    assert "FAIL residuals: shear-patch:yielding coarse clarabel" in result.stdout
+    assert "computed afresh" in result.stdout
+    assert "FAIL value" not in result.stdout
+
+
+def test_a_state_of_another_problem_is_found(stored):
+    result = stored(lambda point: replace(point, velocity=point.velocity[:-1]), forge=True)
+    assert result.exit_code == 1
+    assert "FAIL residuals" in result.stdout
+    assert "Traceback" not in result.output
+
+
+def test_a_damaged_store_is_exit_code_2(stored):
+    result = stored(overstressed, forge=False)
+    assert result.exit_code == 2
+    assert "checksum" in result.stderr
+
+
+def test_checks_are_kept_and_shown(tmp_path):
+    result = run("shear-patch:yielding", "--backends", "clarabel,newton", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "shear-patch:yielding" in result.stdout
+    assert "4 checks pass, 0 FAIL, 0 skipped; 3 runs" in result.stdout
+    assert (tmp_path / "checks.csv").read_text().count("\n") == 1 + 4
+    assert (tmp_path / "results.sqlite").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "mend"),
+    [
+        (["prandl-punch"], "did you mean 'prandtl-punch'?"),
+        (["--backends", "clarbel"], "did you mean 'clarabel'?"),
+        (["shear-patch", "--meshes", "corse"], "did you mean 'coarse'?"),
+        (["--time-limit", "nan"], "--time-limit"),
+        (["--cases", "/nowhere"], "--cases"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, mend):
+    result = run(*arguments, "--out", tmp_path / "new")
+    assert result.exit_code == 2
+    assert mend in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "new").exists()
+
+
+def test_nothing_verified_is_exit_code_1(tmp_path):
+    result = run("block-between-walls:mu-0.3", "--backends", "newton", "--out", tmp_path)
+    assert result.exit_code == 1
+    assert "skipped, 2 checks: penalties let go" in result.stdout
+    assert "nothing was verified" in result.stderr
+
+
+@pytest.mark.slow
+def test_pytest_runs_the_same_checks_from_anywhere(tmp_path):
+    """As users of an installed package would, far from the repository."""
+    command = [sys.executable, "-m", "pytest", "--pyargs", "verification", "-v"]
+    options = ["-p", "no:cacheprovider", "-k", "prandtl-punch:smooth-clarabel-"]
+    path = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [*command, *options], cwd=tmp_path, env=path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout
+    passed = set(re.findall(r"test_case\[(\S+)\] PASSED", done.stdout))
+    assert passed == {
+        f"prandtl-punch:smooth-clarabel-{check}"
+        for check in ("value", "side", "residuals", "order")
+    }

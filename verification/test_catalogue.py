@@ -1,0 +1,51 @@
+"""Every case as tests: ``pytest verification``, or installed ``pytest --pyargs verification``.
+
+One test a case, backend and check, such as ``prandtl-punch:smooth-clarabel-order``; cases of
+installed packages are among them. Runs that several checks need are done once, and only those that
+the selected tests need.
+"""
+
+from collections.abc import Iterator
+from functools import partial
+
+import pytest
+
+from verification.compare import run_all
+from verification.execution import execute
+from verification.judging import FAIL, SKIPPED
+from verification.options import cores
+from verification.plugins import gather
+from verification.store import NAME
+from verification.verify import Finished, Question, answer, ask, finish, runs_of
+
+KNOWN = gather()
+
+
+def test_cases_of_packages_can_be_loaded() -> None:
+    """What cannot would go untested."""
+    assert not KNOWN.broken, "; ".join(map(str, KNOWN.broken.values()))
+
+
+@pytest.fixture(scope="session")
+def finished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Finished:
+    """The runs of the selected tests, done."""
+    asked = list(_selected(request.session))
+    store = tmp_path_factory.mktemp("verification") / NAME
+    return finish(asked, run_all(runs_of(asked), store, executor=partial(execute, jobs=cores())))
+
+
+def _selected(session: pytest.Session) -> Iterator[Question]:
+    for item in session.items:
+        if isinstance(item, pytest.Function) and item.originalname == test_case.__name__:
+            question = item.callspec.params.get("question")
+            if isinstance(question, Question):
+                yield question
+
+
+@pytest.mark.parametrize("question", ask(known=KNOWN), ids=lambda question: question.name)
+def test_case(question: Question, finished: Finished) -> None:
+    """One check of a case with a backend."""
+    found = answer(question, finished)
+    if found.verdict == SKIPPED:
+        pytest.skip(found.why)
+    assert found.verdict != FAIL, found.why

@@ -1,0 +1,22 @@
+"""Questions that every case must answer, the same ones for `lacore verify` and for pytest.
+
+`ask` makes the questions, each with the runs that it needs; `finish` makes of their outcomes what
+answers are found in; `answer` gives the `Finding` of one question.
+"""
+
+from verification.verify.answers import Finished, answer, finish
+from verification.verify.finding import Finding, as_table, tally
+from verification.verify.questions import CHECKS, Question, ask, runs_of
+
+__all__ = [
+    "CHECKS",
+    "Finding",
+    "Finished",
+    "Question",
+    "answer",
+    "as_table",
+    "ask",
+    "finish",
+    "runs_of",
+    "tally",
+]

@@ -1,0 +1,111 @@
+"""From the outcomes of runs to answers."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import lacore as la
+from lacore.certificate import Certificate
+from verification.evidence import recheck
+from verification.judging import SKIPPED
+from verification.run import Outcome, Row, Run
+from verification.verify.finding import Answer, Finding
+from verification.verify.order import order
+from verification.verify.questions import Question
+from verification.verify.residuals import Rechecked, residuals
+from verification.verify.values import lambda_below_exact, upper_from_above, value
+
+SOLVED = la.Status.SOLVED.label
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What answers are found in, by `Run.key`.
+
+    Attributes:
+        outcomes: of all runs.
+        rechecked: certificates of the stored states of runs whose residuals are asked for, or why
+            there is none.
+    """
+
+    outcomes: Mapping[str, Outcome]
+    rechecked: Mapping[str, Rechecked] = field(default_factory=dict)
+
+    def of(self, runs: Iterable[Run]) -> list[Outcome]:
+        """Outcomes of runs, to be judged by the cases of these runs."""
+        return [replace(self.outcomes[run.key], run=run) for run in runs]
+
+
+def finish(questions: Sequence[Question], outcomes: Iterable[Outcome]) -> Finished:
+    """Compute residuals afresh where they are asked for; each problem is discretised once."""
+    found = {outcome.run.key: outcome for outcome in outcomes}
+    problems: dict[tuple[object, ...], list[Outcome]] = {}
+    for question in questions:
+        for run in question.runs if question.check == "residuals" else ():
+            outcome = found[run.key]
+            if outcome.row.status == SOLVED:
+                problems.setdefault(run.problem_key, []).append(outcome)
+    rechecked: dict[str, Rechecked] = {}
+    for neighbours in problems.values():
+        rechecked |= _rechecked(neighbours)
+    return Finished(found, rechecked)
+
+
+def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
+    try:
+        discretisation = la.discretise(neighbours[0].run.problem())
+    except Exception as error:  # whatever others wrote
+        return {outcome.run.key: f"{type(error).__name__}: {error}" for outcome in neighbours}
+    found: dict[str, Certificate | str] = {}
+    for outcome in neighbours:
+        try:
+            found[outcome.run.key] = recheck(discretisation, outcome.row, outcome.evidence)
+        except ValueError as error:
+            found[outcome.run.key] = str(error)
+    return found
+
+
+def answer(question: Question, finished: Finished) -> Finding:
+    """The finding on a question; its verdict is ``skipped`` where nothing could be run."""
+    outcomes = finished.of(question.runs)
+    run = [outcome for outcome in outcomes if outcome.row.verdict != SKIPPED]
+    given = (
+        _BY_CHECK[question.check](question, run, finished)
+        if run
+        else Answer(SKIPPED, outcomes[0].row.why)
+    )
+    return Finding(
+        case=question.case.id,
+        variant=question.variant.name,
+        backend=question.backend,
+        coupling=question.coupling,
+        meshes=_meshes(question, [outcome.row for outcome in outcomes]),
+        check=question.check,
+        verdict=given.verdict,
+        measured=given.measured,
+        allowed=given.allowed,
+        why=given.why,
+    )
+
+
+def _meshes(question: Question, rows: Sequence[Row]) -> str:
+    if question.check == "order":
+        return ", ".join(f"{row.n_elements:g}" for row in rows)
+    return ", ".join(row.mesh for row in rows)
+
+
+def _side(question: Question, outcomes: Sequence[Outcome], finished: Finished) -> Answer:
+    if question.exact:
+        pairs = zip(question.runs, question.exact, strict=True)
+        beside = {run.key: finished.outcomes[exact.key] for run, exact in pairs}
+        return lambda_below_exact(outcomes, beside)
+    return upper_from_above(outcomes, question.reference)
+
+
+_Check = Callable[[Question, Sequence[Outcome], Finished], Answer]
+_BY_CHECK: Mapping[str, _Check] = {
+    "value": lambda question, outcomes, _: value(outcomes, question.reference),
+    "status": lambda question, outcomes, _: value(outcomes, question.reference),
+    "side": _side,
+    "residuals": lambda _, outcomes, finished: residuals(outcomes, finished.rechecked),
+    "order": lambda question, outcomes, _: order(question, outcomes),
+}

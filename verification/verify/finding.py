@@ -1,0 +1,64 @@
+"""The answer to a question, with its numbers."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from math import nan
+
+import pandas as pd
+
+from verification.judging import FAIL, PASS, SKIPPED
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a check found.
+
+    Attributes:
+        verdict: ``pass``, ``FAIL`` or ``skipped``.
+        why: one line with the numbers.
+        measured: the number that decided; NaN where it was a status, or there is none.
+        allowed: what it may be, as text.
+    """
+
+    verdict: str
+    why: str
+    measured: float = nan
+    allowed: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A question and its answer; a field is a column.
+
+    Attributes:
+        case, variant, backend, coupling, check: of the question; no coupling is the default one.
+        meshes: the levels that were looked at, or the numbers of elements of a ladder.
+        measured, allowed: of the answer: ``value`` relative error and band, ``side`` relative
+            distance from the bound, ``residuals`` the largest and its bar, ``order`` p of
+            ``error ~ elements**-p`` and what is expected.
+        verdict, why: of the answer.
+    """
+
+    case: str
+    variant: str
+    backend: str
+    coupling: str
+    meshes: str
+    check: str
+    verdict: str
+    measured: float
+    allowed: str
+    why: str
+
+
+def tally(findings: Sequence[Finding]) -> dict[str, int]:
+    """How many questions were answered how."""
+    count = Counter(finding.verdict for finding in findings)
+    return {"passed": count[PASS], "failed": count[FAIL], "skipped": count[SKIPPED]}
+
+
+def as_table(findings: Sequence[Finding]) -> pd.DataFrame:
+    """One row a finding."""
+    columns = [entry.name for entry in fields(Finding)]
+    return pd.DataFrame([asdict(finding) for finding in findings], columns=columns)

@@ -1,0 +1,174 @@
+"""What is asked of which case with which backend, and the runs that it takes."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import isnan
+
+import lacore as la
+from lacore.solving import strict_bound
+from verification.case import Case, Reference, Variant
+from verification.catalogue import Catalogue
+from verification.compare import is_regularised, plan
+from verification.run import Run
+
+CHECKS: Mapping[str, str] = {
+    "value": "the load factor lies in the band of the reference",
+    "status": "the solve ends with the status that the case must end with",
+    "side": "a strict upper bound is not below the reference, lambda not above the exact value",
+    "residuals": "the residuals, computed afresh from the stored state, prove it",
+    "order": "the error falls under refinement as the case says",
+}
+"""What a check asks, by name."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """One check of a variant of a case with a backend.
+
+    Attributes:
+        check: a name of `CHECKS`.
+        runs: to be looked at, all of one variant, backend and coupling.
+        exact: of a regularised backend and ``side``: a run of an exact backend beside each.
+    """
+
+    check: str
+    runs: tuple[Run, ...]
+    exact: tuple[Run, ...] = ()
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self.runs[0].case
+
+    @property
+    def variant(self) -> Variant:
+        """Its variant."""
+        return self.runs[0].variant
+
+    @property
+    def backend(self) -> str:
+        """The backend."""
+        return self.runs[0].backend
+
+    @property
+    def coupling(self) -> str:
+        """The coupling; empty for the default one."""
+        return self.runs[0].coupling or ""
+
+    @property
+    def reference(self) -> Reference:
+        """What its coupling must find."""
+        return _reference(self.case, self.variant, self.coupling)
+
+    @property
+    def name(self) -> str:
+        """As in ``prandtl-punch:smooth-clarabel-order``."""
+        parts = (f"{self.case.id}:{self.variant.name}", self.backend, self.coupling, self.check)
+        return "-".join(part for part in parts if part)
+
+
+def ask(
+    names: Sequence[str] = (),
+    backends: Sequence[str] = (),
+    meshes: Sequence[str] = (),
+    known: Catalogue | None = None,
+) -> list[Question]:
+    """Questions on cases (``id`` or ``id:variant``; none: all but those on demand).
+
+    Without `backends` those of a comparison; the ladder of an order is climbed by the first exact
+    one of them only: it is one of the discretisation. Without `meshes` exact backends run the
+    levels of each variant, regularised ones the coarsest of them.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    groups: dict[tuple[str, str], list[Run]] = {}
+    for run in plan(names, backends, meshes, known=known):
+        groups.setdefault((run.case.id, run.variant.name), []).append(run)
+    return [
+        question
+        for runs in groups.values()
+        for question in _of_variant(runs if meshes else _quick(runs), bool(backends))
+    ]
+
+
+def runs_of(questions: Sequence[Question]) -> list[Run]:
+    """Every run that is needed, once; neighbours share their problem as far as possible."""
+    runs = {run.key: run for question in questions for run in (*question.runs, *question.exact)}
+    problems: dict[tuple[object, ...], list[Run]] = {}
+    for run in runs.values():
+        problems.setdefault(run.problem_key, []).append(run)
+    return [run for neighbours in problems.values() for run in neighbours]
+
+
+def _quick(runs: Sequence[Run]) -> list[Run]:
+    coarsest = runs[0].mesh
+    return [run for run in runs if run.mesh == coarsest or not is_regularised(run.backend)]
+
+
+def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
+    """Questions on a variant; `each`: whether each exact backend is asked for the order."""
+    case, variant = runs[0].case, runs[0].variant
+    nature = _nature(case, variant, runs[0].mesh)
+    solvers: dict[tuple[str, str | None], list[Run]] = {}
+    for run in runs:
+        solvers.setdefault((run.backend, run.coupling), []).append(run)
+    exact = [run for run in runs if run.coupling is None and not is_regularised(run.backend)]
+    for (backend, coupling), group in solvers.items():
+        reference = _reference(case, variant, coupling or "")
+        if reference.status is not la.Status.SOLVED:
+            yield Question("status", tuple(group))
+            continue
+        yield Question("value", tuple(group))
+        if is_regularised(backend):
+            if nature.normal:
+                yield from _beside(group, exact)
+        elif nature.strict and (nature.normal or coupling) and not isnan(reference.value):
+            yield Question("side", tuple(group))
+        yield Question("residuals", tuple(group))
+        first = bool(exact) and backend == exact[0].backend
+        if coupling is None and (first or (each and not is_regularised(backend))):
+            yield from _ladder(group[0])
+
+
+def _beside(group: Sequence[Run], exact: Sequence[Run]) -> Iterator[Question]:
+    """The side of regularised values, as far as exact ones of the same problems are there."""
+    partners = {run.mesh: run for run in reversed(exact)}
+    runs = tuple(run for run in group if run.mesh in partners)
+    if runs:
+        yield Question("side", runs, tuple(partners[run.mesh] for run in runs))
+
+
+def _ladder(run: Run) -> Iterator[Question]:
+    order = run.case.order_of(run.variant)
+    if order is not None:
+        yield Question(
+            "order",
+            tuple(
+                Run(run.case, run.variant, run.mesh, run.backend, skip=run.skip, size=size)
+                for size in order.meshes
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class _Nature:
+    """Of a problem: whether the dissipation is an upper bound, and no friction is Coulomb's."""
+
+    strict: bool = False
+    normal: bool = False
+
+
+def _nature(case: Case, variant: Variant, mesh: str) -> _Nature:
+    with suppress(Exception):  # whatever others wrote: the rows will say so
+        found = la.discretise(case.problem(variant, mesh))
+        return _Nature(strict_bound(found), not found.full.contact.coulomb.any())
+    return _Nature()
+
+
+def _reference(case: Case, variant: Variant, coupling: str) -> Reference:
+    reference = case.reference_of(variant)
+    if coupling == "associated" and reference.associated is not None:
+        return reference.of_associated()
+    return reference

@@ -1,0 +1,56 @@
+"""Check of the residuals: computed afresh from the stored state, never copied."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from math import isclose, isnan, nan
+
+import numpy as np
+
+import lacore as la
+from lacore.certificate import Certificate
+from verification.case import SOLVER
+from verification.evidence import unpacked
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.run import Outcome
+from verification.verify.finding import Answer
+
+Rechecked = Certificate | str
+"""A certificate, or why there is none."""
+
+REGULARISED = ("equilibrium", "yield_violation", "normalisation")
+"""What a regularised state is judged by: penalties let through the rest (T19)."""
+_SAME = 1e-12  # of a load factor that is stored twice
+
+
+def residuals(outcomes: Sequence[Outcome], rechecked: Mapping[str, Rechecked]) -> Answer:
+    """Whether the residuals of solved states are at the bar, and the states are those of the rows.
+
+    Args:
+        outcomes: of one variant and backend.
+        rechecked: by `Run.key`, of those that are solved.
+    """
+    solved = [outcome for outcome in outcomes if outcome.row.status == la.Status.SOLVED.label]
+    if not solved:
+        return Answer(SKIPPED, f"{outcomes[0].row.status}: there is no state to be proven")
+    answers = [_residuals(outcome, rechecked[outcome.run.key]) for outcome in solved]
+    failed = [answer for answer in answers if answer.verdict == FAIL]
+    return failed[0] if failed else max(answers, key=lambda answer: answer.measured)
+
+
+def _residuals(outcome: Outcome, certificate: Rechecked) -> Answer:
+    run, row = outcome.run, outcome.row
+    bar = float(run.settings.get("tolerance", SOLVER))
+    allowed = f"<= {bar:g}"
+    if isinstance(certificate, str):
+        return Answer(FAIL, f"{run.label}: {certificate}", nan, allowed)
+    stored = unpacked(outcome.evidence.arrays).load_factor
+    if not isclose(stored, row.load_factor, rel_tol=_SAME):
+        why = f"{run.label}: the row says {row.load_factor:.9g}, the stored state {stored:.9g}"
+        return Answer(FAIL, why, nan, allowed)
+    found: dict[str, float] = asdict(certificate)
+    if not isnan(row.energy):
+        found = {name: found[name] for name in REGULARISED}
+    name = max(found, key=lambda key: np.nan_to_num(found[key], nan=np.inf))
+    verdict = PASS if all(size <= bar for size in found.values()) else FAIL
+    what = "computed afresh" if verdict == PASS else f"above {bar:g}, computed afresh"
+    return Answer(verdict, f"{run.label}: {name} {found[name]:.2g}, {what}", found[name], allowed)

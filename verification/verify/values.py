@@ -1,0 +1,137 @@
+"""Checks of a load factor: whether it is right, and on which side it is wrong."""
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf, isnan, nan
+
+import lacore as la
+from lacore.regularization import RegularisedValues
+from verification.case import SOLVER, Band, Reference
+from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED, distance, judge
+from verification.run import Outcome, Row
+from verification.verify.finding import Answer
+
+_SOLVED = la.Status.SOLVED.label
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What a row says of its state; as of `la.LimitState`."""
+
+    status: la.Status
+    load_factor: float
+    coupling: str
+    message: str
+    regularised: RegularisedValues | None
+
+
+def _said(row: Row) -> _Said:
+    status = next(status for status in la.Status if status.label == row.status)
+    values = RegularisedValues(row.P, row.alpha_reg, row.regularised_lambda, nan)
+    regularised = None if isnan(row.P) else values
+    return _Said(status, row.load_factor, row.coupling, row.message, regularised)
+
+
+def value(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+    """Whether load factors lie in their bands, or statuses are those of a reference.
+
+    Judged afresh: the row of a store may be older than the reference.
+
+    Args:
+        outcomes: of one variant, backend and coupling on its meshes.
+        reference: of that coupling.
+    """
+    return _worst([_value(outcome, reference) for outcome in outcomes], abs)
+
+
+def _value(outcome: Outcome, reference: Reference) -> Answer:
+    run, row = outcome.run, outcome.row
+    if isnan(row.n_elements):  # nothing was solved
+        return Answer(FAIL, f"{run.label}: {row.why}", allowed=reference.text)
+    band = run.case.band_of(run.variant, int(row.n_elements))
+    verdict, why = judge(_said(row), run.case.reference_of(run.variant), band, insist=True)
+    if reference.status is not la.Status.SOLVED:
+        return Answer(verdict, f"{run.label}: {why}; {reference.formula}", allowed=reference.text)
+    return Answer(
+        verdict,
+        f"{run.label}: {why}; the reference is {reference.text}, {reference.formula}",
+        distance(row.load_factor, reference, band),
+        f"-{band.below:.3g} ... +{band.above:.3g}",
+    )
+
+
+def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+    """Whether strict upper bounds are not below the reference, by more than solvers may err."""
+    return _worst(
+        [_upper(outcome, reference) for outcome in outcomes if outcome.row.status == _SOLVED],
+        operator.neg,
+    )
+
+
+def _upper(outcome: Outcome, reference: Reference) -> Answer:
+    run, row = outcome.run, outcome.row
+    allowed = f">= -{SOLVER:g}"
+    if row.rigor != la.Rigor.UPPER.label:
+        why = f"{run.label}: labelled {row.rigor!r}, where a strict upper bound is to be had"
+        return Answer(FAIL, why, nan, allowed)
+    above = _relative(row.load_factor - reference.low, reference.low, _band(outcome))
+    verdict = PASS if above >= -SOLVER else FAIL
+    side = f"{above:.3g} above" if above >= 0 else f"{-above:.3g} below"
+    why = (
+        f"{run.label}: the strict upper bound {row.load_factor:.7g} is {side} (relative) the"
+        f" reference {reference.low:.7g}, {reference.formula}"
+    )
+    return Answer(verdict, why, above, allowed)
+
+
+def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]) -> Answer:
+    """Whether ``P <= alpha_reg <= lambda <= alpha*`` (T19), to what both solvers may err.
+
+    Args:
+        outcomes: of regularised backends, on problems without Coulomb friction: a reaction loop
+            would lose the one-sidedness.
+        exact: of the same problems, by the keys of the regularised runs.
+    """
+    return _worst(
+        [
+            _lambda(outcome, exact[outcome.run.key])
+            for outcome in outcomes
+            if outcome.row.status == exact[outcome.run.key].row.status == _SOLVED
+        ],
+        operator.pos,
+    )
+
+
+def _lambda(outcome: Outcome, exact: Outcome) -> Answer:
+    run, row, star = outcome.run, outcome.row, exact.row.load_factor
+    chain = (row.P, row.alpha_reg, row.load_factor, star)
+    excess = max(_relative(low - high, star, _band(outcome)) for low, high in pairwise(chain))
+    allowed = 2 * SOLVER  # one for each of the two
+    verdict = PASS if excess <= allowed else FAIL
+    why = (
+        f"{run.label}: P = {row.P:.7g}, alpha_reg = {row.alpha_reg:.7g}, lambda ="
+        f" {row.load_factor:.7g}, alpha* = {star:.7g} of {exact.row.backend}"
+        f" {'in this order' if verdict == PASS else f'out of order by {excess:.3g} (relative)'}"
+    )
+    return Answer(verdict, why, excess, f"<= {allowed:g}")
+
+
+def _band(outcome: Outcome) -> Band:
+    return outcome.run.case.band_of(outcome.run.variant, int(outcome.row.n_elements))
+
+
+def _relative(difference: float, value: float, band: Band) -> float:
+    return difference / (band.size(value) or 1.0)
+
+
+def _worst(answers: Sequence[Answer], badness: Callable[[float], float]) -> Answer:
+    """The first failure, or else the answer whose measure is worst."""
+    if not answers:
+        return Answer(SKIPPED, "no run was solved: there is nothing to look at")
+    failed = [answer for answer in answers if answer.verdict in (FAIL, NO_RESULT)]
+    if failed:
+        more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
+        return Answer(FAIL, failed[0].why + more, failed[0].measured, failed[0].allowed)
+    return max(answers, key=lambda a: -inf if isnan(a.measured) else badness(a.measured))

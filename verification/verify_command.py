@@ -1,0 +1,171 @@
+"""The command ``lacore verify``."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from math import isfinite
+from pathlib import Path
+
+import click
+from rich.console import Console
+
+from lacore.errors import require_positive
+from verification import terminal
+from verification.catalogue import Catalogue
+from verification.compare import ON_DEMAND, run_all
+from verification.execution import TIME_LIMIT, execute
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.options import cases_option, cores, json_option, name_list, print_json
+from verification.provenance import describe
+from verification.results import export
+from verification.store import NAME
+from verification.terminal import print_line
+from verification.verify import Finding, answer, as_table, ask, finish, runs_of, tally
+
+
+@click.command()
+@click.argument("cases", nargs=-1, metavar="[CASE]...")
+@click.option(
+    "--backends",
+    callback=name_list,
+    metavar="A,B",
+    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}; highs on rigid bodies.",
+)
+@click.option(
+    "--meshes",
+    callback=name_list,
+    metavar="A,B",
+    help="Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
+    " the coarsest of them for regularised ones.",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=cores,
+    metavar="N",
+    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reports/verify"),
+    show_default=True,
+    help="Folder for the results and checks.csv.",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Of a run; one that takes longer is stopped.",
+)
+@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
+@cases_option
+@json_option
+@click.pass_context
+def verify(
+    ctx: click.Context,
+    cases: tuple[str, ...],
+    backends: list[str],
+    meshes: list[str],
+    jobs: int,
+    out: Path,
+    time_limit: float,
+    fresh: bool,
+    known: Catalogue,
+    as_json: bool,
+) -> None:
+    """Check every case: exit code 1 when one is wrong.
+
+    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are checked.
+    Of each with each backend: is the value (or the status) right, do strict bounds lie on their
+    side, do the residuals hold when computed afresh from the stored states, does the error fall
+    under refinement as it must. `pytest verification` makes the same checks, one test each.
+
+    \b
+    Examples:
+      lacore verify
+      lacore verify prandtl-punch wall-1:mu-0.65 --backends clarabel,cvxpy
+      lacore verify my-case --cases my-folder
+    """  # noqa: D301  # click reads the backspace
+    require_positive("--time-limit", time_limit)
+    questions = ask(cases, backends, meshes, known)
+    runs = runs_of(questions)
+    with terminal.watching(len(runs)) as watch:
+        outcomes = run_all(
+            runs,
+            out / NAME,
+            watch.start,
+            watch.finish,
+            partial(execute, jobs=jobs),
+            time_limit,
+            fresh,
+        )
+    with terminal.status("computing residuals afresh"):
+        finished = finish(questions, outcomes)
+    findings = [answer(question, finished) for question in questions]
+    table = as_table(findings)
+    export(table, out / "checks.csv")
+    count = tally(findings)
+    if as_json:
+        document = {
+            "summary": count,
+            "runs": len(runs),
+            "results": str(out / NAME),
+            "machine": describe(),
+            "checks": table.to_dict("records"),
+        }
+        print_json(document)
+    else:
+        _show(terminal.table_console(), findings)
+        click.echo(
+            f"\n{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped;"
+            f" {len(runs)} runs\nChecks:  {out / 'checks.csv'}\nResults: {out / NAME}"
+        )
+    if not count["passed"]:
+        click.echo("nothing was verified: no check passed", err=True)
+    ctx.exit(0 if count["passed"] and not count["failed"] else 1)
+
+
+def _show(console: Console, findings: Sequence[Finding]) -> None:
+    """A line a variant, backend and coupling, all its checks in it; then what failed, and why."""
+    line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6}  {}".format
+    head = ("backend", "coupling", "meshes", "value %", "side", "residuals", "order", "verdict")
+    print_line(console, line(*head), "bold")
+    groups: dict[tuple[str, str, str], dict[str, Finding]] = {}
+    for found in findings:
+        key = (f"{found.case}:{found.variant}", found.backend, found.coupling)
+        groups.setdefault(key, {})[found.check] = found
+    before = ""
+    for (name, backend, coupling), checks in groups.items():
+        if name != before:
+            print_line(console, name, "cyan")
+        before = name
+        failed = [check for check, found in checks.items() if found.verdict == FAIL]
+        meshes = next(found.meshes for found in checks.values())
+        cells = (
+            _cell(checks, "status", "") or _cell(checks, "value", "+.4f", 100),
+            _cell(checks, "side", "+.1e"),
+            _cell(checks, "residuals", ".1e"),
+            _cell(checks, "order", ".2f"),
+        )
+        skipped = all(found.verdict == SKIPPED for found in checks.values())
+        verdict = f"FAIL: {', '.join(failed)}" if failed else SKIPPED if skipped else PASS
+        style = "bold red" if failed else "dim" if skipped else ""
+        print_line(console, line(backend, coupling, meshes, *cells, verdict), style)
+    for found in findings:
+        if found.verdict == FAIL:
+            print_line(console, f"\nFAIL {found.check}: {found.why}", "red")
+    reasons = [found.why for found in findings if found.verdict == SKIPPED]
+    for why in dict.fromkeys(reasons):
+        print_line(console, f"\nskipped, {reasons.count(why)} checks: {why}", "dim")
+
+
+def _cell(checks: Mapping[str, Finding], check: str, how: str, scale: float = 1.0) -> str:
+    """What a check measured, or the status that was expected and found."""
+    found = checks.get(check)
+    if found is None or found.verdict == SKIPPED:
+        return ""
+    if isfinite(found.measured):
+        return format(scale * found.measured, how)
+    return found.verdict if found.verdict == FAIL or how else found.allowed
