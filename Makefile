@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help compare verify test test-all test-browser lint bench bench-readme readme reference clean
+.PHONY: help compare verify test test-all test-browser lint bench bench-page readme reference clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
@@ -14,7 +14,7 @@ help:
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
-	@echo "make bench-readme   write the benchmarks of the README from that JSON"
+	@echo "make bench-page   write docs/benchmarks.md from that JSON"
 	@echo "make readme    write the table and the picture of the README afresh"
 	@echo "make reference  write the committed report under reports/reference afresh"
 	@echo "make clean     remove the environment and all generated reports"
@@ -50,8 +50,8 @@ bench: $(READY)
 		--benchmark-columns=min --benchmark-sort=name --benchmark-json=reports/benchmarks.json
 	$(BIN)/python docs/benchmarks.py reports/benchmarks.json
 
-bench-readme: $(READY)
-	$(BIN)/python docs/benchmarks.py reports/benchmarks.json --readme
+bench-page: $(READY)
+	$(BIN)/python docs/benchmarks.py reports/benchmarks.json --page
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py

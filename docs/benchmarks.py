@@ -1,7 +1,7 @@
-"""Tables of the benchmarks from their JSON: ``make bench`` prints, ``make bench-readme`` keeps.
+"""Tables of the benchmarks from their JSON: ``make bench`` prints, ``make bench-page`` keeps.
 
 What pytest-benchmark writes is long and about one machine. Kept in docs/benchmarks.json are its
-records and what they were measured with; the README shows some of them.
+records and what they were measured with; docs/benchmarks.md shows them.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from scipy.stats import linregress
 ROOT = Path(__file__).parent.parent
 KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
-SHOWN = (256, 1024, 10_000, 50_176)  # triangles, in the README
+PAGE = ROOT / "docs" / "benchmarks.md"
 _DIGITS = 8
 _OTHER = ("loop", "wall")  # kinds that are told of apart
 _WALLS = {  # of their table
@@ -66,12 +66,9 @@ def records(kept: dict[str, Any]) -> pd.DataFrame:
     return frame.sort_values(["kind", "label", "triangles"], kind="stable", ignore_index=True)
 
 
-def table(frame: pd.DataFrame, triangles: tuple[int, ...] = ()) -> str:
-    """Markdown; all sizes, or some."""
-    frame = frame[~frame["kind"].isin(_OTHER)]
-    if triangles:
-        frame = frame[frame["triangles"].isin(triangles)]
-    return _markdown(frame, _COLUMNS)
+def table(frame: pd.DataFrame) -> str:
+    """Markdown."""
+    return _markdown(frame[~frame["kind"].isin(_OTHER)], _COLUMNS)
 
 
 def walls(frame: pd.DataFrame) -> str:
@@ -135,33 +132,31 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
     return "\n\n".join(paragraphs)
 
 
-def in_readme(kept: dict[str, Any]) -> str:
+def shown(kept: dict[str, Any]) -> str:
     """What stands between the marks."""
     frame = records(kept)
-    return f"{table(frame, SHOWN)}\n\n{notes(kept, frame)}\n"
+    return f"{table(frame)}\n\n{notes(kept, frame)}\n"
 
 
 def main() -> None:
-    """Print all; or keep the records, and refresh the README."""
+    """Print all; or keep the records, and refresh the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("json", type=Path, help="written by pytest-benchmark")
-    parser.add_argument("--readme", action="store_true", help="refresh it and docs/benchmarks.json")
+    parser.add_argument("--page", action="store_true", help="refresh docs/benchmarks.md and .json")
     given = parser.parse_args()
     kept = condensed(json.loads(given.json.read_text(encoding="utf-8")))
-    frame = records(kept)
-    sys.stdout.write(f"{table(frame)}\n\n{notes(kept, frame)}\n")
-    if given.readme:
+    sys.stdout.write(shown(kept))
+    if given.page:
         lines = ",\n".join(json.dumps(record) for record in kept["records"])
         measured = json.dumps(kept["measured"], indent=1)
         KEPT.write_text(f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n', "utf-8")
-        readme = ROOT / "README.md"
         text = re.sub(
             MARKS,
-            lambda marks: f"{marks[1]}{in_readme(kept)}{marks[2]}",
-            readme.read_text(encoding="utf-8"),
+            lambda marks: f"{marks[1]}{shown(kept)}{marks[2]}",
+            PAGE.read_text(encoding="utf-8"),
             flags=re.DOTALL,
         )
-        readme.write_text(text, encoding="utf-8")
+        PAGE.write_text(text, encoding="utf-8")
 
 
 def _line(cells: Any) -> str:

@@ -56,7 +56,9 @@ def test_commands_run(with_example):
         assert "ecos" in ran.stdout
 
 
-@pytest.mark.parametrize("page", ["docs/backends.md", "docs/theory.md", "README.md"])
+@pytest.mark.parametrize(
+    "page", ["docs/backends.md", "docs/theory.md", "docs/benchmarks.md", "README.md"]
+)
 def test_links_within_the_repository_lead_somewhere(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)]+)\)", text):

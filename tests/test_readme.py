@@ -4,11 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import lacore as la
+from verification import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-FIRST, WALL, MORE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+FIRST, WALL, MORE, RESULTS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 
 
 @pytest.fixture
@@ -27,6 +29,20 @@ def test_examples(problem):
     for line in lines:
         state = eval(line, {"la": la, "problem": problem})
         assert state.status is la.Status.SOLVED, line
+
+
+def test_results_are_a_table(tmp_path, monkeypatch, capsys):
+    """After the sweep that stands above it."""
+    (line,) = re.findall(r"^lacore (sweep .* reports/r)$", README, re.MULTILINE)
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(cli.main, line.split()).exit_code == 0
+    names = {}
+    exec(RESULTS, names)
+    slopes = names["slopes"].set_index("error")["slope"]
+    # (T19), to what the analysis lets local slopes differ by.
+    assert slopes["error_alpha_reg"] == pytest.approx(1, abs=0.1)
+    assert slopes["error_lambda"] == pytest.approx(2, abs=0.2)
+    assert "newton" in capsys.readouterr().out
 
 
 def test_wall(capsys):
