@@ -1,4 +1,4 @@
-"""What a page is made of: plain data, shown as HTML by `document` and as Markdown by `markdown`.
+"""What a page is made of: plain data, shown as HTML by `document`, written to files by `files`.
 
 Every text in here is shown as text: names and messages may come from anywhere.
 """
@@ -183,10 +183,9 @@ class Text:
 
 @dataclass(frozen=True)
 class Html:
-    """HTML that we have written ourselves; `plain` is the same for Markdown."""
+    """HTML that we have written ourselves."""
 
     markup: Markup
-    plain: str = ""
 
 
 @dataclass(frozen=True)

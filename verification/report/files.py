@@ -1,8 +1,8 @@
 """A page and its tables as files: HTML, Markdown, CSV, and its pictures."""
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, count
 from pathlib import Path
 
 import pandas as pd
@@ -14,6 +14,7 @@ from verification.report.blocks import (
     Columns,
     Details,
     Document,
+    Drawing,
     Gallery,
     Heading,
     Picture,
@@ -21,6 +22,7 @@ from verification.report.blocks import (
 )
 from verification.report.figures import png
 
+_SPECIAL = re.compile(r"([\\`*_\[\]<>|~$])")  # what Markdown makes something of inside a line
 _LONGEST = 80  # letters of the name of a file
 
 
@@ -50,8 +52,12 @@ def write(page: Document, folder: Path) -> Path:
 
 def pictures(page: Document) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of all charts and pictures on a page."""
-    galleries = (block for _, block in _blocks(page) if isinstance(block, Gallery))
-    items = [item for gallery in galleries for item in gallery.items]
+    items = [
+        item
+        for _, block in _blocks(page)
+        for item in (block.items if isinstance(block, Gallery) else [block])
+        if isinstance(item, Drawing | Picture)
+    ]
     for name, item in zip(_file_names(item.name for item in items), items, strict=True):
         yield name, item.data if isinstance(item, Picture) else png(item.chart.figure)
 
@@ -65,11 +71,13 @@ def tables(page: Document) -> Iterator[tuple[str, Table]]:
 
 def _file_names(texts: Iterable[str]) -> Iterator[str]:
     """Words in lower case, joined by ``-``; those that would be alike are numbered."""
-    taken: Counter[str] = Counter()
+    taken: set[str] = set()
     for text in texts:
-        name = "-".join(re.findall("[a-z0-9]+", text.lower()))[:_LONGEST].strip("-")
-        taken[name] += 1
-        yield name if taken[name] == 1 else f"{name}-{taken[name]}"
+        name = "-".join(re.findall("[a-z0-9]+", text.lower()))[:_LONGEST].strip("-") or "unnamed"
+        numbered = chain([name], (f"{name}-{number}" for number in count(2)))
+        free = next(one for one in numbered if one not in taken)
+        taken.add(free)
+        yield free
 
 
 def values(table: Table) -> pd.DataFrame:
@@ -88,8 +96,7 @@ def markdown(table: Table) -> str:
 
 def _cell(text: object) -> str:
     """Text that neither ends a cell nor is taken for markup."""
-    escaped = str(text).replace("&", "&amp;").replace("<", "&lt;").replace("\\", "\\\\")
-    return " ".join(escaped.replace("|", "\\|").split())
+    return _SPECIAL.sub(r"\\\1", " ".join(str(text).replace("&", "&amp;").split()))
 
 
 def _blocks(page: Document) -> Iterator[tuple[str, Block]]:
