@@ -27,6 +27,7 @@ from verification.report.page import compared
 from verification.results import as_table, export, load_outcomes
 from verification.store import NAME, file_of, sessions
 from verification.sweep_command import sweep
+from verification.verify import load_checks
 from verification.verify_command import verify
 
 
@@ -223,7 +224,8 @@ def manual(names: tuple[str, ...], results: Path, out: Path, known: Catalogue) -
     chosen = [find(name, known)[0].id for name in names] or [name for name in known if name in seen]
     with terminal.status("drawing problems and mechanisms, writing the pages"):
         about = list(sessions(file_of(results)).values())[-1]
-        page = write_manual([known[name] for name in chosen], outcomes, about, out)
+        cases = [known[name] for name in chosen]
+        page = write_manual(cases, outcomes, load_checks(results), about, out)
     click.echo(f"Manual: {page}")
 
 

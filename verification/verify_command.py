@@ -19,7 +19,7 @@ from verification.provenance import describe
 from verification.results import export
 from verification.store import NAME
 from verification.terminal import print_line
-from verification.verify import Finding, answer, as_table, ask, finish, runs_of, tally
+from verification.verify import FILE, Finding, answer, as_table, ask, finish, runs_of, tally
 
 
 @click.command()
@@ -105,7 +105,7 @@ def verify(
         finished = finish(questions, outcomes)
     findings = [answer(question, finished) for question in questions]
     table = as_table(findings)
-    export(table, out / "checks.csv")
+    export(table, out / FILE)
     count = tally(findings)
     if as_json:
         document = {
@@ -120,7 +120,7 @@ def verify(
         _show(terminal.table_console(), findings)
         click.echo(
             f"\n{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped;"
-            f" {len(runs)} runs\nChecks:  {out / 'checks.csv'}\nResults: {out / NAME}"
+            f" {len(runs)} runs\nChecks:  {out / FILE}\nResults: {out / NAME}"
         )
     if not count["passed"]:
         click.echo("nothing was verified: no check passed", err=True)

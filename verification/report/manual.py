@@ -29,6 +29,7 @@ from verification.report.blocks import (
 from verification.report.description import description, lead
 from verification.report.figures import png
 from verification.report.page import results_frame, results_of
+from verification.report.tables import VERDICTS
 from verification.run import Outcome
 from verification.sketches import sketch_of
 
@@ -38,17 +39,26 @@ _BACK = Pages([Page("All cases", "index.html")])
 def write(
     cases: Sequence[Case],
     outcomes: Sequence[Outcome],
+    checks: pd.DataFrame,
     provenance: Mapping[str, str],
     folder: Path,
 ) -> Path:
     """Write ``index.html`` and a page for each case; returns the path of the first.
+
+    Args:
+        cases: in the order of the manual.
+        outcomes: of any cases.
+        checks: as `lacore verify` writes them; may have no rows.
+        provenance: of the outcomes.
+        folder: to write into.
 
     Raises:
         InputError: the folder cannot be written.
     """
     for case in cases:
         own = [outcome for outcome in outcomes if outcome.run.case.id == case.id]
-        document.write(page_of(case, own, provenance), folder / file_of(case))
+        asked = checks[checks["case"] == case.id] if len(checks) else checks
+        document.write(page_of(case, own, asked, provenance), folder / file_of(case))
     return document.write(contents(cases, outcomes, provenance), folder / "index.html")
 
 
@@ -81,8 +91,10 @@ def _standing(case: Case, outcomes: Sequence[Outcome]) -> str:
     return f"{lead(case)} · {count.text}"
 
 
-def page_of(case: Case, outcomes: Sequence[Outcome], provenance: Mapping[str, str]) -> Document:
-    """All that is to be said of a case."""
+def page_of(
+    case: Case, outcomes: Sequence[Outcome], checks: pd.DataFrame, provenance: Mapping[str, str]
+) -> Document:
+    """All that is to be said of a case; its outcomes and checks."""
     elements = {
         outcome.run.variant.name: int(outcome.row.n_elements)
         for outcome in sorted(outcomes, key=lambda outcome: outcome.row.n_elements)
@@ -93,6 +105,8 @@ def page_of(case: Case, outcomes: Sequence[Outcome], provenance: Mapping[str, st
         Section("theory", "Why it is so", [description(case, case.variants, elements)]),
         Section("settings", "Settings", [_variants_table(case), *_meshes(case)]),
     ]
+    if len(checks):
+        sections.append(Section("checks", "What was checked", [_checks_table(checks)]))
     if outcomes:
         blocks = results_of(case, outcomes, results_frame(outcomes))
         sections.append(Section("results", "What lacore found", blocks))
@@ -101,6 +115,17 @@ def page_of(case: Case, outcomes: Sequence[Outcome], provenance: Mapping[str, st
         Section("machine", "Machine and versions", [Facts(provenance)]),
     ]
     return Document(title=case.title, lead=lead(case), summary=[_BACK], sections=sections)
+
+
+def _checks_table(checks: pd.DataFrame) -> Table:
+    columns = (
+        Column("verdict", moods=VERDICTS),
+        *(Column(name) for name in ("check", "variant", "backend", "coupling", "meshes")),
+        Column("measured", "measured", ".3g"),
+        Column("allowed"),
+        Column("why", long=True),
+    )
+    return Table(columns, checks)
 
 
 def _sketch(case: Case) -> Picture:

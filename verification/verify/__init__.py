@@ -5,11 +5,12 @@ answers are found in; `answer` gives the `Finding` of one question.
 """
 
 from verification.verify.answers import Finished, answer, finish
-from verification.verify.finding import Finding, as_table, tally
+from verification.verify.finding import FILE, Finding, as_table, load_checks, tally
 from verification.verify.questions import CHECKS, Question, ask, runs_of
 
 __all__ = [
     "CHECKS",
+    "FILE",
     "Finding",
     "Finished",
     "Question",
@@ -17,6 +18,7 @@ __all__ = [
     "as_table",
     "ask",
     "finish",
+    "load_checks",
     "runs_of",
     "tally",
 ]

@@ -4,10 +4,14 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from math import nan
+from pathlib import Path
 
 import pandas as pd
 
 from verification.judging import FAIL, PASS, SKIPPED
+
+FILE = "checks.csv"
+"""Of findings, in the folder of their results."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,12 @@ def tally(findings: Sequence[Finding]) -> dict[str, int]:
     """How many questions were answered how."""
     count = Counter(finding.verdict for finding in findings)
     return {"passed": count[PASS], "failed": count[FAIL], "skipped": count[SKIPPED]}
+
+
+def load_checks(folder: Path) -> pd.DataFrame:
+    """The findings that `lacore verify` wrote into a folder; no rows where there are none."""
+    path = folder / FILE
+    return pd.read_csv(path) if path.is_file() else as_table([])
 
 
 def as_table(findings: Sequence[Finding]) -> pd.DataFrame:
