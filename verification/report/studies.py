@@ -1,5 +1,7 @@
 """What all runs together say, as far as there is something to show."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
@@ -48,12 +50,31 @@ def _extrapolation(results: pd.DataFrame) -> Section | None:
 
 
 def _solvers(results: pd.DataFrame) -> Section | None:
-    """Backends with their default options, on the problems of the cases as they are."""
+    """Backends with their default options, on the problems that all of them were run on."""
     runs = results[~results["coupling"].isin(list(BOUNDS))]
     varied = [name for name in solver_columns(runs) if name not in ("backend", "coupling")]
-    runs = runs[runs[varied].isna().all(axis=1)]
-    problems = runs.groupby(problem_columns(runs), dropna=False).ngroups if len(runs) else 0
-    if problems < 2 or runs["backend"].nunique() < 2:
+    runs = _common(runs[runs[varied].isna().all(axis=1)])
+    if runs["backend"].nunique() < 2:
         return None
     slowest = float(np.nanmax(numbers(runs, "solve_time"), initial=_LEAST))
-    return solvers_section(runs, solved_by="verdict", unsolved="drop", limit=slowest)
+    section = solvers_section(runs, solved_by="verdict", unsolved="drop", limit=slowest)
+    lead = (
+        "With their default options, on the problems that all of them were run on; solvers of"
+        " fewer than half of all problems are left out."
+    )
+    return replace(section, lead=lead)
+
+
+def _common(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs of solvers that were run on most problems, on the problems that all of these were.
+
+    A solver that was given other problems only is neither fast nor slow.
+    """
+    if not len(runs):
+        return runs
+    problem = runs.groupby(problem_columns(runs), dropna=False, sort=False).ngroup()
+    solver = runs["backend"] + " " + runs["coupling"]
+    tried = problem.groupby(solver).nunique()
+    often = solver.isin(tried.index[tried * 2 >= problem.nunique()])
+    shared = solver[often].groupby(problem[often]).nunique() == solver[often].nunique()
+    return runs[often & problem.isin(shared.index[shared])]
