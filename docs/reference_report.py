@@ -24,10 +24,9 @@ def runs() -> list[Run]:
     swept = ["prandtl-punch:smooth", "deformable-block:crushing"]
     return [
         *plan_sweep(swept, ["r=1e-1:1e-3:5:log"], ["clarabel", "newton"], ["coarse"]),
-        *plan_sweep(["platens-square:mu-0.5"], ["n=3,5,8,12"], ["clarabel"]),
-        *plan(["deformable-block:sliding"], ["clarabel", "newton"], ["coarse"]),
+        *plan_sweep(["platens-square:mu-0.5"], ["n=3,5,8,12"], ["clarabel", "newton"]),
+        *plan(["deformable-block:sliding", "shear-patch"], ["clarabel", "newton"], ["coarse"]),
         *plan(["wall-1", "wedge-extraction:rough"], ["clarabel", "highs"]),
-        *plan(["portal-sway:one-foot-slides"], ["clarabel", "highs"]),
     ]
 
 
