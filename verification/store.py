@@ -9,7 +9,7 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -36,6 +36,12 @@ _COLUMNS = (
     *("run", "code", "session", "finished", "identity", "row", "residuals", "history", "arrays"),
     "checksum",
 )
+_OF_THE_DISK = (
+    *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN),
+    *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED, sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM),
+)
+"""Errors that say nothing against the file itself."""
+_PATIENCE = 60.0  # s: a reader of a large store may be at work while a run ends
 _UNSETTLED = ("time limit", "failed")
 """Statuses of runs that a resumed sweep tries again."""
 
@@ -58,17 +64,17 @@ class Store:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._lock = FileLock(f"{path}.lock", timeout=0)
             self._lock.acquire()
-        try:
+        with ExitStack() as undone:
+            undone.callback(self._lock.release)
             self._database = _connected(path, create=True)
+            undone.callback(self._database.close)
             with _said(path), self._database:
                 text = json.dumps(dict(provenance))
                 added = self._database.execute(
                     "INSERT INTO sessions (provenance) VALUES (?)", (text,)
                 )
             self._session = added.lastrowid
-        except BaseException:
-            self._lock.release()
-            raise
+            undone.pop_all()
 
     def append(self, outcome: Outcome, code: str) -> None:
         """Keep an outcome: it is on the disk when this returns.
@@ -184,12 +190,14 @@ def sessions(path: Path) -> dict[int, dict[str, str]]:
 
 def _connected(path: Path, create: bool) -> sqlite3.Connection:
     with _said(path):
-        new = not path.exists() or path.stat().st_size == 0
-        mode = "rwc" if create else "ro"
-        database = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True)
+        # Readers may write, too: what a killed writer has left half done they undo.
+        mode = "rwc" if create else "rw"
+        uri = f"{path.resolve().as_uri()}?mode={mode}"
+        database = sqlite3.connect(uri, uri=True, timeout=_PATIENCE)
         try:
             database.execute("PRAGMA synchronous = FULL")
-            if new and create:
+            (pages,) = database.execute("PRAGMA page_count").fetchone()
+            if create and not pages:
                 with database:
                     database.executescript(
                         f"BEGIN; PRAGMA application_id = {_APPLICATION};"
@@ -203,7 +211,7 @@ def _connected(path: Path, create: bool) -> sqlite3.Connection:
 
 
 def _check(database: sqlite3.Connection, path: Path) -> None:
-    """Refuse what is no store, damaged, or newer than this code."""
+    """Refuse what is no store, damaged, or newer than this code; nothing is written before."""
     (application,) = database.execute("PRAGMA application_id").fetchone()
     (schema,) = database.execute("PRAGMA user_version").fetchone()
     if application != _APPLICATION:
@@ -212,9 +220,11 @@ def _check(database: sqlite3.Connection, path: Path) -> None:
         raise InputError(
             "store", str(path), f"has schema {schema}, this lacore knows {SCHEMA}", "update lacore"
         )
-    (verdict,) = database.execute("PRAGMA quick_check(1)").fetchone()
+    (verdict,) = database.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
-        raise _damaged(path, verdict)
+        raise _damaged(path, " ".join(verdict.split()))
+    for record in database.execute(f"SELECT {', '.join(_COLUMNS)} FROM runs"):
+        _check_sum(record, path)
 
 
 def _damaged(path: Path, how: str) -> InputError:
@@ -236,13 +246,15 @@ def _said(path: Path) -> Iterator[None]:
             "wait, or name another folder",
         ) from error
     except sqlite3.DatabaseError as error:
-        text = str(error)
-        if isinstance(error, sqlite3.OperationalError) and "malformed" not in text:
-            raise InputError(
-                "store", str(path), f"cannot be used ({text})",
-                "free space or name another folder; every finished run is kept",
-            ) from error  # fmt: skip
-        raise _damaged(path, text) from error
+        # The lower byte is the kind. Of text that is none there is no code.
+        if getattr(error, "sqlite_errorcode", 0) & 0xFF not in _OF_THE_DISK:
+            raise _damaged(path, str(error)) from error
+        raise InputError(
+            "store", str(path), f"cannot be used ({error})",
+            "free space or name another folder; every finished run is kept",
+        ) from error  # fmt: skip
+    except UnicodeDecodeError as error:  # sqlite3 cannot even say what is wrong
+        raise _damaged(path, "text that is none") from error
     except OSError as error:
         raise InputError(
             "store", str(path), f"cannot be used ({error.strerror or error})", "name another folder"
@@ -257,16 +269,20 @@ def _checksum(values: Sequence[Any]) -> str:
     return digest.hexdigest()
 
 
+def _check_sum(record: Sequence[Any], path: Path) -> None:
+    *values, checksum = record
+    if _checksum(values) != checksum:
+        raise _damaged(path, f"checksum of run {record[0]}")
+
+
 def _entry(record: Sequence[Any], path: Path) -> Entry:
     """A row that is as it was written.
 
     Raises:
         InputError: it is not.
     """
-    *values, checksum = record
-    if _checksum(values) != checksum:
-        raise _damaged(path, f"checksum of run {record[0]}")
-    run, code, session, finished, identity, row, residuals, history, arrays = values
+    _check_sum(record, path)
+    run, code, session, finished, identity, row, residuals, history, arrays, _ = record
     evidence = Evidence(json.loads(residuals), tuple(json.loads(history)), arrays)
     return Entry(
         run, code, session, finished, json.loads(identity), Row(**json.loads(row)), evidence
