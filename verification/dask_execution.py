@@ -208,10 +208,17 @@ async def _greet(address: str) -> None:
 
 @contextmanager
 def local(jobs: int) -> Iterator[Client]:
-    """A client of a cluster on this machine with that many workers of one thread."""
+    """A client of a cluster in this process, of that many workers of one thread.
+
+    The work is done in processes anyway, and so Ctrl-C comes here only.
+    """
     with (
         LocalCluster(
-            n_workers=jobs, threads_per_worker=1, memory_limit=0, dashboard_address="127.0.0.1:0"
+            n_workers=jobs,
+            threads_per_worker=1,
+            processes=False,
+            memory_limit=0,
+            dashboard_address="127.0.0.1:0",
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):

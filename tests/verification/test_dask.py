@@ -40,7 +40,15 @@ def command(*arguments):
 
 @pytest.fixture(scope="module")
 def cluster():
-    with dask_execution.local(2) as client:
+    """Workers in processes of their own, as on machines of their own."""
+    from distributed import Client, LocalCluster
+
+    with (
+        LocalCluster(
+            n_workers=2, threads_per_worker=1, memory_limit=0, dashboard_address="127.0.0.1:0"
+        ) as workers,
+        Client(workers, set_as_default=False) as client,
+    ):
         yield client
 
 
@@ -198,7 +206,6 @@ def test_one_of_both(tmp_path):
     assert result.exit_code == 2
 
 
-@pytest.mark.slow
 def test_a_cluster_for_one_sweep(tmp_path):
     with marked() as mark:
         result = command(*BLOCK, "--out", str(tmp_path), "--dask", "--jobs", "2")
