@@ -35,7 +35,7 @@ from verification.verify import FILE, Finding, answer, as_table, ask, finish, ru
     callback=name_list,
     metavar="A,B",
     help="Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
-    " the coarsest of them for regularised ones.",
+    " the coarsest of them for regularised ones. Orders have ladders of meshes of their own.",
 )
 @click.option(
     "--jobs",

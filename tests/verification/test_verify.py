@@ -26,6 +26,9 @@ from verification.verify import Finished, answer, as_table, ask, finish, runs_of
 
 PATCH = find("shear-patch:yielding")[0]
 STEP = (ROOT / "examples" / "cases" / "block_on_step.py").read_text(encoding="utf-8")
+WRONG_STEP = STEP.replace("/ 2 / (h - STEP)", "/ 2 / (h - STEP) * 1.01").replace(
+    'id="block-on-step"', 'id="wrong-step"'
+)
 
 
 def run(*arguments):
@@ -152,6 +155,15 @@ def test_a_wrong_order_is_found(cylinder):
         assert f"expected {wrong.expected:g}" in found.why
 
 
+def test_a_ladder_that_could_not_be_climbed_to_its_end_is_none(cylinder):
+    questions, finished = cylinder
+    asked = of(questions, "order")
+    first = replace(asked, runs=asked.runs[:1])
+    short = changed(finished, first, verdict=SKIPPED, why="too small")
+    assert answer(asked, short).verdict == SKIPPED
+    assert "4 of 5 meshes" in answer(asked, short).why
+
+
 def test_there_is_no_order_without_the_whole_ladder(cylinder):
     questions, finished = cylinder
     asked = of(questions, "order")
@@ -247,11 +259,7 @@ def test_a_wrong_status_is_found():
 
 
 def test_a_wrong_reference_in_a_case_of_ones_own_is_exit_code_1(tmp_path):
-    (tmp_path / "wrong_step.py").write_text(
-        STEP.replace("/ 2 / (h - STEP)", "/ 2 / (h - STEP) * 1.01").replace(
-            'id="block-on-step"', 'id="wrong-step"'
-        )
-    )
+    (tmp_path / "wrong_step.py").write_text(WRONG_STEP)
     command = [sys.executable, "-m", "verification", "verify", "wrong-step:square"]
     options = ["--cases", str(tmp_path), "--backends", "clarabel", "--out", str(tmp_path / "out")]
     done = subprocess.run([*command, *options], cwd=ROOT, capture_output=True, text=True)
@@ -318,10 +326,21 @@ def test_a_tampered_state_is_found_even_with_its_checksum_forged(stored):
     assert "FAIL value" not in result.stdout
 
 
-def test_a_state_of_another_problem_is_found(stored):
-    result = stored(lambda point: replace(point, velocity=point.velocity[:-1]), forge=True)
-    assert result.exit_code == 1
-    assert "FAIL residuals" in result.stdout
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda point: replace(point, velocity=point.velocity[:-1]),
+        lambda point: replace(point, velocity=nan * point.velocity),
+        lambda point: replace(point, velocity=point.velocity.astype(str)),
+        lambda point: replace(point, stress=()),
+        lambda point: replace(point, load_factor=0.61),
+    ],
+    ids=["of another problem", "not numbers", "text", "without stress", "another load factor"],
+)
+def test_a_state_that_is_none_of_this_row_is_found(stored, change):
+    result = stored(change, forge=True)
+    assert result.exit_code == 1, result.output
+    assert "FAIL residuals: shear-patch:yielding coarse clarabel" in result.stdout
     assert "Traceback" not in result.output
 
 
@@ -365,18 +384,44 @@ def test_nothing_verified_is_exit_code_1(tmp_path):
     assert "nothing was verified" in result.stderr
 
 
+@pytest.fixture
+def collected(tmp_path):
+    """Run pytest as users of an installed package would, far from the repository."""
+
+    def run_pytest(*arguments):
+        folder = tmp_path / "nowhere"
+        folder.mkdir()
+        path = os.pathsep.join([str(tmp_path), str(ROOT)])
+        command = [sys.executable, "-m", "pytest", "--pyargs", "verification", "-v"]
+        done = subprocess.run(
+            [*command, "-p", "no:cacheprovider", *arguments],
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+        )
+        return done, set(re.findall(r"test_case\[(\S+)\] (\w+)", done.stdout))
+
+    return run_pytest
+
+
 @pytest.mark.slow
-def test_pytest_runs_the_same_checks_from_anywhere(tmp_path):
-    """As users of an installed package would, far from the repository."""
-    command = [sys.executable, "-m", "pytest", "--pyargs", "verification", "-v"]
-    options = ["-p", "no:cacheprovider", "-k", "prandtl-punch:smooth-clarabel-"]
-    path = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [*command, *options], cwd=tmp_path, env=path, capture_output=True, text=True
-    )
+def test_pytest_makes_the_same_checks(collected):
+    done, found = collected("-k", "prandtl-punch:smooth-clarabel- and not regularised")
     assert done.returncode == 0, done.stdout
-    passed = set(re.findall(r"test_case\[(\S+)\] PASSED", done.stdout))
-    assert passed == {
-        f"prandtl-punch:smooth-clarabel-{check}"
-        for check in ("value", "side", "residuals", "order")
-    }
+    checks = ("value", "side", "residuals", "order")
+    assert found == {(f"prandtl-punch:smooth-clarabel-{check}", "PASSED") for check in checks}
+
+
+@pytest.mark.slow
+def test_pytest_checks_cases_of_installed_packages(collected, tmp_path):
+    (tmp_path / "wrong_step.py").write_text(WRONG_STEP)
+    info = tmp_path / "wrong_step-0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: wrong-step\nVersion: 0\n")
+    (info / "entry_points.txt").write_text("[lacore.cases]\nwrong-step = wrong_step:CASE\n")
+    done, found = collected("-k", "wrong-step:square-clarabel")
+    assert done.returncode == 1, done.stdout
+    assert ("wrong-step:square-clarabel-value", "FAILED") in found
+    assert ("wrong-step:square-clarabel-residuals", "PASSED") in found
+    assert "the reference is 1.2625" in done.stdout

@@ -59,8 +59,8 @@ def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
     for outcome in neighbours:
         try:
             found[outcome.run.key] = recheck(discretisation, outcome.row, outcome.evidence)
-        except ValueError as error:
-            found[outcome.run.key] = str(error)
+        except Exception as error:  # whatever bytes are in the store
+            found[outcome.run.key] = f"{type(error).__name__}: {error}"
     return found
 
 
@@ -78,7 +78,7 @@ def answer(question: Question, finished: Finished) -> Finding:
         variant=question.variant.name,
         backend=question.backend,
         coupling=question.coupling,
-        meshes=_meshes(question, [outcome.row for outcome in outcomes]),
+        meshes=_meshes(question, [outcome.row for outcome in run or outcomes]),
         check=question.check,
         verdict=given.verdict,
         measured=given.measured,

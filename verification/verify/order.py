@@ -7,7 +7,7 @@ import numpy as np
 
 import lacore as la
 from verification.case import SOLVER
-from verification.judging import FAIL, PASS, distance
+from verification.judging import FAIL, PASS, SKIPPED, distance
 from verification.run import Outcome
 from verification.verify.finding import Answer
 from verification.verify.questions import Question
@@ -26,6 +26,9 @@ def order(question: Question, outcomes: Sequence[Outcome]) -> Answer:
     assert stated is not None
     allowed = f"{stated.expected:g} ± {stated.tolerance:g}"
     name = f"{question.case.id}:{question.variant.name} with {question.backend}"
+    if len(outcomes) < len(question.runs):
+        why = f"{name}: {len(outcomes)} of {len(question.runs)} meshes could be run"
+        return Answer(SKIPPED, why, nan, allowed)
     for outcome in outcomes:
         if outcome.row.status != la.Status.SOLVED.label:
             why = f"{outcome.run.label}: {outcome.row.why}: there is no ladder without it"

@@ -78,7 +78,7 @@ def ask(
 
     Without `backends` those of a comparison; the ladder of an order is climbed by the first exact
     one of them only: it is one of the discretisation. Without `meshes` exact backends run the
-    levels of each variant, regularised ones the coarsest of them.
+    levels of each variant, regularised ones the coarsest of them; ladders are their own meshes.
 
     Raises:
         InputError: an unknown name.
