@@ -2,6 +2,8 @@
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,8 @@ import click
 
 from verification.catalogue import Catalogue
 from verification.plugins import gather
+
+_STOPPED = 130  # as shells say of Ctrl-C
 
 
 def name_list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
@@ -64,3 +68,17 @@ def cores() -> int:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # not everywhere
         return os.cpu_count() or 1
+
+
+@contextmanager
+def resumable(store: Path) -> Iterator[None]:
+    """Of Ctrl-C say how to go on; exit code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo(
+            f"stopped: what was finished is kept in {store}; give the same command again to go on"
+            " from there",
+            err=True,
+        )
+        click.get_current_context().exit(_STOPPED)

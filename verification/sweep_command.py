@@ -18,7 +18,7 @@ from verification.compare import ON_DEMAND, run_all
 from verification.execution import TIME_LIMIT, Executor, execute
 from verification.harness import RAW
 from verification.judging import FAIL
-from verification.options import cases_option, cores, json_option, name_list, print_json
+from verification.options import cases_option, cores, json_option, name_list, print_json, resumable
 from verification.provenance import describe
 from verification.results import export, load_results
 from verification.run import Outcome
@@ -27,7 +27,6 @@ from verification.sweep import plan
 
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
-_STOPPED = 130  # as shells say of Ctrl-C
 
 
 @click.command()
@@ -140,21 +139,12 @@ def sweep(
     runs = plan(cases, vary, backends, meshes, couplings, known)
     if on_dask and scheduler is not None:
         raise InputError("--dask", None, "--scheduler is there too", "leave out one of them")
-    try:
-        with (
-            _executor(jobs, on_dask, scheduler, known) as executor,
-            terminal.watching(len(runs)) as watch,
-        ):
-            outcomes = run_all(
-                runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh
-            )
-    except KeyboardInterrupt:
-        click.echo(
-            f"stopped: what was finished is kept in {out / NAME}; give the same command again to go"
-            " on from there",
-            err=True,
-        )
-        ctx.exit(_STOPPED)
+    with (
+        resumable(out / NAME),
+        _executor(jobs, on_dask, scheduler, known) as executor,
+        terminal.watching(len(runs)) as watch,
+    ):
+        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
     export(load_results(out), out / "results.csv")
     slopes = _slopes(out, outcomes)
     if as_json:

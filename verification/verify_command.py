@@ -14,7 +14,7 @@ from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
 from verification.execution import TIME_LIMIT, execute
 from verification.judging import FAIL, PASS, SKIPPED
-from verification.options import cases_option, cores, json_option, name_list, print_json
+from verification.options import cases_option, cores, json_option, name_list, print_json, resumable
 from verification.provenance import describe
 from verification.results import export
 from verification.store import NAME
@@ -91,7 +91,7 @@ def verify(
     require_positive("--time-limit", time_limit)
     questions = ask(cases, backends, meshes, known)
     runs = runs_of(questions)
-    with terminal.watching(len(runs)) as watch:
+    with resumable(out / NAME), terminal.watching(len(runs)) as watch:
         outcomes = run_all(
             runs,
             out / NAME,

@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 import verification.plugins as plugins
+import verification.verify_command as verify_command
 from tests.conftest import ROOT
 from verification.case import Band, Reference
 from verification.catalogue import Catalogue, catalogue, find
@@ -231,6 +232,25 @@ def test_a_row_that_differs_from_its_state_is_found(punch):
         assert "the row says 6, the stored state" in found.why
 
 
+@pytest.mark.parametrize("backend", ["clarabel", "newton"])
+def test_a_load_factor_changed_everywhere_is_out_of_balance(punch, backend):
+    """By 1e-4 of itself: the bar is 1e-6 of the total load."""
+    questions, finished = punch
+    asked = of(questions, "residuals", backend)
+    (outcome,) = finished.of(asked.runs)
+    value = outcome.row.load_factor * (1 + 1e-4)
+    arrays = packed(replace(unpacked(outcome.evidence.arrays), load_factor=value))
+    forged = replace(
+        outcome,
+        row=replace(outcome.row, load_factor=value),
+        evidence=replace(outcome.evidence, arrays=arrays),
+    )
+    found = answer(asked, finish([asked], [forged]))
+    assert found.verdict == FAIL
+    assert found.measured > 1e-5
+    assert "above 1e-06, computed afresh" in found.why
+
+
 def test_what_was_not_solved_fails_once_and_what_was_not_run_is_skipped(punch):
     questions, finished = punch
     value, side, residuals = (of(questions, check) for check in ("value", "side", "residuals"))
@@ -375,6 +395,16 @@ def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, mend):
     assert mend in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "new").exists()
+
+
+def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
+    def stopped(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(verify_command, "run_all", stopped)
+    result = run("shear-patch", "--out", tmp_path)
+    assert result.exit_code == 130
+    assert "give the same command again" in result.stderr
 
 
 def test_nothing_verified_is_exit_code_1(tmp_path):
