@@ -19,7 +19,7 @@ from verification.catalogue import Catalogue, find, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
 from verification.execution import TIME_LIMIT, execute
 from verification.harness import RAW
-from verification.options import cases_option, json_option, name_list, print_json
+from verification.options import cases_option, json_option, name_list, print_json, resumable
 from verification.provenance import describe
 from verification.report.files import write
 from verification.report.manual import write as write_manual
@@ -132,7 +132,7 @@ def compare(
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
     runs = plan(cases, backends, meshes, couplings, known)
-    with terminal.watching(len(runs)) as watch:
+    with resumable(out / NAME), terminal.watching(len(runs)) as watch:
         outcomes = run_all(
             runs,
             out / NAME,
