@@ -21,7 +21,7 @@ KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
 _DIGITS = 8
-_OTHER = ("loop", "wall")  # kinds that are told of apart
+_OTHER = ("loop", "wall", "sweep")  # kinds that are told of apart
 _WALLS = {  # of their table
     "benchmark": ("what", "{}"),
     "blocks": ("blocks", "{:.0f}"),
@@ -112,6 +112,12 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
         paragraphs.append(
             f"Of a reaction loop on {loops['triangles'].min():.0f} triangles, lacore's own part"
             f" between the calls of clarabel takes at most {100 * loops['own_share'].max():.1f} %."
+        )
+    for sweep in frame[frame["kind"] == "sweep"].to_dict("records"):
+        paragraphs.append(
+            f"A sweep of {sweep['runs']:.0f} runs of {1000 * sweep['seconds_a_run']:.0f} ms"
+            f" ({sweep['what']}), one at a time, takes {sweep['seconds']:.1f} s; all but building"
+            f" and solving, the start of the process included, is {sweep['own_share']:.1%} of it."
         )
     if (frame["kind"] == "wall").any():
         paragraphs.append(

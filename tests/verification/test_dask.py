@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import verification.cli as cli
+from lacore.errors import InputError
 from tests.broken_backends import plant
 from tests.processes import alive, marked, wait_for
 from tests.verification.results_tables import lasting
@@ -124,6 +125,15 @@ def test_cases_of_users_reach_the_workers(cluster, tmp_path):
     assert result.exit_code == 0, result.output
     rows = json.loads(result.stdout)["rows"]
     assert [row["status"] for row in rows] == ["solved"] * 2
+
+
+def test_a_folder_that_workers_do_not_have(cluster, tmp_path):
+    address = cluster.scheduler.address
+    with (
+        pytest.raises(InputError, match="not there on every worker"),
+        dask_execution.connected(address, [tmp_path / "elsewhere"]),
+    ):
+        raise AssertionError("there is nothing to connect for")
 
 
 def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path):
