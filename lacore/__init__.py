@@ -10,6 +10,7 @@ from lacore.coulomb_range import CoulombRange, coulomb_range
 from lacore.criteria import VonMises
 from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
 from lacore.frames import Frame
+from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
 from lacore.intervals import Interval
 from lacore.isolation import SolverProcess
@@ -17,6 +18,7 @@ from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Tra
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.solving import solve
+from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
 
 __all__ = [
@@ -32,11 +34,13 @@ __all__ = [
     "Discretisation",
     "Fix",
     "Frame",
+    "GapIdentity",
     "InputError",
     "Interface",
     "Interval",
     "LacoreError",
     "LimitState",
+    "LowerBound",
     "PointForce",
     "Pressure",
     "Problem",
@@ -54,6 +58,8 @@ __all__ = [
     "coulomb_range",
     "discretise",
     "find_backend",
+    "gap_identity",
+    "lower_bound",
     "masonry",
     "meshes",
     "solve",

@@ -3,6 +3,7 @@
 Any `skfem.MeshTri` with named boundaries serves as well.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite, log1p, pi
 
@@ -139,6 +140,33 @@ def quarter_ring(
     names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
     return bent.with_boundaries(
         {names[name]: facets for name, facets in flat.boundaries.items()},
+    )
+
+
+def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
+    """The mesh with elements split in three about their centroids; boundaries keep their names.
+
+    For corners that one element fills, where linear stresses cannot follow tractions on both sides
+    (`lacore.lower_bound`).
+    """
+    chosen = np.unique(np.asarray(elements, dtype=np.int64))
+    if chosen.size and not (chosen[0] >= 0 and chosen[-1] < mesh.nelements):
+        raise InputError(
+            "elements", chosen.tolist(), "not elements of the mesh", f"0 to {mesh.nelements - 1}"
+        )
+    a, b, c = mesh.t[:, chosen]
+    centre = mesh.p.shape[1] + np.arange(chosen.size)
+    corners = [np.stack(three) for three in ((a, b, centre), (b, c, centre), (a, c, centre))]
+    finer = MeshTri(
+        np.concatenate([mesh.p, mesh.p[:, mesh.t[:, chosen]].mean(axis=1)], axis=1),
+        np.concatenate([np.delete(mesh.t, chosen, axis=1), *corners], axis=1),
+    )
+    number = {ends: facet for facet, ends in enumerate(map(tuple, finer.facets.T.tolist()))}
+    return finer.with_boundaries(
+        {
+            name: np.array([number[tuple(ends)] for ends in mesh.facets[:, facets].T.tolist()])
+            for name, facets in (mesh.boundaries or {}).items()
+        }
     )
 
 

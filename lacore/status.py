@@ -70,6 +70,7 @@ class Rigor(Enum):
     """What a load factor proves (T16). No number is printed without one."""
 
     UPPER = "strict upper bound of the continuum problem"
+    LOWER = "strict lower bound of the continuum problem: equilibrium element, yield at vertices"
     DISCRETE = "converged value of the discrete problem, not a bound"
     REGULARISED = "value of the regularised problem: approaches the discrete one as r -> 0"
     NOT_CERTIFIED = "not certified"

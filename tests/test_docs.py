@@ -78,9 +78,9 @@ CITATION = re.compile(r"\((T\d[^()]*)\)|\bof (T\d+)")  # (T8, T15), (T17-T20), o
 
 def test_every_formula_that_is_cited_is_in_the_theory():
     theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
-    defined = set(re.findall(r"\*\*\(?(T\d+b?)\b", theory))
+    defined = set(re.findall(r"\*\*\(?(T\d+[bc]?)\b", theory))
     pages = [ROOT / "docs" / "backends.md", EXAMPLE / "lacore_ecos.py"]
     for path in [*pages, *ROOT.glob("lacore/*.py"), *ROOT.glob("backends/*.py")]:
         for both in CITATION.findall(path.read_text(encoding="utf-8")):
-            cited = set(re.findall(r"T\d+b?", "".join(both)))
+            cited = set(re.findall(r"T\d+[bc]?", "".join(both)))
             assert cited <= defined, path

@@ -1,0 +1,120 @@
+"""Equilibrium elements (T25): linear stresses a triangle, discontinuous, and their multipliers.
+
+The unknowns of the kinematic dual (T26b) are "nodes" of two components each: two for every facet,
+W at its ends, and one v for every element. With L, n and A lengths, outward normals and areas,
+
+    eps at vertex i = 3/(2 A) sum over the two facets f at i of L_f sym((W_f,i - v) x n_f)
+
+is what does the power ``A/3 sum_i sigma_i : eps_i`` on the vertex stresses of an element: W is the
+multiplier of traction continuity at an end of a facet, times L/2, v that of ``div sigma + b = 0``,
+times A.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies import Body
+from lacore.boundaries import facet_geometry
+from lacore.program import DissipationGroup
+
+_OPPOSITE = np.array([2, 0, 1])  # local vertex across each local facet of scikit-fem
+_FACETS = np.array([[0, 2], [0, 1], [1, 2]])  # local facets at each local vertex
+
+
+@dataclass(frozen=True)
+class EquilibriumDofs:
+    """Where a body's multipliers stand among all: as nodes, then components.
+
+    Attributes:
+        body: the body.
+        first_node: number of its first node among those of all bodies.
+    """
+
+    body: Body
+    first_node: int
+
+    @property
+    def count(self) -> int:
+        """Number of its nodes."""
+        return int(2 * self.body.mesh.nfacets + self.body.mesh.nelements)
+
+    def facet_nodes(self, facets: Ints) -> Ints:
+        """Nodes of W at both ends of facets, in the order of ``mesh.facets``, shape (2, k)."""
+        ends = self.first_node + self.body.mesh.nfacets * np.arange(2)
+        return np.asarray(ends[:, None] + facets)
+
+    @property
+    def element_nodes(self) -> Ints:
+        """Nodes of v, shape (elements,)."""
+        mesh = self.body.mesh
+        return np.asarray(self.first_node + 2 * mesh.nfacets + np.arange(mesh.nelements))
+
+    def group(self, name: str, n: int) -> DissipationGroup:
+        """Yield at the vertices, weights A/3, over n unknowns: duals are the vertex stresses."""
+        body, mesh = self.body, self.body.mesh
+        form = body.criterion.conic_form(body.kinematics)
+        area, sides = element_geometry(body)
+        facets = mesh.t2f[_FACETS]  # (vertices, 2, elements)
+        end = (mesh.facets[1][facets] == mesh.t[:, None, :]).astype(np.int64)
+        own = np.broadcast_to(self.element_nodes, (3, 1, mesh.nelements))
+        ends = self.first_node + end * mesh.nfacets + facets
+        nodes = np.concatenate([ends, own], axis=1).transpose(2, 0, 1)  # (elements, 3, 3)
+        pull = sides[:, _FACETS]  # (2, vertices, 2, elements): L n of the facets at a vertex
+        pull = np.concatenate([pull, -pull.sum(axis=2, keepdims=True)], axis=2)
+        x, y = np.transpose(1.5 * pull / area, (0, 3, 1, 2))  # (elements, vertices, 3 nodes)
+        none = np.zeros_like(x)
+        strain = np.stack(
+            [np.stack([x, none], -1), np.stack([none, y], -1), np.stack([y, x], -1)], axis=2
+        )  # (elements, vertices, (xx, yy, gamma), nodes, components)
+        columns = 2 * nodes[..., None] + np.arange(2)
+
+        def rows(coefficients: Floats) -> Sparse:
+            values = np.einsum("rs,eisnc->eirnc", coefficients, strain)
+            indices = np.broadcast_to(columns[:, :, None], values.shape)
+            count, width = int(np.prod(values.shape[:3])), 6
+            starts = np.arange(count + 1) * width
+            matrix = csr_matrix((values.ravel(), indices.ravel(), starts), shape=(count, n))
+            matrix.eliminate_zeros()
+            return matrix
+
+        weights = np.repeat(area / 3, 3)
+        return DissipationGroup(
+            name=name,
+            rows=rows(form.rows),
+            dim=form.rows.shape[0],
+            weights=weights,
+            bound=np.full(weights.size, form.bound),
+            volumetric=rows(form.volumetric[None, :]),
+            volumetric_factor=form.volumetric_factor,
+        )
+
+    def lengths(self, facets: Ints) -> Floats:
+        """Lengths of boundary facets, m, shape (k,)."""
+        start, end, _ = facet_geometry(self.body, facets)
+        return np.asarray(np.linalg.norm(end - start, axis=0))
+
+
+def number_multipliers(bodies: Mapping[str, Body]) -> dict[str, EquilibriumDofs]:
+    """Number the multipliers of bodies, one after the other, in their order."""
+    numbered: dict[str, EquilibriumDofs] = {}
+    first = 0
+    for name, body in bodies.items():
+        numbered[name] = EquilibriumDofs(body, first)
+        first += numbered[name].count
+    return numbered
+
+
+def element_geometry(body: Body) -> tuple[Floats, Floats]:
+    """Areas, shape (elements,), and length times outward normal of facets, (2, 3, elements)."""
+    mesh = body.mesh
+    start, end = mesh.p[:, mesh.facets[0][mesh.t2f]], mesh.p[:, mesh.facets[1][mesh.t2f]]
+    along = end - start
+    across = np.stack([along[1], -along[0]])
+    inward = mesh.p[:, mesh.t[_OPPOSITE]] - start
+    height = np.sum(across * inward, axis=0)  # twice the area, signed
+    sides = -across * np.sign(height)
+    return np.abs(height[0]) / 2, sides

@@ -1,0 +1,280 @@
+"""Strict lower bounds by equilibrium elements (T25, T26b, T26c)."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.admissible import margins, scaled, weaker, within_friction
+from lacore.arrays import Floats
+from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
+from lacore.certificate import Certificate, certify
+from lacore.dead_collapse import collapses
+from lacore.errors import CapabilityError, SolveError
+from lacore.isolation import preparing
+from lacore.problem import Problem
+from lacore.program import KinematicProgram, associated_contact, dimensionless
+from lacore.projection import in_equilibrium
+from lacore.state import ProgramState
+from lacore.static_model import StaticModel, static_model
+from lacore.status import Rigor, Status
+
+_EQUILIBRIUM = 1e-12  # of the total load: what counts as exact in double precision
+_TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
+
+
+@dataclass(frozen=True)
+class LowerBound:
+    """A statically admissible state, and the load factor that it proves.
+
+    Attributes:
+        status: SOLVED where the state is admissible: in equilibrium, within yield and friction.
+        load_factor: alpha of that state, no larger than that of the continuum; NaN unless SOLVED,
+            or +inf where LOCKED.
+        rigor: what the load factor proves.
+        backend: its name.
+        certificate: recomputed residuals. Equilibrium (at most 1e-12), yield and cone (0) prove the
+            bound; gap, flow and those of the multipliers say how close it is to the best one of
+            these elements. None where there is no state.
+        history: one row an inner solve: margin taken off all strengths, load factors as solved and
+            as proven, residuals before and after the projection, statuses, times.
+        build_time, solve_time: s, wall clock: assembly, and everything after it.
+        options: of the backend, as they were given.
+        message: the status in words.
+        model: the assembled problem.
+        point: multipliers of the free unknowns (m/s at ``F0.U = 1``), stresses and reactions (Pa);
+            None where there is no state.
+    """
+
+    status: Status
+    load_factor: float
+    rigor: Rigor
+    backend: str
+    certificate: Certificate | None
+    history: pd.DataFrame
+    build_time: float
+    solve_time: float
+    options: Mapping[str, Any]
+    message: str
+    model: StaticModel
+    point: ProgramState | None
+
+    def _point(self) -> ProgramState:
+        if self.point is None:
+            raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
+        return self.point
+
+    @property
+    def stress(self) -> dict[str, Floats]:
+        """Stress (xx, yy, zz, xy) at the vertices of ``mesh.t``, shape (elements, 3, 4), Pa.
+
+        By body, linear in an element, tension positive.
+        """
+        point, result = self._point(), {}
+        for (name, dofs), s, p in zip(
+            self.model.bodies.items(), point.stress, point.mean_stress, strict=True
+        ):
+            form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+            xx, yy, xy = (s @ form.rows + p[:, None] * form.volumetric).T
+            result[name] = np.stack([xx, yy, p, xy], axis=-1).reshape(-1, 3, 4)
+        return result
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """Tractions on the slave at the ends of contact facets, linear between: see `LimitState`.
+
+        ``length`` is the half of the facet that the end stands for.
+        """
+        point, rows, where = self._point(), self.model.program.contact, self.model.points
+        return pd.DataFrame(
+            {
+                "interface": np.array(where.names, dtype=object)[rows.interface],
+                "x": where.position[:, 0],
+                "y": where.position[:, 1],
+                "n_x": where.normal[:, 0],
+                "n_y": where.normal[:, 1],
+                "length": rows.weights,
+                "t_n": point.normal_reaction,
+                "t_t": point.tangential_reaction[:, 0],
+            }
+        )
+
+
+def lower_bound(
+    problem: Problem | StaticModel,
+    backend: str = "clarabel",
+    *,
+    options: Mapping[str, Any] | None = None,
+    throw: bool = False,
+) -> LowerBound:
+    """Strict lower bound of the load factor of a problem, with the stresses that prove it.
+
+    The solver's stresses are projected onto equilibrium (T26c) and made admissible: without dead
+    loads by scaling them with the load factor; with dead loads, or friction that dilates, which
+    scaling does not touch, by solving with all strengths less a small margin.
+
+    Args:
+        problem: the problem, or its model where several backends share it. The velocity spaces of
+            its bodies play no part.
+        backend: name of an exact backend.
+        options: of the backend.
+        throw: raise `SolveError` unless the status is SOLVED.
+
+    Raises:
+        InputError: what equilibrium elements cannot state, see `static_model`; unknown names.
+        CapabilityError: the backend is missing, regularised, or cannot take the problem.
+        SolveError: see `throw`.
+    """
+    engine = find_backend(backend)
+    engine_options = read_options(engine, options or {})
+    if engine.capabilities.regularised:
+        raise CapabilityError(
+            f"backend {backend!r} is regularised, and a lower bound needs the multipliers of the"
+            " exact program: take 'clarabel'"
+        )
+    begin = time.perf_counter()
+    model = problem if isinstance(problem, StaticModel) else static_model(problem)
+    program = dimensionless(model.program, model.natural)
+    built = time.perf_counter()
+    check_capable(engine, program)
+    attempts: list[_Attempt] = []
+    status = Status.NOT_CERTIFIED
+    with preparing(engine, engine_options) as prepare:
+        for margin in margins(program, engine_options):
+            less = weaker(program, margin)
+            solver = prepare(less)
+            try:
+                answer = solver.solve(associated_contact(less.contact))
+            finally:
+                solver.close()
+            attempts.append(_attempt(program, margin, checked_answer(less, False, answer)))
+            if attempts[-1].proves:
+                status = Status.SOLVED
+            if attempts[-1].proves or attempts[-1].state is None:
+                break
+        inner = attempts[-1].inner
+        if attempts[-1].state is None:
+            status = inner.status
+            laws = associated_contact(program.contact)
+            if status is Status.LOCKED and collapses(program, laws, prepare, _TOLERANCE):
+                status = Status.UNSAFE
+    bound = _bound(model, program, status, attempts, backend, options or {}, built - begin, built)
+    if throw and status is not Status.SOLVED:
+        raise SolveError(bound.message, bound)
+    return bound
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """One inner solve, and the state that was made of it, in the units of the program."""
+
+    margin: float
+    inner: InnerSolution
+    state: ProgramState | None
+    before: Certificate | None
+    after: Certificate | None
+    projection_time: float
+
+    @property
+    def proves(self) -> bool:
+        """Whether the state is admissible."""
+        after = self.after
+        return after is not None and (
+            after.equilibrium <= _EQUILIBRIUM and after.yield_violation <= 0 and after.cone <= 0
+        )
+
+    def row(self, scale: float) -> dict[str, Any]:
+        """As a row of the history; load factors in SI units."""
+        solved, proven = (
+            np.nan if state is None else state.load_factor * scale
+            for state in (self.inner.point, self.state if self.proves else None)
+        )
+        row: dict[str, Any] = {"margin": self.margin, "solved": solved, "load_factor": proven}
+        for suffix, seen in (("_solved", self.before), ("", self.after)):
+            if seen is not None:
+                row |= {f"{name}{suffix}": value for name, value in asdict(seen).items()}
+        return row | {
+            "inner_status": self.inner.status.label,
+            "native_status": self.inner.native_status,
+            "inner_iterations": self.inner.iterations,
+            "solve_time": self.inner.solve_time,
+            "projection_time": self.projection_time,
+            "peak_memory": self.inner.peak_memory,
+        }
+
+
+def _attempt(program: KinematicProgram, margin: float, inner: InnerSolution) -> _Attempt:
+    if inner.point is None:
+        return _Attempt(margin, inner, None, None, None, 0.0)
+    begin = time.perf_counter()
+    laws = associated_contact(program.contact)
+    state = in_equilibrium(program, within_friction(program, inner.point, margin))
+    if not np.any(program.dead_load):
+        state = scaled(program, state)
+    return _Attempt(
+        margin,
+        inner,
+        state,
+        before=certify(program, inner.point, laws),
+        after=certify(program, state, laws),
+        projection_time=time.perf_counter() - begin,
+    )
+
+
+def _bound(
+    model: StaticModel,
+    program: KinematicProgram,
+    status: Status,
+    attempts: list[_Attempt],
+    backend: str,
+    options: Mapping[str, Any],
+    build_time: float,
+    built: float,
+) -> LowerBound:
+    """The end of it as a bound of the problem, in SI units."""
+    last, scales = attempts[-1], program.scales
+    load_factor = np.inf if status is Status.LOCKED else np.nan
+    rigor = Rigor.NOT_CERTIFIED
+    if status is Status.SOLVED and last.state is not None:
+        load_factor = last.state.load_factor * scales.load_factor
+        exact = all(dofs.body.geometry == "exact" for dofs in model.bodies.values())
+        rigor = Rigor.LOWER if exact else Rigor.DISCRETE
+    message = f"{status.label}: {status.value}"
+    if status is Status.UNSAFE:
+        message = (
+            "unsafe: no stress of these elements carries the dead loads; refine the mesh, unless"
+            " `solve` finds that they collapse the structure"
+        )
+    elif last.inner.status is not Status.SOLVED and last.state is not None:
+        message += f"; the solver itself says {last.inner.native_status!r}"
+    if last.inner.message:
+        message += f" ({last.inner.message})"
+    return LowerBound(
+        status=status,
+        load_factor=float(load_factor),
+        rigor=rigor,
+        backend=backend,
+        certificate=last.after,
+        history=pd.DataFrame([attempt.row(scales.load_factor) for attempt in attempts]),
+        build_time=build_time,
+        solve_time=time.perf_counter() - built,
+        options=dict(options),
+        message=message,
+        model=model,
+        point=None if last.state is None else _in_si(program, last.state),
+    )
+
+
+def _in_si(program: KinematicProgram, state: ProgramState) -> ProgramState:
+    scales = program.scales
+    return ProgramState(
+        velocity=state.velocity * scales.velocity,
+        load_factor=state.load_factor * scales.load_factor,
+        stress=tuple(stress * scales.stress for stress in state.stress),
+        mean_stress=tuple(mean * scales.stress for mean in state.mean_stress),
+        normal_reaction=state.normal_reaction * scales.stress,
+        tangential_reaction=state.tangential_reaction * scales.stress,
+    )

@@ -1,0 +1,227 @@
+"""From a `Problem` to the kinematic dual of its lower bound program (T26b)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from skfem.mesh import MeshTri1
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies import Body
+from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.contact_points import ContactPoints
+from lacore.elimination import NodeConditions, free_basis, held, join
+from lacore.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
+from lacore.errors import InputError
+from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.problem import Problem
+from lacore.program import KinematicProgram, Scales, kept_points, reduced
+from lacore.static_contact import traction_rows
+from lacore.static_corners import check_corners
+
+_ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
+
+
+@dataclass(frozen=True)
+class StaticModel:
+    """An assembled lower bound problem.
+
+    Attributes:
+        problem: what was assembled.
+        full: the program for all multipliers, SI units.
+        program: the program for the free unknowns, SI units; stresses, reactions and load factor
+            are its multipliers.
+        bodies: by name.
+        points: geometry of the contact points, the ends of facets.
+        natural: scales in which the quantities of the answer are of order one.
+    """
+
+    problem: Problem
+    full: KinematicProgram
+    program: KinematicProgram
+    bodies: Mapping[str, EquilibriumDofs]
+    points: ContactPoints
+    natural: Scales
+
+    @property
+    def n_elements(self) -> int:
+        """Triangles."""
+        return sum(int(dofs.body.mesh.nelements) for dofs in self.bodies.values())
+
+
+def static_model(problem: Problem) -> StaticModel:
+    """Assemble the lower bound problem.
+
+    Raises:
+        InputError: what equilibrium elements cannot state (bodies that are no straight triangles,
+            point forces, friction that is not associated, interfaces whose meshes do not match,
+            loads that ask for two shear stresses at a corner of one element), a reference load
+            that does no power.
+    """
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    bodies = number_multipliers(_continua(problem))
+    _check_statable(problem)
+    loads = [*problem.reference_loads, *problem.dead_loads]
+    footings = list(dict.fromkeys(_unloaded(f) for f in loads if isinstance(f, RigidFooting)))
+    nodes = sum(dofs.count for dofs in bodies.values())
+    node_dofs = np.arange(2 * nodes).reshape(-1, 2).T
+    n = 2 * nodes + len(footings)
+
+    contact, points = traction_rows(problem.interfaces, bodies, n)
+    full = KinematicProgram(
+        groups=tuple(dofs.group(name, n) for name, dofs in bodies.items()),
+        contact=contact,
+        reference_load=_load_vector(problem.reference_loads, bodies, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, footings, n),
+    )
+    conditions = join(
+        [
+            *(_support_conditions(support, bodies[support.body]) for support in problem.supports),
+            *(
+                _footing_conditions(footing, bodies[footing.body], number)
+                for number, footing in enumerate(footings)
+            ),
+        ]
+    )
+    basis = free_basis(conditions, node_dofs, [footing.name for footing in footings])
+    check_corners(full, basis, bodies)
+    program = reduced(full, basis)
+    # What a support takes altogether needs no reaction.
+    kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
+    full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
+    size = float(np.abs(full.reference_load).sum())
+    if np.sum(np.abs(program.reference_load)) <= _ROUND_OFF * size:
+        raise InputError(
+            "Problem.reference_loads",
+            None,
+            "they do no power (F0 = 0): they cancel, or act where supports hold the body",
+            "load a boundary that can move, or release the support",
+        )
+    return StaticModel(
+        problem=problem,
+        full=full,
+        program=program,
+        bodies=bodies,
+        points=replace(points, position=points.position[kept], normal=points.normal[kept]),
+        natural=Scales(
+            length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
+            stress=sqrt(3) * max(dofs.body.criterion.k for dofs in bodies.values()),
+            velocity=1 / size,
+        ),
+    )
+
+
+def _continua(problem: Problem) -> dict[str, Body]:
+    bodies: dict[str, Body] = {}
+    for name, body in problem.bodies.items():
+        if not isinstance(body, Body):
+            raise InputError(
+                f"Problem.bodies[{name!r}]",
+                type(body).__name__,
+                "a lower bound takes deformable bodies only",
+                "make it a lacore.Body or a RigidObstacle; `solve` brackets rigid blocks and frames"
+                " by coupling='frictionless' and 'associated'",
+            )
+        if type(body.mesh) is not MeshTri1:
+            raise InputError(
+                f"Problem.bodies[{name!r}].mesh",
+                type(body.mesh).__name__,
+                "equilibrium elements are straight-edged triangles",
+                "give a skfem.MeshTri, for quadrilaterals `mesh.to_meshtri(style='x')`",
+            )
+        bodies[name] = body
+    return bodies
+
+
+def _check_statable(problem: Problem) -> None:
+    for attribute in ("reference_loads", "dead_loads"):
+        for index, load in enumerate(getattr(problem, attribute)):
+            if isinstance(load, PointForce):
+                raise InputError(
+                    f"Problem.{attribute}[{index}]",
+                    load.vector,
+                    "stresses that are linear in a triangle cannot carry a point force",
+                    "spread it over an edge as a Traction",
+                )
+    for index, interface in enumerate(problem.interfaces):
+        if interface.law.terms().coefficient > 0:
+            raise InputError(
+                f"Problem.interfaces[{index}].friction",
+                interface.name,
+                "Coulomb friction is not associated, and the bound theorems do not hold with it",
+                "give Coulomb(mu, associated=True), or SMOOTH, whose lower bound is one of every"
+                " Coulomb load factor too",
+            )
+
+
+def _facets(dofs: EquilibriumDofs, part: Fix | Traction | Pressure | RigidFooting) -> Ints:
+    return boundary_facets(dofs.body, part.where, f"{type(part).__name__}.where")
+
+
+def _unloaded(footing: RigidFooting) -> RigidFooting:
+    return replace(footing, pressure=1.0)
+
+
+def _load_vector(
+    loads: Sequence[Load],
+    bodies: Mapping[str, EquilibriumDofs],
+    footings: Sequence[RigidFooting],
+    n: int,
+) -> Floats:
+    """Forces on the multipliers, shape (n,), N/m; those of a footing on its own unknown."""
+    total = np.zeros(n)
+    for load in loads:
+        dofs = bodies[load.body]
+        if isinstance(load, BodyForce):
+            force = element_geometry(dofs.body)[0] * np.reshape(load.vector, (2, 1))
+            nodes = dofs.element_nodes
+        elif isinstance(load, RigidFooting):
+            place = n - len(footings) + footings.index(_unloaded(load))
+            total[place] += load.pressure * float(dofs.lengths(_facets(dofs, load)).sum())
+            continue
+        else:
+            assert isinstance(load, Traction | Pressure)
+            facets = _facets(dofs, load)
+            start, end, outward = facet_geometry(dofs.body, facets)
+            vector = (
+                -load.value * outward
+                if isinstance(load, Pressure)
+                else np.reshape(load.vector, (2, 1))
+            )
+            half = np.linalg.norm(end - start, axis=0) / 2 * vector
+            force, nodes = np.tile(half, 2), dofs.facet_nodes(facets).ravel()
+        for axis in (0, 1):
+            np.add.at(total, 2 * nodes + axis, force[axis])
+    return total
+
+
+def _ends(dofs: EquilibriumDofs, facets: Ints) -> tuple[Ints, Floats]:
+    """Nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
+    _, _, outward = facet_geometry(dofs.body, facets)
+    return dofs.facet_nodes(facets).ravel(), np.tile(outward.T, (2, 1))
+
+
+def _support_conditions(support: Fix, dofs: EquilibriumDofs) -> NodeConditions:
+    nodes, outward = _ends(dofs, _facets(dofs, support))
+    axes = [np.broadcast_to(axis, outward.shape) for axis in ([1.0, 0.0], [0.0, 1.0])]
+    directions = {
+        "x": axes[:1],
+        "y": axes[1:],
+        "xy": axes,
+        "normal": [outward],
+        "tangential": [np.stack([-outward[:, 1], outward[:, 0]], axis=1)],
+    }[support.components]
+    return join([held(nodes, direction) for direction in directions])
+
+
+def _footing_conditions(
+    footing: RigidFooting, dofs: EquilibriumDofs, number: int
+) -> NodeConditions:
+    nodes, outward = _ends(dofs, _facets(dofs, footing))
+    motion = np.array(footing.direction)
+    carried = np.broadcast_to(motion, outward.shape) if footing.rough else outward
+    moved = NodeConditions(nodes, carried, np.full(nodes.size, number), carried @ motion)
+    across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
+    return join([moved, held(nodes, across)]) if footing.rough else moved

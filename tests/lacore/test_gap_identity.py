@@ -1,0 +1,116 @@
+"""The gap identity (T26): a self-test of both bounds, and what it refuses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.assembly import discretise
+from lacore.gap_identity import _restriction
+from lacore.static_model import static_model
+from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
+from tests.lacore.random_continua import delaunay_square
+
+ROUND_OFF = 1e-12  # of sums of a hundred terms of order one
+
+
+def heavy(mesh):
+    return la.Problem(
+        {"block": la.Body(mesh, CRITERION)},
+        [la.Traction("block", "right", (0.3, -1)), la.Pressure("block", "top", 0.2)],
+        [la.Fix("block", "left")],
+        dead_loads=[la.BodyForce("block", (0.1, -0.5))],
+    )
+
+
+def test_restricted_velocities_do_the_same_power():
+    """On every load, and on every stress that is linear in a triangle."""
+    rng = np.random.default_rng(0)
+    stated = heavy(delaunay_square(rng))
+    kinematic, static = discretise(stated), static_model(stated)
+    velocity = rng.normal(size=kinematic.full.n)
+    restricted = np.zeros(static.full.n)
+    nodes, values = _restriction(kinematic.bodies["block"], static.bodies["block"], velocity)
+    restricted[2 * nodes], restricted[2 * nodes + 1] = values
+    for mine, its in (
+        (static.full.reference_load, kinematic.full.reference_load),
+        (static.full.dead_load, kinematic.full.dead_load),
+    ):
+        assert mine @ restricted == pytest.approx(its @ velocity, rel=ROUND_OFF)
+    group, other = static.full.groups[0], kinematic.full.groups[0]
+    stress = rng.normal(size=(group.weights.size // 3, 3, 2))
+    power = np.sum(
+        group.weights * np.sum(stress.reshape(-1, 2) * group.cone_vectors(restricted), 1)
+    )
+    rates, area = other.cone_vectors(velocity).reshape(-1, 3, 2), group.weights[::3] * 3
+    exact = np.sum(stress * rates, axis=(1, 2)) + np.sum(stress.sum(1) * rates.sum(1), axis=1)
+    assert power == pytest.approx(area @ exact / 12, rel=ROUND_OFF)
+
+
+def test_constant_stress_is_in_equilibrium_with_its_tractions():
+    """A uniform stress loads nothing but the boundary."""
+    mesh = delaunay_square(np.random.default_rng(1))
+    stated = la.Problem(
+        {"block": la.Body(mesh, CRITERION)},
+        [
+            la.Traction("block", "left", (-3, -1)),
+            la.Traction("block", "right", (3, 1)),
+            la.Traction("block", "bottom", (-1, -2)),
+            la.Traction("block", "top", (1, 2)),
+        ],
+    )
+    program = static_model(stated).full
+    (group,) = program.groups
+    # sigma = (3, 2, 1): mean 2.5, half difference 0.5.
+    force = group.rows.T @ np.ravel(group.weights[:, None] * [0.5, 1.0])
+    force += group.volumetric.T @ (group.weights * 2.5)
+    assert np.allclose(force, program.reference_load, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [
+        punch(rough=True),
+        punch(rough=False),
+        punch(dead=[la.BodyForce("soil", (0.1, -1.0))]),
+        cantilever(),
+        deformable_block(la.Coulomb(0.3, associated=True), n=2),
+        deformable_block(la.Tresca(0.4), n=2),
+        deformable_block(la.STICK, n=2),
+    ],
+)
+def test_identity(stated):
+    upper, lower = la.solve(stated), la.lower_bound(stated)
+    identity = la.gap_identity(upper, lower)
+    gap = upper.load_factor - lower.load_factor
+    # Round-off of both load factors counts where the gap is the margin off strengths, 1e-7, alone.
+    assert identity.total == pytest.approx(gap, rel=1e-5, abs=1e-11)
+    assert identity.least >= -1e-9
+    assert gap > 0
+    for name, body in stated.bodies.items():
+        assert identity.elements[name].shape == (body.mesh.nelements,)
+    assert set(identity.interfaces) == {interface.name for interface in stated.interfaces}
+
+
+def test_it_sees_a_wrong_bound():
+    stated = punch()
+    upper, lower = la.solve(stated), la.lower_bound(stated)
+    forged = replace(lower, load_factor=lower.load_factor + 1e-4)
+    identity = la.gap_identity(upper, forged)
+    assert identity.total - (identity.upper - identity.lower) == pytest.approx(1e-4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("upper", "words"),
+    [
+        (lambda: la.solve(punch(space="p2-gauss")), "at the vertices"),
+        (lambda: la.solve(punch(nx=5)), "not that of the upper bound"),
+        (lambda: la.solve(deformable_block(0.3)), "Coulomb"),
+        (lambda: la.solve(cantilever()), "other bodies"),
+        (lambda: la.solve(punch(), options={"max_iterations": 1}), "no bound"),
+    ],
+)
+def test_what_does_not_fit_is_refused(upper, words):
+    with pytest.raises(la.InputError, match=words):
+        la.gap_identity(upper(), la.lower_bound(punch()))
