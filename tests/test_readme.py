@@ -10,7 +10,7 @@ import lacore as la
 from verification import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-FIRST, WALL, MORE, RESULTS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+FIRST, BOUNDS, WALL, MORE, RESULTS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 
 
 @pytest.fixture
@@ -29,6 +29,14 @@ def test_examples(problem):
     for line in lines:
         state = eval(line, {"la": la, "problem": problem})
         assert state.status is la.Status.SOLVED, line
+
+
+def test_bounds(problem, capsys):
+    names = {"la": la, "problem": problem, "state": la.solve(problem)}
+    exec(BOUNDS, names)
+    assert "strict lower bound" in capsys.readouterr().out
+    gap = names["state"].load_factor - names["lower"].load_factor
+    assert names["gaps"].total == pytest.approx(gap, rel=1e-5)
 
 
 def test_results_are_a_table(tmp_path, monkeypatch, capsys):
