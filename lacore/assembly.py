@@ -18,6 +18,7 @@ from lacore.elimination import NodeConditions, free_basis, held, join
 from lacore.errors import InputError
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
+from lacore.jumps import Jumps, jumps, movable
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem, vertex_at
 from lacore.program import (
@@ -32,7 +33,7 @@ from lacore.rigid import RigidDofs
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
 _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
-_LOAD_ORDER = 2  # a uniform load on a P2 velocity is a polynomial of degree 2: exact
+_LOAD_ORDER = 3  # exact: velocities of degree 2, times an area that is linear on quadrilaterals
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class Discretisation:
         bodies: continua by name.
         assemblies: rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
+        jumps: velocity jumps of the continua whose space has them (T23), by name. Groups of the
+            programs: the continua, these, the hinges of frames.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
@@ -62,16 +65,17 @@ class Discretisation:
     bodies: Mapping[str, BodyDofs]
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
+    jumps: Mapping[str, Jumps]
     points: ContactPoints
     shared_corners: Bools
     natural: Scales
 
     @property
     def n_elements(self) -> int:
-        """Triangles, rigid blocks and rigid pieces of members."""
-        triangles = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
+        """Elements of meshes, rigid blocks and rigid pieces of members."""
+        elements = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
         blocks = sum(len(dofs.body.names) for dofs in self.assemblies.values())
-        return int(triangles) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())
+        return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())
 
 
 def discretise(problem: Problem) -> Discretisation:
@@ -102,15 +106,7 @@ def discretise(problem: Problem) -> Discretisation:
     rigid: dict[str, RigidDofs | FrameDofs] = {**assemblies, **frames}  # in order of unknowns
 
     contact, points = contact_rows(problem.interfaces, {**bodies, **rigid}, n)
-    full = KinematicProgram(
-        groups=(
-            *(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
-            *(group for name, dofs in frames.items() for group in dofs.groups(name, n)),
-        ),
-        contact=contact,
-        reference_load=_load_vector(problem.reference_loads, bodies, rigid, footings, n),
-        dead_load=_load_vector(problem.dead_loads, bodies, rigid, footings, n),
-    )
+    slips = {name: jumps(name, dofs, n) for name, dofs in bodies.items() if dofs.space.jumps}
     supports = [support for support in problem.supports if support.body in bodies]
     conditions = join(
         [
@@ -133,10 +129,22 @@ def discretise(problem: Problem) -> Discretisation:
             format="csr",
         )
     )
+    slips = {name: part.kept(movable(part.group, basis)) for name, part in slips.items()}
+    slips = {name: part for name, part in slips.items() if part.group.weights.size}
+    full = KinematicProgram(
+        groups=(
+            *(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
+            *(part.group for part in slips.values()),
+            *(group for name, dofs in frames.items() for group in dofs.groups(name, n)),
+        ),
+        contact=contact,
+        reference_load=_load_vector(problem.reference_loads, bodies, rigid, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, rigid, footings, n),
+    )
     program = reduced(full, basis)
     kept = _movable(program.contact, points)
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
-    points = replace(points, position=points.position[kept], normal=points.normal[kept])
+    points = points.kept(kept)
     size = _load_size(full.reference_load, node_dofs)
     # Round-off of the nodal sums; a load that can do power keeps at least one whole nodal force.
     if np.sum(np.abs(program.reference_load)) <= 1e-12 * size:
@@ -155,6 +163,7 @@ def discretise(problem: Problem) -> Discretisation:
         bodies=bodies,
         assemblies=assemblies,
         frames=frames,
+        jumps=slips,
         points=points,
         shared_corners=_shared_corners(program.contact, points, problem),
         natural=_natural_scales(program, bodies, rigid, 1 / size),
@@ -209,7 +218,7 @@ def _shared_corners(contact: ContactRows, points: ContactPoints, problem: Proble
     ]
     body = np.full(contact.count, -1.0)
     body[own] = np.array(owner, dtype=float)[contact.interface[own]]
-    place = np.column_stack([body, points.position])
+    place = np.column_stack([body, points.moving[:, 0], points.position])
     _, node, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
     node = node.ravel()
     resultant = np.zeros((count.size, 2))
@@ -301,7 +310,8 @@ def _load_vector(
             total[place] += load.pressure * area
         elif isinstance(load, PointForce):
             vertex = vertex_at(dofs.body, load.at, "PointForce.at")
-            total[dofs.dofs[:, vertex]] += load.vector
+            nodes = dofs.vertex_nodes(vertex)  # where velocities jump, on their mean
+            total[dofs.dofs[:, nodes]] += np.reshape(load.vector, (2, 1)) / nodes.size
         else:
             force = _distributed(load, dofs)
             total[dofs.offset : dofs.offset + force.size] += force
@@ -345,9 +355,10 @@ def _load_size(load: Floats, node_dofs: Ints) -> float:
 
 
 def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
-    """Nodes on facets, three a facet, and the outward normal there: (3 n,), (3 n, 2)."""
+    """Nodes on facets, a each, and the outward normal there: (a n,), (a n, 2)."""
     _, _, outward = facet_geometry(dofs.body, facets)
-    return dofs.facet_nodes(facets).ravel() + dofs.first_node, np.tile(outward.T, (3, 1))
+    nodes = dofs.facet_nodes(facets)
+    return nodes.ravel() + dofs.first_node, np.tile(outward.T, (len(nodes), 1))
 
 
 def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
@@ -369,7 +380,7 @@ def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
 def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
     """Refuse polygons in place of arcs: two normals at each vertex would pin it."""
     _, _, outward = facet_geometry(dofs.body, facets)
-    start, _, end = dofs.facet_nodes(facets)
+    start, *_, end = dofs.facet_nodes(facets)
     nodes, normals = np.concatenate([start, end]), np.tile(outward, 2).T
     order = np.argsort(nodes, kind="stable")
     same = nodes[order][1:] == nodes[order][:-1]

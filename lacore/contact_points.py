@@ -15,7 +15,7 @@ from math import inf
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.contact_geometry import Segments, interface_segments
 from lacore.dofs import BodyDofs
 from lacore.frame_dofs import FrameDofs
@@ -38,12 +38,20 @@ class ContactPoints:
 
     Attributes:
         position, normal: shape (m, 2); `normal` from the master into the slave.
+        moving: what moves continuously there of the slave and of the master, see
+            `BodyDofs.moving`; an obstacle is -1, shape (m, 2).
         names: of the interfaces and joints that `ContactRows.interface` counts.
     """
 
     position: Floats
     normal: Floats
+    moving: Ints
     names: tuple[str, ...]
+
+    def kept(self, mask: Bools) -> "ContactPoints":
+        """Those of a mask of shape (m,)."""
+        arrays = (self.position[mask], self.normal[mask], self.moving[mask])
+        return ContactPoints(*arrays, self.names)
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,7 @@ class _Station:
 
     position: Floats
     normal: Floats
+    moving: Ints
     weights: Floats
     interface: Ints
     laws: _Laws
@@ -107,7 +116,9 @@ def contact_rows(
         interface=np.concatenate(numbers),
     )
     position = np.concatenate([np.zeros((0, 2)), *(part.position for part in stations)])
-    return rows, ContactPoints(position, normal, tuple(names))
+    none = np.zeros((0, 2), dtype=np.int64)
+    moving = np.concatenate([none, *(part.moving for part in stations)])
+    return rows, ContactPoints(position, normal, moving, tuple(names))
 
 
 def _interface(interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int) -> _Station:
@@ -166,13 +177,13 @@ def _stations(
         places.append(middle)
     copies = len(places)
     position, normal = np.concatenate(places, axis=1), np.tile(segments.normal, copies)
-    moving = [dofs.moving(parts) for dofs, parts in sides]
+    moving = moving_sides(sides, count)
     size = float(np.ptp(position, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
     key = np.column_stack(
         [
             np.tile(interface, copies),
             np.repeat(np.arange(copies) // 2, count),
-            *(np.tile(part, copies) for part in moving),
+            np.tile(moving, (copies, 1)),
             np.round(position.T / (_SAME_PLACE * size)),
             np.round(normal.T, _SAME_NORMAL),
         ]
@@ -183,9 +194,18 @@ def _stations(
     return _Station(
         position=position[:, first].T,
         normal=normal[:, first].T,
+        moving=moving[at],
         weights=np.bincount(point.ravel(), np.tile(length / copies, copies)).astype(np.float64),
         interface=interface[at],
         laws=_Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
         x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
         y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
     )
+
+
+def moving_sides(sides: Sequence[tuple[Dofs, Ints]], count: int) -> Ints:
+    """What moves continuously on both sides of segments, shape (count, 2); an obstacle is -1."""
+    moving = np.full((count, 2), -1, dtype=np.int64)
+    for column, (dofs, parts) in enumerate(sides):
+        moving[:, column] = dofs.moving(parts)
+    return moving

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from lacore.arrays import Floats, Ints
 from lacore.assembly import Discretisation
 from lacore.contact_geometry import Segments, interface_segments
-from lacore.contact_points import Dofs
+from lacore.contact_points import Dofs, moving_sides
 from lacore.dofs import BodyDofs
 from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
@@ -100,9 +100,6 @@ def segmented_contacts(
     """
     d = state.discretisation
     dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies, **d.frames}
-    blocks = np.full((2, d.full.contact.count), -1)
-    for rigid_side in rigid_sides(d):
-        blocks[rigid_side.side, rigid_side.points] = rigid_side.blocks
     interfaces, joints = [], []
     for index, interface in enumerate(d.problem.interfaces):
         segments = interface_segments(interface, d.problem.bodies, f"Problem.interfaces[{index}]")
@@ -112,7 +109,7 @@ def segmented_contacts(
             master = dofs[interface.master[0]]
             sides.append((master, master.parts(segments.master)))
         number = np.full(segments.slave.size, index)
-        interfaces.append(_read(state, interface.name, segments, sides, number, blocks, fastest))
+        interfaces.append(_read(state, interface.name, segments, sides, number, fastest))
     first = len(d.problem.interfaces)
     for name, rigid in d.assemblies.items():
         own = rigid.body.joints
@@ -122,7 +119,7 @@ def segmented_contacts(
         segments = Segments(edges, edges, own.start, own.end, own.normal)
         sides = [(rigid, own.slave), (rigid, own.master)]
         number = first + np.arange(own.count)
-        joints.append(_read(state, name, segments, sides, number, blocks, fastest))
+        joints.append(_read(state, name, segments, sides, number, fastest))
         first += own.count
     return interfaces, joints
 
@@ -170,10 +167,9 @@ def _read(
     segments: Segments,
     sides: Sequence[tuple[Dofs, Ints]],
     number: Ints,
-    blocks: Ints,
     fastest: float,
 ) -> SegmentedContact:
-    rows = _control_points(state.discretisation, segments, sides, number, blocks)
+    rows = _control_points(state.discretisation, segments, sides, number)
     table, found = state.reactions, rows >= 0
     count = np.maximum(found.sum(axis=0), 1)
 
@@ -201,7 +197,6 @@ def _control_points(
     segments: Segments,
     sides: Sequence[tuple[Dofs, Ints]],
     number: Ints,
-    blocks: Ints,
 ) -> Ints:
     """Contact points of segments, (copies, k): both ends, and the middle of quadratic jumps.
 
@@ -213,19 +208,16 @@ def _control_points(
     places = [start, end, (start + end) / 2]
     places = places[: 1 if min(degrees) == 0 else 1 + max(degrees)]
     size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max()) or 1.0
-    part = np.full((2, number.size), -1)
-    for side, (dofs, parts) in enumerate(sides):
-        if isinstance(dofs, RigidDofs):
-            part[side] = parts
+    moving = moving_sides(sides, number.size)
 
-    def key(place: Floats, normal: Floats, number: Ints, part: Ints) -> Floats:
-        return np.column_stack([place.T / size, normal.T, number, part.T])
+    def key(place: Floats, normal: Floats, number: Ints, moving: Ints) -> Floats:
+        return np.column_stack([place.T / size, normal.T, number, moving])
 
-    points = d.points
-    tree = cKDTree(key(points.position.T, points.normal.T, d.full.contact.interface, blocks))
-    wanted = [key(place, segments.normal, number, part) for place in places]
+    points, rows = d.points, d.full.contact
+    tree = cKDTree(key(points.position.T, points.normal.T, rows.interface, points.moving))
+    wanted = [key(place, segments.normal, number, moving) for place in places]
     _, found = tree.query(np.stack(wanted), distance_upper_bound=_SAME)
-    return np.where(found < d.full.contact.count, found, -1)
+    return np.where(found < rows.count, found, -1)
 
 
 def _velocity(state: LimitState, dofs: Dofs, parts: Ints, points: Floats) -> Floats:

@@ -8,18 +8,18 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known
 
-KINEMATICS = ("plane_strain",)
+KINEMATICS = ("plane_strain", "plane_stress")
 
 
 @dataclass(frozen=True)
 class ConicForm:
-    """Dissipation ``D = bound * ||rows @ eps||`` with, where given, ``volumetric @ eps = 0``.
+    """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``.
 
     `eps` is the strain rate in engineering components (xx, yy, gamma_xy), unit 1/s.
 
     Attributes:
         rows: cone rows, shape (dim, 3).
-        volumetric: row of theta = tr eps, shape (3,).
+        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (3,).
         bound: largest norm of the conjugate stress, Pa.
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
@@ -30,6 +30,34 @@ class ConicForm:
     volumetric: Floats
     bound: float
     volumetric_factor: float
+
+    @property
+    def compressible(self) -> bool:
+        """Whether the plane velocity may change areas: plane stress."""
+        return not np.any(self.volumetric)
+
+    def stress(self, conjugate: Floats, mean: Floats) -> Floats:
+        """Stresses (xx, yy, zz, xy), shape (m, 4), Pa, tension positive.
+
+        Args:
+            conjugate: of `rows`, shape (m, dim), Pa.
+            mean: of `volumetric`, shape (m,), Pa; in plane strain also sigma_zz (T1).
+        """
+        plane = conjugate @ self.rows + mean[:, None] * self.volumetric
+        out = np.zeros_like(mean) if self.compressible else mean
+        return np.column_stack([plane[:, :2], out, plane[:, 2]])
+
+    def across(self) -> "ConicForm":
+        """The same for a layer in which only ``(eps_nn, gamma_nt)`` vary: a velocity jump (T23).
+
+        `rows` and `volumetric` act on these two. Of an isotropic criterion.
+        """
+        axes = np.array([0, 2])
+        rows, factor = self.rows[:, axes], self.volumetric_factor
+        if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
+            factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
+            rows = rows * np.array([0.0, 1.0])
+        return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
 
 
 @dataclass(frozen=True)
@@ -76,8 +104,19 @@ class VonMises:
         return self.yield_stress / sqrt(3)
 
     def conic_form(self, kinematics: str) -> ConicForm:
-        """Cone of the dissipation: plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0."""
+        """Cone of the dissipation (T1).
+
+        Plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0; plane stress
+        ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume.
+        """
         require_known("Body.kinematics", kinematics, KINEMATICS)
+        if kinematics == "plane_stress":
+            return ConicForm(
+                rows=np.array([[2.0, 1.0, 0.0], [0.0, sqrt(3), 0.0], [0.0, 0.0, 1.0]]),
+                volumetric=np.zeros(3),
+                bound=self.k,
+                volumetric_factor=0.0,
+            )
         return ConicForm(
             rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),
             volumetric=np.array([1.0, 1.0, 0.0]),

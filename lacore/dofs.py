@@ -9,7 +9,7 @@ from skfem import Basis
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies import Body
-from lacore.spaces import SPACES
+from lacore.spaces import SPACES, VelocitySpace
 
 _ROUND_OFF = 1e-13  # of a shape function
 
@@ -20,8 +20,10 @@ class BodyDofs:
 
     Attributes:
         body: the body.
-        nodes: coordinates of the P2 nodes, vertices first, then edge midpoints, shape (2, nodes).
+        nodes: coordinates of its nodes, shape (2, nodes): vertices, then edge midpoints, then
+            centres; where velocities jump, those of the first element, then of the second, ...
         dofs: unknowns (x, y) of each node, shape (2, nodes).
+        element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
         first_node: number of the body's first node among those of all bodies.
         basis: scikit-fem basis at the strain points; its dofs start at `offset`.
         offset: number of the body's first unknown.
@@ -30,10 +32,20 @@ class BodyDofs:
     body: Body
     nodes: Floats
     dofs: Ints
+    element_nodes: Ints
     first_node: int
     basis: Basis
     offset: int
-    degree = 2  # of the velocity along an edge
+
+    @property
+    def space(self) -> VelocitySpace:
+        """The velocity space."""
+        return SPACES[self.body.space]
+
+    @property
+    def degree(self) -> int:
+        """Of the velocity along an edge."""
+        return self.space.degree
 
     @property
     def strength(self) -> float:
@@ -43,23 +55,28 @@ class BodyDofs:
     @property
     def extent(self) -> float:
         """Area, m^2."""
-        return float(self.basis.dx.sum())
+        return float(self.areas.sum())
+
+    @property
+    def areas(self) -> Floats:
+        """Areas of the elements, shape (elements,), m^2."""
+        return np.asarray(self.basis.dx.sum(axis=1))
 
     def parts(self, facets: Ints) -> Ints:
         """The facets themselves: velocities differ from one to the next."""
         return facets
 
     def moving(self, facets: Ints) -> Ints:
-        """What moves continuously: all of the body is one."""
-        return np.zeros_like(facets)
+        """What moves continuously: all of the body is one, or each element for itself."""
+        return self.body.mesh.f2t[0, facets] if self.space.jumps else np.zeros_like(facets)
 
     def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
         """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n)."""
         nodes = self.facet_nodes(facets)
-        start, _, end = (self.nodes[:, node] for node in nodes)
+        start, end = self.nodes[:, nodes[0]], self.nodes[:, nodes[-1]]
         along = end - start
         s = np.sum((points - start) * along, axis=0) / np.sum(along**2, axis=0)
-        shape = np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
+        shape = edge_shapes(s, self.degree)
         kept = np.abs(shape) >= _ROUND_OFF
         first = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
         x, y = (
@@ -68,11 +85,36 @@ class BodyDofs:
         )
         return x, y
 
-    def facet_nodes(self, facets: Ints) -> Ints:
-        """The body's nodes (start, midpoint, end) on facets, shape (3, n)."""
+    def facet_nodes(self, facets: Ints, side: int = 0) -> Ints:
+        """Nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
+
+        Args:
+            facets: of the mesh.
+            side: of which of the two elements at a facet; a boundary facet has only 0.
+        """
         mesh = self.body.mesh
-        start, end = mesh.facets[:, facets]
-        return np.stack([start, facets + mesh.p.shape[1], end]).astype(np.int64)
+        element = mesh.f2t[side, facets]
+        corners = len(mesh.t)
+
+        def local(numbers: Ints, wanted: Ints) -> Ints:
+            return np.asarray(np.argmax(numbers[:, element] == wanted, axis=0))
+
+        nodes = [local(mesh.t, end) for end in mesh.facets[:, facets]]
+        if self.degree == 2:
+            nodes.insert(1, corners + local(mesh.t2f, facets))
+        return np.asarray(self.element_nodes[np.stack(nodes), element])
+
+    def vertex_nodes(self, vertex: int) -> Ints:
+        """The nodes at a vertex of the mesh: one, or one in each element."""
+        mesh = self.body.mesh
+        return np.unique(self.element_nodes[: len(mesh.t)][mesh.t == vertex])
+
+
+def edge_shapes(s: Floats, degree: int) -> Floats:
+    """Shape functions of nodes along an edge at shares `s` of its length, (s, degree + 1)."""
+    if degree == 1:
+        return np.stack([1 - s, s], axis=1)
+    return np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
 
 
 def number(bodies: Mapping[str, Body]) -> dict[str, BodyDofs]:
@@ -81,14 +123,15 @@ def number(bodies: Mapping[str, Body]) -> dict[str, BodyDofs]:
     first_node = 0
     for name, body in bodies.items():
         basis = SPACES[body.space].basis(body.mesh)
-        dofs = np.concatenate([basis.nodal_dofs, basis.facet_dofs], axis=1).astype(np.int64)
+        # scikit-fem numbers the components of a node one after the other.
         numbered[name] = BodyDofs(
             body=body,
-            nodes=basis.doflocs[:, dofs[0]],
-            dofs=dofs + 2 * first_node,
+            nodes=basis.doflocs[:, ::2],
+            dofs=2 * first_node + np.arange(basis.N, dtype=np.int64).reshape(-1, 2).T,
+            element_nodes=basis.element_dofs[::2].astype(np.int64) // 2,
             first_node=first_node,
             basis=basis,
             offset=2 * first_node,
         )
-        first_node += dofs.shape[1]
+        first_node += basis.N // 2
     return numbered

@@ -6,6 +6,7 @@ Any `skfem.MeshTri` with named boundaries serves as well.
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite, log1p, pi
+from typing import Any
 
 import numpy as np
 from skfem import MeshQuad, MeshTri
@@ -92,7 +93,24 @@ def rectangle(
     Raises:
         InputError: see `graded`.
     """
-    mesh = _cells(x, y, nx, ny, grade_x, grade_y).to_meshtri(style="x" if crossed else None)
+    cells = _cells(x, y, nx, ny, grade_x, grade_y)
+    return _named(cells.to_meshtri(style="x" if crossed else None))
+
+
+def quadrilaterals(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    nx: int,
+    ny: int,
+    grade_x: tuple[float, float] | None = None,
+    grade_y: tuple[float, float] | None = None,
+) -> MeshQuad:
+    """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries."""
+    return _named(_cells(x, y, nx, ny, grade_x, grade_y))
+
+
+def _named(mesh: Any) -> Any:
+    """A mesh of a rectangle with its sides named."""
     # By exact coordinates: the default names of scikit-fem go by `numpy.isclose` and take in facets
     # beside the boundary where cells are long and thin or far from the origin.
     left, bottom = mesh.p.min(axis=1)

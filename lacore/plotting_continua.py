@@ -1,5 +1,7 @@
 """Pictures of continua: deformed meshes coloured by the density of dissipation."""
 
+from itertools import pairwise
+
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
@@ -7,8 +9,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from lacore.arrays import Floats, Ints
-from lacore.dofs import BodyDofs
+from lacore.arrays import Floats
+from lacore.dofs import BodyDofs, edge_shapes
 from lacore.result import LimitState
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
@@ -62,12 +64,10 @@ def boundary_lines(body: BodyDofs) -> list[Floats]:
     return list(mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(2, 1, 0))
 
 
-def _edge_curve(start: Floats, middle: Floats, end: Floats) -> Floats:
-    """Points on the quadratic edge through three nodes, shape (_SIDES, edges, 2), without end."""
-    s = np.linspace(0, 1, _SIDES, endpoint=False)[:, None, None]
-    return np.asarray(
-        (1 - s) * (1 - 2 * s) * start.T + 4 * s * (1 - s) * middle.T + s * (2 * s - 1) * end.T
-    )
+def _edge_curve(places: Floats) -> Floats:
+    """Points on edges through nodes of shape (2, nodes, edges): (_SIDES + 1, edges, 2)."""
+    shape = edge_shapes(np.linspace(0, 1, _SIDES + 1), places.shape[1] - 1)
+    return np.asarray(np.einsum("sn,xne->sex", shape, places))
 
 
 def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
@@ -77,7 +77,7 @@ def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
     friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())
     powers = zip(state.discretisation.bodies.values(), state.dissipation.values(), strict=True)
-    plastic = sum(float((body.basis.dx.sum(axis=1) * power).sum()) for body, power in powers)
+    plastic = sum(float(body.areas @ power) for body, power in powers)
     if plastic <= _RIGID_SHARE * (program.plastic_dissipation(point.velocity) + friction):
         return None
     peak = float(density.max())
@@ -88,20 +88,14 @@ def _deformed(body: BodyDofs, velocity: Floats, stretch: float) -> tuple[Floats,
     """Boundary edges and element outlines of the deformed mesh, as polylines."""
     mesh = body.body.mesh
     moved = body.nodes + stretch * velocity
-    vertices = mesh.p.shape[1]
-
-    def curve(start: Ints, end: Ints, facet: Ints) -> Floats:
-        return _edge_curve(moved[:, start], moved[:, facet + vertices], moved[:, end])
-
-    # scikit-fem numbers the edges of a triangle (0, 1), (1, 2), (0, 2).
-    t, edge = mesh.t.astype(np.int64), mesh.t2f.astype(np.int64)
-    sides = [
-        curve(t[0], t[1], edge[0]),
-        curve(t[1], t[2], edge[1]),
-        curve(t[2], t[0], edge[2]),
+    corners = len(mesh.t)
+    ring = [*range(corners), 0]
+    # scikit-fem numbers the edges of a polygon (0, 1), (1, 2), ..., (0, last).
+    along = [
+        [start, corners + number, end] if body.degree == 2 else [start, end]
+        for number, (start, end) in enumerate(pairwise(ring))
     ]
+    sides = [_edge_curve(moved[:, body.element_nodes[nodes]])[:-1] for nodes in along]
     faces = np.concatenate(sides).transpose(1, 0, 2)
-    outer = mesh.boundary_facets()
-    start, end = mesh.facets[:, outer]
-    outline = np.concatenate([curve(start, end, outer), moved[:, end].T[None]])
+    outline = _edge_curve(moved[:, body.facet_nodes(mesh.boundary_facets())])
     return outline.transpose(1, 0, 2), faces

@@ -87,7 +87,7 @@ class LimitState:
     def velocity(self) -> dict[str, Floats]:
         """Velocity by body, normalised by ``F0.u = 1``: only its shape has a meaning.
 
-        Of a continuum at the P2 nodes (vertices, then edge midpoints), shape (2, nodes), m/s. Of
+        Of a continuum at its nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Of
         rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
         shape (3, blocks). Of a frame the same of its nodes, shape (3, nodes).
         """
@@ -99,32 +99,36 @@ class LimitState:
 
     @property
     def stress(self) -> dict[str, Floats]:
-        """Stress (xx, yy, zz, xy) at the strain points of continua, shape (elements, 3, 4), Pa.
+        """Stress (xx, yy, zz, xy) at the strain points of continua, (elements, q, 4), Pa.
 
         Tension is positive.
         """
         point = self._point()
         result = {}
-        # Hinges come after the continua.
-        for name, s, p in zip(
-            self.discretisation.bodies, point.stress, point.mean_stress, strict=False
+        # Jumps and hinges come after the continua.
+        for (name, dofs), s, p in zip(
+            self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
         ):
-            # Conjugate to (eps_xx - eps_yy, gamma): s_xx = -s_yy = s[0], s_xy = s[1], s_zz = 0.
-            parts = np.stack([p + s[:, 0], p - s[:, 0], p, s[:, 1]], axis=-1)
-            result[name] = parts.reshape(-1, 3, 4)
+            form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+            result[name] = form.stress(s, p).reshape(dofs.body.mesh.nelements, -1, 4)
         return result
 
     @property
     def dissipation(self) -> dict[str, Floats]:
-        """Plastic power of elements per area by continuum, shape (elements,), W/m^2 at F0.u = 1."""
-        u = self._point().velocity
-        return {
-            name: group.dissipation(u).reshape(-1, 3).sum(axis=1)
-            / group.weights.reshape(-1, 3).sum(axis=1)
-            for name, group in zip(
-                self.discretisation.bodies, self.discretisation.full.groups, strict=False
-            )
+        """Plastic power of elements per area by continuum, shape (elements,), W/m^2 at F0.u = 1.
+
+        That of a velocity jump goes to both elements, half each.
+        """
+        u, d = self._point().velocity, self.discretisation
+        power = {
+            name: group.dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
+            for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=False)
         }
+        for name, jumps in d.jumps.items():
+            halves = jumps.group.dissipation(u) / 2
+            for side in jumps.elements:
+                np.add.at(power[name], side, halves)
+        return {name: value / d.bodies[name].areas for name, value in power.items()}
 
     @property
     def hinges(self) -> pd.DataFrame:

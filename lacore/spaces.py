@@ -1,16 +1,23 @@
-"""Velocity spaces (T22): where strain rates are taken, and with which weights.
+"""Velocity spaces (T22-T24): their elements, where strain rates are taken, what they prove.
 
-`p2-vertex`: continuous P2 on straight triangles, cone and incompressibility terms at the three
-vertices, weights A/3. The strain rate is linear in a triangle, so theta = 0 at the vertices is
-theta = 0 everywhere, and the vertex sum over-estimates the convex dissipation: strict upper
-bounds (Makrodimopoulos & Martin 2007).
-`p2-gauss`: the same velocities, the interior 3-point rule: more accurate, and not a bound.
+A space is strict where its dissipation is nowhere below that of the continuum at any velocity it
+holds, and its velocities are admissible: each element by the vertex rule, or of constant strain.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import (
+    Basis,
+    Element,
+    ElementDG,
+    ElementQuad2,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    Mesh,
+)
+from skfem.mesh import MeshQuad1, MeshTri1
 
 from lacore.arrays import Floats
 
@@ -21,30 +28,50 @@ class VelocitySpace:
 
     Attributes:
         name: as given to ``Body(space=...)``.
-        points: strain points on the reference triangle, shape (2, q).
+        mesh: the type of mesh that it lives on.
+        element: of one velocity component.
+        degree: of the velocity along an element edge.
+        points: strain points on the reference element, of equal weight, shape (2, q).
         strict: whether its dissipation is never below that of the continuum.
+        jumps: whether velocities jump from element to element (T23).
+        locks: whether incompressibility locks it on general meshes (T24).
     """
 
     name: str
+    mesh: type[Mesh]
+    element: Element
+    degree: int
     points: Floats
     strict: bool
+    jumps: bool = False
+    locks: bool = False
 
-    def basis(self, mesh: MeshTri) -> Basis:
+    def basis(self, mesh: Mesh) -> Basis:
         """scikit-fem basis whose quadrature points are the strain points, of equal weight."""
         count = self.points.shape[1]
+        area = 0.5 if self.mesh is MeshTri1 else 1.0  # of the reference element
         return Basis(
             mesh,
-            ElementVector(ElementTriP2()),
-            quadrature=(self.points, np.full(count, 0.5 / count)),
+            ElementVector(self.element),
+            quadrature=(self.points, np.full(count, area / count)),
         )
 
+
+_VERTICES = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+_INSIDE = np.array([[1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
+_CENTRE = np.array([[1 / 3], [1 / 3]])
+_LOW, _HIGH = 0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)
+_GAUSS = np.array([[_LOW, _HIGH, _HIGH, _LOW], [_LOW, _LOW, _HIGH, _HIGH]])
+_P1, _P2 = ElementTriP1(), ElementTriP2()
 
 SPACES = {
     space.name: space
     for space in (
-        VelocitySpace("p2-vertex", np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), strict=True),
-        VelocitySpace(
-            "p2-gauss", np.array([[1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]]), strict=False
-        ),
+        VelocitySpace("p2-vertex", MeshTri1, _P2, 2, _VERTICES, strict=True),
+        VelocitySpace("p2-gauss", MeshTri1, _P2, 2, _INSIDE, strict=False),
+        VelocitySpace("p2-disc", MeshTri1, ElementDG(_P2), 2, _VERTICES, strict=True, jumps=True),
+        VelocitySpace("p1-disc", MeshTri1, ElementDG(_P1), 1, _CENTRE, strict=True, jumps=True),
+        VelocitySpace("p1", MeshTri1, _P1, 1, _CENTRE, strict=True, locks=True),
+        VelocitySpace("q2", MeshQuad1, ElementQuad2(), 2, _GAUSS, strict=False),
     )
 }

@@ -13,6 +13,7 @@ from tests.lacore.models import obstacle
 # Kinematic values of single solves agree to the solver's gap, below 1e-7 on this mesh; those of the
 # loop to 1e-5 (residuals below 1e-6, T15).
 SOLVED, LOOPED = 1e-6, 1e-5
+TRIANGULAR = ["p2-vertex", "p2-gauss", "p2-disc", "p1-disc", "p1"]
 MESH = la.meshes.rectangle((0, 2), (0, 1), 4, 2, grade_x=(0.0, 2.0))
 MIDDLE = MESH.p[:, MESH.facets].mean(axis=1)
 MESH = MESH.with_boundaries({"guide": np.flatnonzero((MIDDLE[0] == 2) & (MIDDLE[1] > 0.5))})
@@ -72,7 +73,7 @@ def base():
     return {
         (coupling, space): solved(coupling, space)
         for coupling in ("reaction", "associated")
-        for space in ("p2-vertex", "p2-gauss")
+        for space in TRIANGULAR
     }
 
 
@@ -84,7 +85,7 @@ def base():
     stress=st.floats(-3, 9),
     load=st.floats(-3, 9),
     coupling=st.sampled_from(["reaction", "associated"]),
-    space=st.sampled_from(["p2-vertex", "p2-gauss"]),
+    space=st.sampled_from(TRIANGULAR),
 )
 def test_load_factor(base, angle, shift, length, stress, load, coupling, space):
     other = problem(angle, shift, 10**length, 10**stress, 10**load, space, coupling == "associated")

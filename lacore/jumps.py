@@ -1,0 +1,116 @@
+"""Velocity jumps between the elements of a body, as dissipation like any other (T23).
+
+A jump over an edge of length L is a layer of thickness L with the strain rate
+``sym(n (x) [u])/L``: the criterion says what it costs, per volume L^2. Its cones stand at the
+Bernstein control values of the jump along the edge, L/(degree + 1) each: of a linear jump the ends,
+of a quadratic one also ``2 [u]_mid - ([u]_start + [u]_end)/2``. The jump is a convex combination
+of them, so that their sum is never below the dissipation, and ``[u_n] = 0`` holds along the whole
+edge. The thickness cancels from all powers; only the regularised law sees it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix, vstack
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.dofs import BodyDofs
+from lacore.program import DissipationGroup
+
+CONTROL = {
+    1: np.eye(2),
+    2: np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]]),
+}
+"""Bernstein control values from the values at the nodes of an edge, by degree."""
+_ROUND_OFF = 1e-12  # of the entries of a row
+
+
+@dataclass(frozen=True)
+class Jumps:
+    """The velocity jumps of a body.
+
+    Attributes:
+        group: their dissipation; cone by cone along each edge.
+        elements: on both sides of each cone, shape (2, m).
+    """
+
+    group: DissipationGroup
+    elements: Ints
+
+    def kept(self, mask: Bools) -> "Jumps":
+        """Those of a mask of shape (m,)."""
+        group = replace(
+            self.group,
+            rows=self.group.rows[np.repeat(mask, self.group.dim)],
+            weights=self.group.weights[mask],
+            bound=self.group.bound[mask],
+            volumetric=self.group.volumetric[mask],
+        )
+        return Jumps(group, self.elements[:, mask])
+
+
+def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
+    """All jumps of a body with a discontinuous space, for n unknowns."""
+    mesh = dofs.body.mesh
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    first, second = (_control_values(dofs, inner, side, n) for side in (0, 1))
+    x, y = (csr_matrix(b - a) for a, b in zip(first, second, strict=True))
+    copies = dofs.degree + 1
+    facets = np.repeat(inner, copies)
+    along = mesh.p[:, mesh.facets[1, facets]] - mesh.p[:, mesh.facets[0, facets]]
+    length = np.linalg.norm(along, axis=0)
+
+    def across(direction: Floats) -> Sparse:
+        share = direction / length**2
+        return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
+
+    opening, slip = across(np.stack([along[1], -along[0]])), across(along)
+    form = dofs.body.criterion.conic_form(dofs.body.kinematics).across()
+    dim, count = form.rows.shape[0], length.size
+    order = np.arange(dim * count).reshape(dim, count).T.ravel()
+    rows = vstack([a * opening + b * slip for a, b in form.rows], format="csr")[order]
+    volumetric = csr_matrix(form.volumetric[0] * opening + form.volumetric[1] * slip)
+    for matrix in (rows, volumetric):
+        matrix.eliminate_zeros()
+    group = DissipationGroup(
+        name=f"{name}: jumps",
+        rows=csr_matrix(rows),
+        dim=dim,
+        weights=length**2 / copies,
+        bound=np.full(count, form.bound),
+        volumetric=volumetric,
+        volumetric_factor=form.volumetric_factor,
+    )
+    return Jumps(group, mesh.f2t[:, facets].astype(np.int64))
+
+
+def movable(group: DissipationGroup, basis: Sparse) -> Bools:
+    """Cones that supports and footings leave something of, shape (m,).
+
+    The others would say ``0 = 0``, with a multiplier that is any number.
+
+    Args:
+        group: for all unknowns.
+        basis: of the free velocities, see `lacore.elimination.free_basis`.
+    """
+    left = np.zeros(group.weights.size)
+    for rows, dim in ((group.rows, group.dim), (group.volumetric, 1)):
+        entries = np.asarray(abs(csr_matrix(rows @ basis)).sum(axis=1))
+        left += entries.reshape(left.size, dim).sum(axis=1)
+    return np.asarray(left > _ROUND_OFF * left.max(initial=0.0))
+
+
+def _control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
+    """Rows of u_x and u_y at the control values of facets, facet by facet."""
+    nodes = dofs.facet_nodes(facets, side)
+    control = CONTROL[dofs.degree]
+    shape = (facets.size, *control.shape)
+    values = np.broadcast_to(control, shape).ravel()
+    start = np.arange(facets.size * shape[1] + 1) * shape[2]
+    return [
+        csr_matrix(
+            (values, np.broadcast_to(own[nodes].T[:, None], shape).ravel(), start),
+            (start.size - 1, n),
+        )
+        for own in dofs.dofs
+    ]
