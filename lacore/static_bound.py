@@ -78,8 +78,7 @@ class LowerBound:
             self.model.bodies.items(), point.stress, point.mean_stress, strict=True
         ):
             form = dofs.body.criterion.conic_form(dofs.body.kinematics)
-            xx, yy, xy = (s @ form.rows + p[:, None] * form.volumetric).T
-            result[name] = np.stack([xx, yy, p, xy], axis=-1).reshape(-1, 3, 4)
+            result[name] = form.stress(s, p).reshape(-1, 3, 4)
         return result
 
     @property

@@ -30,6 +30,12 @@ class _Station:
     sides: tuple[tuple[float, Ints], ...]  # sign and node of the velocities that make the jump
     terms: Floats  # coefficient, limit, dilatancy
 
+    @property
+    def moving(self) -> Ints:
+        """See `ContactPoints`: each facet has nodes of its own."""
+        slave, *master = (nodes for _, nodes in self.sides)
+        return np.stack([slave, master[0] if master else np.full_like(slave, -1)], axis=1)
+
 
 def traction_rows(
     interfaces: Sequence[Interface], bodies: Mapping[str, EquilibriumDofs], n: int
@@ -79,7 +85,9 @@ def traction_rows(
         dilatancy=terms[:, 2],
         interface=np.repeat(np.arange(len(stations)), np.array(count, dtype=np.int64)),
     )
-    return rows, ContactPoints(position, normal, tuple(i.name for i in interfaces))
+    none = np.zeros((0, 2), dtype=np.int64)
+    moving = np.concatenate([none, *(s.moving for s in stations)])
+    return rows, ContactPoints(position, normal, moving, tuple(i.name for i in interfaces))
 
 
 def _station(interface: Interface, bodies: Mapping[str, EquilibriumDofs], field: str) -> _Station:

@@ -104,7 +104,7 @@ def static_model(problem: Problem) -> StaticModel:
         full=full,
         program=program,
         bodies=bodies,
-        points=replace(points, position=points.position[kept], normal=points.normal[kept]),
+        points=points.kept(kept),
         natural=Scales(
             length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
             stress=sqrt(3) * max(dofs.body.criterion.k for dofs in bodies.values()),

@@ -275,6 +275,27 @@ def test_plane_stress_is_weaker_than_plane_strain():
     assert np.sqrt(3) < plate < whole
 
 
+@pytest.mark.parametrize("kinematics", ["plane_strain", "plane_stress"])
+def test_lower_bounds_are_below_every_strict_space(kinematics):
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 3, 3)
+
+    def plate(space):
+        return la.Problem(
+            {"plate": la.Body(mesh, CRITERION, space=space, kinematics=kinematics)},
+            [la.Traction("plate", "right", (1, 0.3))],
+            supports=[la.Fix("plate", "left")],
+        )
+
+    lower = la.lower_bound(plate("p2-vertex"), throw=True)
+    assert np.any(lower.stress["plate"][..., 2]) == (kinematics == "plane_strain")
+    for space in STRICT:
+        assert la.solve(plate(space), throw=True).load_factor > lower.load_factor
+    upper = la.solve(plate("p2-vertex"), throw=True)
+    gaps = la.gap_identity(upper, lower)
+    assert gaps.total == pytest.approx(upper.load_factor - lower.load_factor, rel=1e-5)
+    assert gaps.least >= -1e-9
+
+
 # Contact and results.
 
 
