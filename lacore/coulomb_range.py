@@ -195,11 +195,11 @@ def coulomb_range(
                 coupling="certified",
                 regularised=False,
                 build_time=first.build_time,
-                solve_time=time.perf_counter() - begin,
                 options=options or {},
                 tolerance=tolerance,
             ),
             load_factor=end.load_factor * scale,
+            solve_time=time.perf_counter() - begin,
         )
     nothing = np.inf if first.status is Status.LOCKED else np.nan
     return CoulombRange(

@@ -136,10 +136,10 @@ def solve(
         coupling=coupling,
         regularised=regularised,
         build_time=build_time,
-        solve_time=time.perf_counter() - built,
         options=options or {},
         tolerance=tolerance,
     )
+    state = replace(state, solve_time=time.perf_counter() - built)
     if throw and state.status is not Status.SOLVED:
         raise SolveError(state.message, state)
     return state
@@ -172,11 +172,13 @@ def limit_state(
     coupling: str,
     regularised: bool,
     build_time: float,
-    solve_time: float,
     options: Mapping[str, Any],
     tolerance: float,
 ) -> LimitState:
-    """The end of a loop on a dimensionless program as a state of its problem, in SI units."""
+    """The end of a loop on a dimensionless program as a state of its problem, in SI units.
+
+    Its `solve_time` is NaN: the solve has not ended yet.
+    """
     final, scales = coupled.final, program.scales
     inner, point, certificate = final.inner, final.state, final.certificate
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
@@ -217,7 +219,7 @@ def limit_state(
         regularised=_in_si(inner.regularised, scales),
         history=history,
         build_time=build_time,
-        solve_time=solve_time,
+        solve_time=np.nan,
         options=dict(options),
         tolerance=tolerance,
         message=message,
