@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
 from lacore.arrays import Floats, Sparse
-from lacore.linear_algebra import SingularError, symmetric_solver
+from lacore.linear_algebra import SingularError, SuperLU
 from lacore.program import KinematicProgram
 from lacore.state import ProgramState, out_of_balance
 
@@ -40,7 +40,7 @@ def in_equilibrium(program: KinematicProgram, state: ProgramState) -> ProgramSta
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
     matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
     matrix.sort_indices()
-    solver = symmetric_solver()
+    solver = SuperLU()  # once: others are still loading when it is through
     try:
         solver.factorise(matrix)
 

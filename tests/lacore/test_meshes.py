@@ -1,4 +1,4 @@
-"""Meshes: graded rows, rectangles, the quarter ring."""
+"""Meshes: graded rows, rectangles, fans, the quarter ring, split elements."""
 
 import numpy as np
 import pytest
@@ -135,3 +135,66 @@ def test_quarter_ring_of_cells_thinner_than_their_bulge():
     # Half the thickness, 1/32, is below the bulge R (1 - cos(pi/16)) = 0.038 of the outer arc.
     mesh = la.meshes.quarter_ring(1.0, 2.0, 16, 4)
     la.Body(mesh, la.VonMises(shear_strength=1.0), geometry="approximated")
+
+
+@given(
+    place=st.sampled_from([0.0, 0.3, 1.0]),
+    height=st.sampled_from([0.0, 0.6, 1.0]),
+    sectors=st.integers(8, 20).map(lambda half: 2 * half),
+    rings=st.integers(1, 12),
+    cross=st.booleans(),
+)
+def test_fan(place, height, sectors, rings, cross):
+    """A whole rectangle of proper elements, its sides named, equal sectors at the point."""
+    at = (4 * place, -2 + 2 * height)
+    mesh = la.meshes.fan((0, 4), (-2, 0), at, sectors, rings, crossed=cross)
+    la.Body(mesh, la.VonMises(shear_strength=1.0))  # no gaps, nothing folded
+    area = np.abs(areas(mesh))
+    assert area.sum() == pytest.approx(8.0, rel=ROUND_OFF)
+    named = np.concatenate(list(mesh.boundaries.values()))
+    assert np.array_equal(np.sort(named), mesh.boundary_facets())
+    (centre,) = np.flatnonzero((mesh.p[0] == at[0]) & (mesh.p[1] == at[1]))
+    around = mesh.t[:, (mesh.t == centre).any(axis=0)]
+    spokes = np.setdiff1d(around, centre)
+    if rings > 1:
+        turn = np.sort(np.arctan2(*(mesh.p[:, spokes] - mesh.p[:, [centre]])[::-1]))
+        gaps = np.diff(np.append(turn, turn[0] + 2 * np.pi))
+        inside = gaps[gaps < np.pi / 4]  # the others are outside of the rectangle
+        # Rays bend in proportion to the square of the distance, by half a sector at the end.
+        reach = np.linalg.norm(mesh.p[:, spokes] - mesh.p[:, [centre]], axis=0).max()
+        assert np.allclose(inside, np.pi / sectors, rtol=reach, atol=ROUND_OFF)
+    full = {0: 2 * sectors, 1: sectors, 2: sectors // 2}[
+        sum(v in (0.0, 1.0) for v in (place, height))
+    ]
+    assert around.shape[1] == full
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"at": (5, 0)}, "outside"),
+        ({"sectors": 7}, "even"),
+        ({"sectors": 2}, "even"),
+        ({"rings": 0}, "at least one"),
+        ({"y": (-0.01, 0)}, "too few for the corners"),
+    ],
+)
+def test_fan_refuses(change, words):
+    given_ = {"x": (0, 4), "y": (-2, 0), "at": (1, 0), "sectors": 8, "rings": 4}
+    with pytest.raises(la.InputError, match=words):
+        la.meshes.fan(**(given_ | change))
+
+
+def test_split_keeps_the_boundary():
+    mesh = la.meshes.rectangle((0, 2), (0, 1), 3, 2, crossed=False)
+    finer = la.meshes.split(mesh, [0, 3, 3])
+    assert finer.nelements == mesh.nelements + 4
+    assert np.abs(areas(finer)).sum() == pytest.approx(2.0, rel=ROUND_OFF)
+    for name, facets in mesh.boundaries.items():
+        middle, its = (
+            m.p[:, m.facets[:, f]].mean(axis=1)
+            for m, f in ((mesh, facets), (finer, finer.boundaries[name]))
+        )
+        assert np.array_equal(middle, its)
+    with pytest.raises(la.InputError, match="not elements"):
+        la.meshes.split(mesh, [mesh.nelements])
