@@ -49,7 +49,7 @@ def plan(
     known = catalogue() if known is None else known
     if list(backends) == ["all"]:
         backends = la.backend_names()
-    check_names(backends, couplings)
+    check_names(backends, couplings, meshes, known)
     return [
         planned(case, variant, mesh, backend, coupling)
         for case, variants in pick(names, known)
@@ -60,8 +60,17 @@ def plan(
     ]
 
 
-def check_names(backends: Sequence[str], couplings: Sequence[str]) -> None:
-    """Raise `InputError` on an unknown name; of a missing backend the rows say so."""
+def check_names(
+    backends: Sequence[str], couplings: Sequence[str], meshes: Sequence[str], known: Catalogue
+) -> None:
+    """Raise `InputError` on an unknown name; of a missing backend the rows say so.
+
+    Rigid bodies have no meshes, and run whatever level is asked for; one that no case at all has is
+    a slip of the keyboard.
+    """
+    levels = {level for case in (*catalogue().values(), *known.values()) for level in case.meshes}
+    for name in meshes:
+        require_known("mesh", name, levels)
     for name in backends:
         with suppress(la.CapabilityError):
             load_backend(name)

@@ -27,9 +27,8 @@ from distributed import (
 )
 
 import lacore as la
-from lacore.child_process import ChildProcess
 from lacore.errors import InputError
-from verification.execution import TIME_LIMIT, OnStart, attempt, worker_process
+from verification.execution import TIME_LIMIT, OnStart, RunProcess, attempt
 from verification.harness import lost
 from verification.provenance import code_version
 from verification.run import Evidence, Outcome, Row, Run
@@ -54,8 +53,8 @@ class Children(WorkerPlugin):
         sys.path.extend(folder for folder in self._folders if folder not in sys.path)
         self._stop = threading.Event()
         self._lock = threading.Lock()
-        self._all: list[ChildProcess] = []
-        self._idle: list[ChildProcess] = []
+        self._all: list[RunProcess] = []
+        self._idle: list[RunProcess] = []
 
     def teardown(self, worker: Worker) -> None:
         """On the worker, at the end of the sweep or of the worker."""
@@ -69,7 +68,7 @@ class Children(WorkerPlugin):
     def perform(self, run: Run, time_limit: float) -> Outcome:
         """A run, in a process that has nothing else to do."""
         with self._lock:
-            child = self._idle.pop() if self._idle else worker_process()
+            child = self._idle.pop() if self._idle else RunProcess()
             if child not in self._all:
                 self._all.append(child)
         try:

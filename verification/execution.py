@@ -17,6 +17,7 @@ from lacore.child_process import (
     forget_peak_memory,
     peak_memory,
 )
+from verification.case import Case, is_of_lacore
 from verification.harness import Assembled, assemble, lost, perform
 from verification.run import Evidence, Outcome, Row, Run
 
@@ -56,17 +57,32 @@ class Worker:
         return outcome.row, outcome.evidence
 
 
-def worker_process() -> ChildProcess:
-    """A process that performs runs, on one thread."""
-    return ChildProcess(_WORKER, ONE_THREAD)
+class RunProcess(ChildProcess):
+    """A process that performs runs, on one thread.
+
+    A case that others wrote gets one of its own, and so does what comes after it: it may have left
+    any trace in an interpreter, from a path that is gone to settings that change numbers.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(_WORKER, ONE_THREAD)
+        self._case: Case | None = None
+
+    def perform(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
+        """As of `Worker`, within `limit` seconds; raises as `ask`."""
+        before, self._case = self._case or run.case, run.case
+        if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
+            self.close()
+        row, evidence = self.ask(limit, "perform", run, time_limit)
+        return row, evidence
 
 
-def attempt(child: ChildProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
+def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
     """A run in a process; of one that died it is tried again, unless all is to stop."""
     for tries_left in reversed(range(_ATTEMPTS)):
         try:
             limit = min(time_limit + GRACE, LONGEST)
-            row, evidence = child.ask(limit, "perform", run, time_limit)
+            row, evidence = child.perform(run, limit, time_limit)
         except LostError as error:
             if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
                 return lost(run, error.status, str(error))
@@ -89,8 +105,8 @@ def execute(
     `on_start` is called by threads of its own.
     """
     stop = threading.Event()
-    children = [worker_process() for _ in range(max(min(jobs, len(runs)), 1))]
-    idle: SimpleQueue[ChildProcess] = SimpleQueue()
+    children = [RunProcess() for _ in range(max(min(jobs, len(runs)), 1))]
+    idle: SimpleQueue[RunProcess] = SimpleQueue()
     for child in children:
         idle.put(child)
 

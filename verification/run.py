@@ -54,8 +54,8 @@ class Run:
 
     def problem(self) -> la.Problem:
         """The problem; two runs of one `problem_key` have the same."""
-        return self.case.build(
-            **{**self.case.meshes[self.mesh], **self.size}, **self.variant.parameters
+        return self.case.problem_of(
+            {**self.case.meshes[self.mesh], **self.size}, self.variant.parameters
         )
 
     @property

@@ -56,7 +56,7 @@ def plan(
     """
     known = catalogue() if known is None else known
     backends = la.backend_names() if list(backends) == ["all"] else backends
-    check_names(backends, couplings)
+    check_names(backends, couplings, meshes, known)
     picked = pick(names, known)
     chosen = {
         case.id: list(

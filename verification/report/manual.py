@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from verification.case import KINDS, Case, Variant
+from verification.checks import said
 from verification.compare import tally
 from verification.report import document
 from verification.report.blocks import (
@@ -33,6 +34,7 @@ from verification.report.tables import VERDICTS
 from verification.run import Outcome
 from verification.sketches import sketch_of
 
+_NO_KIND = "others"
 _BACK = Pages([Page("All cases", "index.html")])
 
 
@@ -72,8 +74,8 @@ def contents(
 ) -> Document:
     """The page that leads to all others, cases by kind."""
     sections = []
-    for kind in KINDS:
-        own = [case for case in cases if next(tag for tag in case.tags if tag in KINDS) == kind]
+    for kind in (*KINDS, _NO_KIND):
+        own = [case for case in cases if _kind(case) == kind]
         if own:
             pages = [Page(case.title, file_of(case), _standing(case, outcomes)) for case in own]
             sections.append(Section(f"kind-{kind}", kind.capitalize(), [Pages(pages)]))
@@ -84,6 +86,11 @@ def contents(
         f" {len(outcomes)} runs: {count.text}.",
         sections=[*sections, Section("machine", "Machine and versions", [Facts(provenance)])],
     )
+
+
+def _kind(case: Case) -> str:
+    """The first of its tags that is one of `KINDS`; cases of others need not have any."""
+    return next((tag for tag in case.tags if tag in KINDS), _NO_KIND)
 
 
 def _standing(case: Case, outcomes: Sequence[Outcome]) -> str:
@@ -101,7 +108,7 @@ def page_of(
         if outcome.row.n_elements == outcome.row.n_elements
     }
     sections = [
-        Section("problem", "The problem", [Gallery([_sketch(case)])]),
+        Section("problem", "The problem", [_sketch(case)]),
         Section("theory", "Why it is so", [description(case, case.variants, elements)]),
         Section("settings", "Settings", [_variants_table(case), *_meshes(case)]),
     ]
@@ -128,11 +135,15 @@ def _checks_table(checks: pd.DataFrame) -> Table:
     return Table(columns, checks)
 
 
-def _sketch(case: Case) -> Picture:
-    """The problem of the first variant, drawn from its model."""
+def _sketch(case: Case) -> Block:
+    """The problem of the first variant, drawn from its model; or why it cannot be."""
     variant = case.variants[0]
     caption = f"{variant.name}, drawn from the model"
-    return Picture(f"sketch-{slug(case.id)}", caption, png(sketch_of(case, variant)))
+    try:
+        data = png(sketch_of(case, variant))
+    except Exception as error:  # whatever others wrote: the rest of the page is there
+        return Text(said(error), lead=f"{variant.name} cannot be drawn")
+    return Gallery([Picture(f"sketch-{slug(case.id)}", caption, data)])
 
 
 def _variants_table(case: Case) -> Table:

@@ -6,6 +6,7 @@ from math import isfinite, isnan, nan
 import pandas as pd
 
 from verification.case import EXACT, SOLVER, Case
+from verification.checks import said
 from verification.compare import Tally as Verdicts
 from verification.compare import efforts, tally
 from verification.evidence import restored
@@ -29,6 +30,7 @@ from verification.report.blocks import (
     Section,
     Table,
     Tally,
+    Text,
     slug,
 )
 from verification.report.description import description, lead
@@ -167,7 +169,10 @@ def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
         blocks.append(Details(title, [certificates]))
-    return [*blocks, Gallery([*_charts(case, outcomes), *_mechanisms(outcomes)])]
+    drawn = list(_mechanisms(outcomes))
+    pictures = [item for item in drawn if isinstance(item, Picture)]
+    missing = [item for item in drawn if isinstance(item, Text)]
+    return [*blocks, Gallery([*_charts(case, outcomes), *pictures]), *missing]
 
 
 def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
@@ -177,13 +182,17 @@ def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
         yield Drawing(f"{case.id}-sweep", text, chart)
 
 
-def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture]:
+def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
+    """Pictures of mechanisms; of a state that does not go with its case any more, why not."""
     shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
     for name, outcome in shown[:MECHANISMS]:
-        state = restored(outcome.run, outcome.row, outcome.evidence)
         caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
         file = f"{slug(outcome.run.case.id)}-{slug(name)}"
-        yield Picture(file, caption, png(state.plot(), dpi=90))
+        try:
+            state = restored(outcome.run, outcome.row, outcome.evidence)
+            yield Picture(file, caption, png(state.plot(), dpi=90))
+        except Exception as error:  # of a case that was changed since, or whatever others wrote
+            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
 
 
 def _rules() -> Html:

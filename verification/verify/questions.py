@@ -1,16 +1,15 @@
 """What is asked of which case with which backend, and the runs that it takes."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from math import isnan
 
 import lacore as la
-from lacore.solving import strict_bound
 from verification.case import Case, Reference, Variant
 from verification.catalogue import Catalogue
 from verification.compare import is_regularised, plan
 from verification.run import Run
+from verification.verify.nature import nature_of
 
 CHECKS: Mapping[str, str] = {
     "value": "the load factor lies in the band of the reference",
@@ -110,7 +109,7 @@ def _quick(runs: Sequence[Run]) -> list[Run]:
 def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
     """Questions on a variant; `each`: whether each exact backend is asked for the order."""
     case, variant = runs[0].case, runs[0].variant
-    nature = _nature(case, variant, runs[0].mesh)
+    nature = nature_of(case, variant, runs[0].mesh)
     solvers: dict[tuple[str, str | None], list[Run]] = {}
     for run in runs:
         solvers.setdefault((run.backend, run.coupling), []).append(run)
@@ -150,21 +149,6 @@ def _ladder(run: Run) -> Iterator[Question]:
                 for size in order.meshes
             ),
         )
-
-
-@dataclass(frozen=True)
-class _Nature:
-    """Of a problem: whether the dissipation is an upper bound, and no friction is Coulomb's."""
-
-    strict: bool = False
-    normal: bool = False
-
-
-def _nature(case: Case, variant: Variant, mesh: str) -> _Nature:
-    with suppress(Exception):  # whatever others wrote: the rows will say so
-        found = la.discretise(case.problem(variant, mesh))
-        return _Nature(strict_bound(found), not found.full.contact.coulomb.any())
-    return _Nature()
 
 
 def _reference(case: Case, variant: Variant, coupling: str) -> Reference:

@@ -1,0 +1,42 @@
+"""What a problem is like, before it is solved: which sides its values must lie on."""
+
+from dataclasses import dataclass
+
+import lacore as la
+from lacore.child_process import START, ChildProcess
+from lacore.solving import strict_bound
+from verification.case import Case, Variant, is_of_lacore
+
+_WORKER = "verification.verify.nature:Worker"
+
+
+@dataclass(frozen=True)
+class Nature:
+    """Of a problem: whether the dissipation is an upper bound, and no friction is Coulomb's."""
+
+    strict: bool = False
+    normal: bool = False
+
+
+class Worker:
+    """In a process of its own."""
+
+    def nature(self, case: Case, variant: Variant, mesh: str) -> Nature:
+        """Of a problem, built here."""
+        found = la.discretise(case.problem(variant, mesh))
+        return Nature(strict_bound(found), not found.full.contact.coulomb.any())
+
+
+def nature_of(case: Case, variant: Variant, mesh: str) -> Nature:
+    """Of a variant; of one that cannot be built nothing is known, and its rows will say why.
+
+    What others wrote is built in a process of its own: it may hang, or end it.
+    """
+    try:
+        if is_of_lacore(case):
+            return Worker().nature(case, variant, mesh)
+        with ChildProcess(_WORKER) as process:
+            nature: Nature = process.ask(START, "nature", case, variant, mesh)
+            return nature
+    except Exception:  # lost processes, and whatever others wrote
+        return Nature()
