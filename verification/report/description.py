@@ -11,6 +11,11 @@ def lead(case: Case) -> str:
     return f"{case.id} · {', '.join(case.tags)} · load factor in {case.unit}"
 
 
+def counted(number: int, noun: str) -> str:
+    """``1 case``, ``2 cases``."""
+    return f"{number} {noun}" + ("" if number == 1 else "s")
+
+
 def description(case: Case, variants: Sequence[Variant], elements: Mapping[str, int]) -> Columns:
     """Explanation beside calculation by hand, references, and what error is allowed.
 

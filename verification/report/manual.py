@@ -27,7 +27,7 @@ from verification.report.blocks import (
     Text,
     slug,
 )
-from verification.report.description import description, lead
+from verification.report.description import counted, description, lead
 from verification.report.figures import png
 from verification.report.page import results_frame, results_of
 from verification.report.tables import VERDICTS
@@ -82,8 +82,8 @@ def contents(
     count = tally(outcomes)
     return Document(
         title="Verification manual",
-        lead=f"{len(cases)} cases with their references and how these are found by hand;"
-        f" {len(outcomes)} runs: {count.text}.",
+        lead=f"{counted(len(cases), 'case')} with their references and how these are found by hand;"
+        f" {counted(len(outcomes), 'run')}: {count.text}.",
         sections=[*sections, Section("machine", "Machine and versions", [Facts(provenance)])],
     )
 

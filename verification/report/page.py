@@ -33,7 +33,7 @@ from verification.report.blocks import (
     Text,
     slug,
 )
-from verification.report.description import description, lead
+from verification.report.description import counted, description, lead
 from verification.report.figures import finest_exact, png, sweep_chart
 from verification.report.studies import studies
 from verification.report.tables import RUN, certificates_table, reasons_table, results_table
@@ -61,8 +61,9 @@ def compared(
     seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
     return Document(
         title=title,
-        lead=f"{len(cases)} cases, {len(outcomes)} runs, {seconds:.0f} s of solving. Each load"
-        " factor links to its certificate: residuals recomputed from velocity, stress, reactions.",
+        lead=f"{counted(len(cases), 'case')}, {counted(len(outcomes), 'run')},"
+        f" {seconds:.0f} s of solving. Each load factor links to its certificate: residuals"
+        " recomputed from velocity, stress, reactions.",
         summary=list(_summary(outcomes, results)),
         sections=[
             Section("cases", "Cases at a glance", [_cases_table(cases)]),

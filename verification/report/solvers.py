@@ -1,5 +1,6 @@
 """Section on solvers side by side: profiles, means, what they claim and what is right, cost."""
 
+import numpy as np
 import pandas as pd
 
 from verification.analysis import (
@@ -11,10 +12,11 @@ from verification.analysis import (
     shifted_geometric_means,
 )
 from verification.report import charts
-from verification.report.blocks import Anchor, Column, Drawing, Section, Table
+from verification.report.blocks import Anchor, Column, Drawing, Section, Table, Text
 from verification.report.tables import RUN
 
 SHIFT = 0.1  # s: solves that take much less count alike
+_TITLE = "Solvers side by side"
 _SOLVER = (Column("backend"), Column("coupling"))
 
 
@@ -36,12 +38,16 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
         f" {len(found.cost)} problems shown, those that nobody solved"
         f" ({found.nobody} in all) are {'kept' if unsolved == 'keep' else 'left out'}."
     )
+    if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # charts would be empty
+        return Section(
+            "solvers", _TITLE, [Text("None of the runs is solved."), _rates_table(rates(results))]
+        )
     chart = charts.profile(performance_profile(found), charts.FACTOR)
     caption = "Share of problems solved within a factor of the fastest solver"
     means = shifted_geometric_means(found, SHIFT, limit)
     return Section(
         "solvers",
-        "Solvers side by side",
+        _TITLE,
         [
             Drawing("profile", caption, chart, filters),
             _means_table(means, "Shifted geometric means of the time to solve, same filters"),
