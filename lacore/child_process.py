@@ -171,6 +171,7 @@ def serve(worker_name: str) -> None:
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_read_all, args=(requests, inbox), daemon=True).start()
     worker: Any = None
+    me = os.getpid()
     while True:
         try:
             limit, kind, *arguments = pickle.loads(inbox.get())
@@ -182,6 +183,8 @@ def serve(worker_name: str) -> None:
             answer = pickle.dumps(getattr(worker, kind)(*arguments) if kind else None)
         except Exception as error:  # the caller's to handle
             answer = _pickled(error)
+        if os.getpid() != me:  # a copy that the work has forked must not answer, too
+            os._exit(0)
         faulthandler.cancel_dump_traceback_later()
         _send(answers, answer)
 

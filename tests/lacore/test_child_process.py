@@ -1,0 +1,46 @@
+"""A process of its own: answers belong to their questions."""
+
+import os
+import sys
+import time
+
+import pytest
+
+from lacore.child_process import ChildProcess
+from tests.processes import alive, marked, wait_for
+
+
+class Worker:
+    """The other side."""
+
+    def echo(self, value):
+        return value
+
+    def fork(self, value):
+        """Both copies come back from it, the copy a little later."""
+        if os.fork() == 0:
+            time.sleep(0.2)
+        return value
+
+
+@pytest.fixture
+def child():
+    with ChildProcess(f"{__name__}:Worker") as process:
+        yield process
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork")
+def test_a_copy_that_work_has_forked_does_not_answer(child):
+    with marked() as mark:
+        assert child.ask(60.0, "fork", 1) == 1
+        wait_for(lambda: len(alive(mark)) == 1)  # the copy has had its time, and is gone
+        assert [child.ask(60.0, "echo", n) for n in range(5)] == list(range(5))
+
+
+def test_an_environment_of_its_own(child):
+    assert not child.running
+    assert child.ask(60.0, "echo", "first") == "first"
+    assert child.running
+    child.close()
+    assert not child.running
+    assert child.ask(60.0, "echo", "again") == "again"
