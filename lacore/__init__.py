@@ -14,6 +14,7 @@ from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Interface, RigidObstacle, Tresca
 from lacore.intervals import Interval
 from lacore.isolation import SolverProcess
+from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem
 from lacore.result import LimitState
@@ -53,6 +54,7 @@ __all__ = [
     "Status",
     "Traction",
     "Tresca",
+    "UpperBound",
     "VonMises",
     "backend_names",
     "coulomb_range",
@@ -63,4 +65,5 @@ __all__ = [
     "masonry",
     "meshes",
     "solve",
+    "upper_bound",
 ]

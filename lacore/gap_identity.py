@@ -9,11 +9,10 @@ from lacore.arrays import Floats
 from lacore.dofs import BodyDofs
 from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
+from lacore.kinematic_bound import UpperBound, by_weights, plastic_power
 from lacore.result import LimitState
 from lacore.static_bound import LowerBound
 from lacore.status import Status
-
-_SPACE = "p2-vertex"
 
 
 @dataclass(frozen=True)
@@ -45,44 +44,42 @@ class GapIdentity:
         )
 
 
-def gap_identity(upper: LimitState, lower: LowerBound) -> GapIdentity:
-    """Element gaps ``A/3 sum_i D(eps_i) - int sigma : eps`` of two bounds on the same meshes.
+def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdentity:
+    """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
-    Strain rates of the upper bound, stresses of the lower one; interfaces have
-    ``w limit ||u_t|| + int t.u``.
+    Velocities and dissipation of the upper bound, that of velocity jumps half to either side;
+    stresses of the lower one. Interfaces have ``w limit ||u_t|| + int t.u``.
 
     Raises:
-        InputError: other meshes, a velocity space that is not ``p2-vertex``, friction that is
-            frozen by a loop, a bound that is not there.
+        InputError: other meshes, a velocity space that gives no bounds, Coulomb friction, a bound
+            that is not there.
     """
     _check(upper, lower)
-    program, static = upper.discretisation.full, lower.model.full
-    assert upper.point is not None
-    assert lower.point is not None
-    velocity = upper.point.velocity / float(program.reference_load @ upper.point.velocity)
-    bodies = upper.discretisation.bodies
+    discretisation, static, t = upper.discretisation, lower.model.full, lower.point
+    program = discretisation.full
+    assert t is not None
+    if isinstance(upper, UpperBound):
+        velocity, dissipation = upper.velocity, upper.dissipation
+    else:
+        assert upper.point is not None
+        velocity = upper.point.velocity
+        velocity = velocity / float(program.reference_load @ velocity)
+        dissipation = plastic_power(discretisation, velocity, by_weights)
     restricted = np.zeros(static.n)
     for name, multipliers in lower.model.bodies.items():
-        nodes, values = _restriction(bodies[name], multipliers, velocity)
+        nodes, values = restriction(discretisation.bodies[name], multipliers, velocity)
         restricted[2 * nodes], restricted[2 * nodes + 1] = values
     elements = {}
-    for name, kinematic, group, s, p in zip(
-        lower.model.bodies,
-        program.groups,
-        static.groups,
-        lower.point.stress,
-        lower.point.mean_stress,
-        strict=True,
+    for name, group, s, p in zip(
+        lower.model.bodies, static.groups, t.stress, t.mean_stress, strict=True
     ):
         power = np.sum(s * group.cone_vectors(restricted), axis=1)
-        power += p * (group.volumetric @ restricted)
-        local = kinematic.dissipation(velocity) - group.weights * power
-        elements[name] = local.reshape(-1, 3).sum(axis=1)
+        power = group.weights * (power + p * (group.volumetric @ restricted))
+        elements[name] = dissipation[name] - power.reshape(-1, 3).sum(axis=1)
 
-    rows = program.contact
+    rows, contact = program.contact, static.contact
     limit = np.where(np.isfinite(rows.limit), rows.limit, 0.0)
     friction = rows.weights * limit * np.linalg.norm(rows.slip(velocity), axis=1)
-    contact, t = static.contact, lower.point
     pressed = t.normal_reaction * contact.opening(restricted)
     pressed += np.sum(t.tangential_reaction * contact.slip(restricted), axis=1)
     names = lower.model.points.names
@@ -96,27 +93,40 @@ def gap_identity(upper: LimitState, lower: LowerBound) -> GapIdentity:
     )
 
 
-def _restriction(
+def restriction(
     dofs: BodyDofs, multipliers: EquilibriumDofs, velocity: Floats
 ) -> tuple[Floats, Floats]:
-    """Nodes of the multipliers that do the power of a P2 velocity on linear stresses, and values.
+    """Nodes of the multipliers that do the power of a velocity on linear stresses, and values.
 
-    ``2/L int N_i u ds = (u_i + 2 u_mid)/3`` at the ends of facets, and the mean over elements,
-    that of their midside nodes.
+    ``2/L int N_i u ds`` at the ends of facets and means over elements. Of velocities that jump the
+    mean of both sides, which gives each element half the power of the jump.
+
+    Returns:
+        Nodes, shape (k,), and velocities, shape (2, k).
     """
     mesh = dofs.body.mesh
-    u = velocity[dofs.dofs]
+    u = velocity[dofs.dofs][:, dofs.element_nodes]  # (2, nodes of an element, elements)
+    corner, middle = u[:, :3], u[:, 3:]
+    quadratic = dofs.degree > 1
+    total = np.zeros((2, 2, mesh.nfacets))  # components, ends
+    for j, (a, b) in enumerate(mesh.elem.refdom.facets):
+        for i, k in ((a, b), (b, a)):
+            facets = mesh.t2f[j]
+            end = (mesh.facets[1, facets] == mesh.t[i]).astype(np.int64)
+            other = middle[:, j] - corner[:, i] / 2 if quadratic else corner[:, k] / 2
+            for axis in (0, 1):
+                share = corner[axis, i] + other[axis]
+                np.add.at(total[axis], (end, facets), share * 2 / 3)
+    sides = 1 + (mesh.f2t[1] >= 0)
+    mean = (middle if quadratic else corner).mean(axis=1)
     facets = np.arange(mesh.nfacets)
-    start, middle, end = (u[:, nodes] for nodes in dofs.facet_nodes(facets))
-    mean = u[:, mesh.p.shape[1] + mesh.t2f].mean(axis=1)
     nodes = np.concatenate([multipliers.facet_nodes(facets).ravel(), multipliers.element_nodes])
-    values = np.concatenate([(start + 2 * middle) / 3, (end + 2 * middle) / 3, mean], axis=1)
-    return nodes, values
+    return nodes, np.concatenate([(total / sides).reshape(2, -1), mean], axis=1)
 
 
-def _check(upper: LimitState, lower: LowerBound) -> None:
+def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
     for field, bound in (("upper", upper), ("lower", lower)):
-        if bound.status is not Status.SOLVED or bound.point is None:
+        if bound.status is not Status.SOLVED:
             raise InputError(
                 field, bound.status.label, "there is no bound", "look at its message for the reason"
             )
@@ -124,7 +134,7 @@ def _check(upper: LimitState, lower: LowerBound) -> None:
     if contact.coulomb.any():
         raise InputError(
             "upper",
-            upper.coupling,
+            None,
             "Coulomb friction has no bounds whose difference could be split",
             "state Coulomb(mu, associated=True) for both",
         )
@@ -136,12 +146,12 @@ def _check(upper: LimitState, lower: LowerBound) -> None:
             "take one problem",
         )
     for name, dofs in continua.items():
-        if dofs.body.space != _SPACE:
+        if not dofs.space.strict:
             raise InputError(
                 "upper",
                 dofs.body.space,
-                "element gaps need strain rates at the vertices",
-                f"solve with Body(space={_SPACE!r})",
+                "its dissipation is no bound, so that shares could be negative",
+                "solve with Body(space='p2-vertex'), or another space of upper bounds",
             )
         mesh, other = dofs.body.mesh, lower.model.bodies[name].body.mesh
         same = np.array_equal(mesh.t, other.t) and np.array_equal(mesh.p, other.p)

@@ -35,7 +35,7 @@ def test_bounds(problem, capsys):
     names = {"la": la, "problem": problem, "state": la.solve(problem)}
     exec(BOUNDS, names)
     assert "strict lower bound" in capsys.readouterr().out
-    gap = names["state"].load_factor - names["lower"].load_factor
+    gap = names["upper"].load_factor - names["lower"].load_factor
     assert names["gaps"].total == pytest.approx(gap, rel=1e-5)
 
 

@@ -1,0 +1,187 @@
+"""Strict upper bounds from velocities that are admissible to round-off (T15b, T22, T26c)."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.assembly import Discretisation
+from lacore.certificate import certify
+from lacore.conversion import point_in_program
+from lacore.errors import InputError, SolveError
+from lacore.problem import Problem
+from lacore.program import DissipationGroup, associated_contact, dimensionless
+from lacore.result import LimitState
+from lacore.solving import solve, strict_bound
+from lacore.status import Rigor, Status
+from lacore.velocity_projection import admissible_velocity
+
+_ROUND_OFF = 1e-12  # of the largest strain rate or velocity: what counts as exact
+_PARTS = 8  # into which the edges of an element are divided
+
+
+@dataclass(frozen=True)
+class UpperBound:
+    """A kinematically admissible velocity, and the load factor that it proves.
+
+    Attributes:
+        status: SOLVED where the velocity is admissible; else as the solve ended.
+        load_factor: alpha, no smaller than that of the continuum where `rigor` says so; NaN unless
+            SOLVED, or +inf where LOCKED.
+        rigor: what the load factor proves.
+        divergence, penetration: recomputed as in `Certificate`, at most 1e-12 where SOLVED.
+        velocity: all unknowns, m/s at ``F0.u = 1``, shape (n,).
+        dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
+            load factors; half of that of a velocity jump on either side.
+        state: the solve that it was made of; its load factor is that of the vertex rule.
+    """
+
+    status: Status
+    load_factor: float
+    rigor: Rigor
+    divergence: float
+    penetration: float
+    velocity: Floats
+    dissipation: Mapping[str, Floats]
+    state: LimitState
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The assembled problem."""
+        return self.state.discretisation
+
+
+def upper_bound(
+    problem: Problem | Discretisation | LimitState,
+    backend: str = "clarabel",
+    *,
+    options: Mapping[str, Any] | None = None,
+    throw: bool = False,
+) -> UpperBound:
+    """Strict upper bound of the load factor of a problem, with the velocity that proves it.
+
+    The solver's velocity is projected onto what is admissible, and its dissipation integrated anew:
+    on the lattice of each element the vertex rule of T22 is above the integral of the convex
+    dissipation too, and much closer.
+
+    Args:
+        problem: the problem, its discretisation, or a state that was found before.
+        backend, options, throw: see `lacore.solve`; unused with a state.
+
+    Raises:
+        InputError: Coulomb friction, which has no bounds; what `lacore.solve` refuses.
+        SolveError: see `throw`.
+    """
+    if isinstance(problem, LimitState):
+        state = problem
+    else:
+        state = solve(problem, backend, "associated", options=options, throw=throw)
+    discretisation = state.discretisation
+    if discretisation.full.contact.coulomb.any():
+        raise InputError(
+            "Problem.interfaces",
+            state.coupling,
+            "Coulomb friction is not associated, and the bound theorems do not hold with it",
+            "give Coulomb(mu, associated=True); `solve` with coupling='associated' has an upper"
+            " bound of every Coulomb load factor",
+        )
+    if state.point is None or state.status is not Status.SOLVED:
+        return _unbounded(state)
+    program = dimensionless(discretisation.program, discretisation.natural)
+    point = point_in_program(discretisation, state.point)
+    point = replace(point, velocity=admissible_velocity(program, point.velocity))
+    seen = certify(program, point, associated_contact(program.contact))
+    velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
+    velocity /= float(discretisation.full.reference_load @ velocity)
+    power = plastic_power(discretisation, velocity, on_lattice)
+    proves = seen.divergence <= _ROUND_OFF and seen.penetration <= _ROUND_OFF
+    rigor = Rigor.NOT_CERTIFIED
+    if proves:
+        rigor = Rigor.UPPER if strict_bound(discretisation) else Rigor.DISCRETE
+    full = discretisation.full
+    hinges = full.groups[len(discretisation.bodies) + len(discretisation.jumps) :]
+    load_factor = (
+        sum(float(part.sum()) for part in power.values())
+        + sum(float(group.dissipation(velocity).sum()) for group in hinges)
+        + full.friction_dissipation(velocity, full.contact.limit)
+        - float(full.dead_load @ velocity)
+    )
+    bound = UpperBound(
+        status=Status.SOLVED if proves else Status.NOT_CERTIFIED,
+        load_factor=load_factor if proves else np.nan,
+        rigor=rigor,
+        divergence=float(seen.divergence),
+        penetration=float(seen.penetration),
+        velocity=velocity,
+        dissipation=power,
+        state=state,
+    )
+    if throw and not proves:
+        raise SolveError(f"{bound.status.label}: {bound.status.value}", bound)
+    return bound
+
+
+def _unbounded(state: LimitState) -> UpperBound:
+    nothing = np.full(state.discretisation.full.n, np.nan)
+    return UpperBound(
+        status=state.status,
+        load_factor=state.load_factor,
+        rigor=Rigor.NOT_CERTIFIED,
+        divergence=np.nan,
+        penetration=np.nan,
+        velocity=nothing,
+        dissipation={},
+        state=state,
+    )
+
+
+Rule = Callable[[DissipationGroup, Floats, int], Floats]
+
+
+def plastic_power(
+    discretisation: Discretisation, velocity: Floats, at_vertices: Rule
+) -> dict[str, Floats]:
+    """Plastic power of elements by continuum, that of jumps half to either side.
+
+    Args:
+        discretisation: the problem.
+        velocity: all unknowns.
+        at_vertices: `by_weights`, or `on_lattice` where strain rates are known at vertices.
+    """
+    power = {}
+    for (name, dofs), group in zip(
+        discretisation.bodies.items(), discretisation.full.groups, strict=False
+    ):
+        known = dofs.space.strict and group.weights.size == 3 * dofs.areas.size
+        rule = at_vertices if known else by_weights
+        power[name] = rule(group, velocity, dofs.areas.size)
+    for name, jumps in discretisation.jumps.items():
+        halves = jumps.group.dissipation(velocity) / 2
+        for side in jumps.elements:
+            np.add.at(power[name], side, halves)
+    return power
+
+
+def by_weights(group: DissipationGroup, velocity: Floats, elements: int) -> Floats:
+    """That of the program."""
+    return np.asarray(group.dissipation(velocity).reshape(elements, -1).sum(axis=1))
+
+
+def on_lattice(group: DissipationGroup, velocity: Floats, elements: int) -> Floats:
+    """Vertex rule on the lattice of similar triangles: above the integral of a convex function."""
+    corner = group.cone_vectors(velocity).reshape(elements, 3, group.dim)
+    places, share = lattice(_PARTS)
+    size = np.linalg.norm(np.einsum("pc,ecd->epd", places, corner), axis=2)
+    strength = (group.weights * group.bound).reshape(elements, 3).sum(axis=1)
+    return np.asarray(strength * (size @ share))
+
+
+def lattice(parts: int) -> tuple[Floats, Floats]:
+    """Barycentric coordinates, shape (p, 3), and weights of sum 1, by the triangles they are in."""
+    whole = np.array(
+        [(i, j, parts - i - j) for i in range(parts + 1) for j in range(parts + 1 - i)]
+    )
+    triangles = np.array([6, 3, 1])[(whole == 0).sum(axis=1)]
+    return whole / parts, triangles / (3 * parts**2)
