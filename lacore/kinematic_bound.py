@@ -11,6 +11,7 @@ from lacore.assembly import Discretisation
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.errors import InputError, SolveError
+from lacore.precision import exactness
 from lacore.problem import Problem
 from lacore.program import DissipationGroup, associated_contact, dimensionless
 from lacore.result import LimitState
@@ -18,7 +19,6 @@ from lacore.solving import solve, strict_bound
 from lacore.status import Rigor, Status
 from lacore.velocity_projection import admissible_velocity
 
-_ROUND_OFF = 1e-12  # of the largest strain rate or velocity: what counts as exact
 _PARTS = 8  # into which the edges of an element are divided
 
 
@@ -27,11 +27,14 @@ class UpperBound:
     """A kinematically admissible velocity, and the load factor that it proves.
 
     Attributes:
-        status: SOLVED where the velocity is admissible; else as the solve ended.
+        status: SOLVED where the velocity is admissible, however close to the best the solve came;
+            else as it ended.
         load_factor: alpha, no smaller than that of the continuum where `rigor` says so; NaN unless
             SOLVED, or +inf where LOCKED.
         rigor: what the load factor proves.
-        divergence, penetration: recomputed as in `Certificate`, at most 1e-12 where SOLVED.
+        divergence: what leaks, ``sum w |theta|``, per largest velocity and body length; at most
+            1e-12, or the precision of coordinates far from the origin, where SOLVED.
+        penetration: recomputed as in `Certificate`; at most the same.
         velocity: all unknowns, m/s at ``F0.u = 1``, shape (n,).
         dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
             load factors; half of that of a velocity jump on either side.
@@ -87,16 +90,19 @@ def upper_bound(
             "give Coulomb(mu, associated=True); `solve` with coupling='associated' has an upper"
             " bound of every Coulomb load factor",
         )
-    if state.point is None or state.status is not Status.SOLVED:
+    judged = state.status.has_point or state.status is Status.NOT_CERTIFIED
+    if state.point is None or not judged:
         return _unbounded(state)
     program = dimensionless(discretisation.program, discretisation.natural)
     point = point_in_program(discretisation, state.point)
     point = replace(point, velocity=admissible_velocity(program, point.velocity))
-    seen = certify(program, point, associated_contact(program.contact))
+    penetration = certify(program, point, associated_contact(program.contact)).penetration
+    leak = sum(float(g.weights @ np.abs(g.volumetric @ point.velocity)) for g in program.groups)
+    leak /= float(np.abs(point.velocity).max())
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
     power = plastic_power(discretisation, velocity, on_lattice)
-    proves = seen.divergence <= _ROUND_OFF and seen.penetration <= _ROUND_OFF
+    proves = max(leak, penetration) <= exactness(d.body for d in discretisation.bodies.values())
     rigor = Rigor.NOT_CERTIFIED
     if proves:
         rigor = Rigor.UPPER if strict_bound(discretisation) else Rigor.DISCRETE
@@ -112,8 +118,8 @@ def upper_bound(
         status=Status.SOLVED if proves else Status.NOT_CERTIFIED,
         load_factor=load_factor if proves else np.nan,
         rigor=rigor,
-        divergence=float(seen.divergence),
-        penetration=float(seen.penetration),
+        divergence=leak,
+        penetration=float(penetration),
         velocity=velocity,
         dissipation=power,
         state=state,

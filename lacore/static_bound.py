@@ -15,6 +15,7 @@ from lacore.certificate import Certificate, certify
 from lacore.dead_collapse import collapses
 from lacore.errors import CapabilityError, SolveError
 from lacore.isolation import preparing
+from lacore.precision import exactness, smallest_angle
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.projection import in_equilibrium
@@ -22,7 +23,6 @@ from lacore.state import ProgramState
 from lacore.static_model import StaticModel, static_model
 from lacore.status import Rigor, Status
 
-_EQUILIBRIUM = 1e-12  # of the total load: what counts as exact in double precision
 _TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
 
 
@@ -36,7 +36,8 @@ class LowerBound:
             or +inf where LOCKED.
         rigor: what the load factor proves.
         backend: its name.
-        certificate: recomputed residuals. Equilibrium (at most 1e-12), yield and cone (0) prove the
+        certificate: recomputed residuals. Equilibrium (at most 1e-12, or the
+            precision of coordinates far from the origin), yield and cone (0) prove the
             bound; gap, flow and those of the multipliers say how close it is to the best one of
             these elements. None where there is no state.
         history: one row an inner solve: margin taken off all strengths, load factors as solved and
@@ -139,6 +140,7 @@ def lower_bound(
     program = dimensionless(model.program, model.natural)
     built = time.perf_counter()
     check_capable(engine, program)
+    exact = exactness(dofs.body for dofs in model.bodies.values())
     attempts: list[_Attempt] = []
     status = Status.NOT_CERTIFIED
     with preparing(engine, engine_options) as prepare:
@@ -149,7 +151,7 @@ def lower_bound(
                 answer = solver.solve(associated_contact(less.contact))
             finally:
                 solver.close()
-            attempts.append(_attempt(program, margin, checked_answer(less, False, answer)))
+            attempts.append(_attempt(program, margin, checked_answer(less, False, answer), exact))
             if attempts[-1].proves:
                 status = Status.SOLVED
             if attempts[-1].proves or attempts[-1].state is None:
@@ -176,13 +178,14 @@ class _Attempt:
     before: Certificate | None
     after: Certificate | None
     projection_time: float
+    exact: float
 
     @property
     def proves(self) -> bool:
         """Whether the state is admissible."""
         after = self.after
         return after is not None and (
-            after.equilibrium <= _EQUILIBRIUM and after.yield_violation <= 0 and after.cone <= 0
+            after.equilibrium <= self.exact and after.yield_violation <= 0 and after.cone <= 0
         )
 
     def row(self, scale: float) -> dict[str, Any]:
@@ -205,9 +208,11 @@ class _Attempt:
         }
 
 
-def _attempt(program: KinematicProgram, margin: float, inner: InnerSolution) -> _Attempt:
+def _attempt(
+    program: KinematicProgram, margin: float, inner: InnerSolution, exact: float
+) -> _Attempt:
     if inner.point is None:
-        return _Attempt(margin, inner, None, None, None, 0.0)
+        return _Attempt(margin, inner, None, None, None, 0.0, exact)
     begin = time.perf_counter()
     laws = associated_contact(program.contact)
     state = in_equilibrium(program, within_friction(program, inner.point, margin))
@@ -220,6 +225,7 @@ def _attempt(program: KinematicProgram, margin: float, inner: InnerSolution) -> 
         before=certify(program, inner.point, laws),
         after=certify(program, state, laws),
         projection_time=time.perf_counter() - begin,
+        exact=exact,
     )
 
 
@@ -247,8 +253,18 @@ def _bound(
             "unsafe: no stress of these elements carries the dead loads; refine the mesh, unless"
             " `solve` finds that they collapse the structure"
         )
-    elif last.inner.status is not Status.SOLVED and last.state is not None:
-        message += f"; the solver itself says {last.inner.native_status!r}"
+    elif status is Status.NOT_CERTIFIED and last.after is not None:
+        angle = min(smallest_angle(dofs.body) for dofs in model.bodies.values())
+        message = (
+            f"not certified: stresses stay {last.after.equilibrium:.1e} of the load out of"
+            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; tighten the"
+            f" backend's tolerance, or mend the mesh (smallest angle {angle:.2g} degrees)"
+        )
+    elif status is Status.SOLVED and last.after is not None:
+        message = (
+            f"solved: admissible stresses prove it, about {last.after.gap:.1e} of the power below"
+            f" the best that these elements have; the solver says {last.inner.native_status!r}"
+        )
     if last.inner.message:
         message += f" ({last.inner.message})"
     return LowerBound(

@@ -12,7 +12,7 @@ from lacore.conversion import point_in_program
 from lacore.kinematic_bound import lattice
 from lacore.program import associated_contact, dimensionless
 from lacore.velocity_projection import admissible_velocity
-from tests.lacore.models import deformable_block, punch
+from tests.lacore.models import deformable_block, punch, square
 from tests.lacore.random_continua import problem as random_problem
 
 LAWS = [la.SMOOTH, la.STICK, la.Tresca(0.4), la.Coulomb(0.3, associated=True)]
@@ -87,14 +87,27 @@ def test_random_problems():
     assert proven >= 15
 
 
+def test_an_unfinished_solve_proves_a_worse_bound():
+    best = la.upper_bound(punch()).load_factor
+    early = la.upper_bound(punch(), options={"max_iterations": 8})
+    assert early.state.status is not la.Status.SOLVED
+    assert early.rigor is la.Rigor.UPPER
+    assert best < early.load_factor
+
+
 def test_what_has_no_bound():
     with pytest.raises(la.InputError, match="not associated"):
         la.upper_bound(deformable_block(0.3))
-    unfinished = la.upper_bound(punch(), options={"max_iterations": 1})
-    assert unfinished.status is la.Status.ITERATION_LIMIT
-    assert np.isnan(unfinished.load_factor)
-    assert unfinished.rigor is la.Rigor.NOT_CERTIFIED
+    pressed = la.Problem(
+        {"block": square()},
+        [la.Pressure("block", "top")],
+        [la.Fix("block", side, "normal") for side in ("left", "right", "bottom")],
+    )
+    locked = la.upper_bound(pressed)
+    assert locked.status is la.Status.LOCKED
+    assert locked.load_factor == np.inf
+    assert locked.rigor is la.Rigor.NOT_CERTIFIED
     with pytest.raises(la.SolveError):
-        la.upper_bound(punch(), options={"max_iterations": 1}, throw=True)
+        la.upper_bound(pressed, throw=True)
     discrete = la.upper_bound(punch(space="p2-gauss"))
     assert discrete.rigor is la.Rigor.DISCRETE

@@ -233,6 +233,40 @@ def test_loose_solves_are_bounds_too(tolerance, dead):
     assert loose >= best * (1 - 400 * tolerance)
 
 
+def test_an_unfinished_solve_proves_a_worse_bound():
+    early = la.lower_bound(punch(), options={"max_iterations": 3})
+    assert 3 < proven(early) < la.lower_bound(punch()).load_factor
+    assert "MaxIterations" in early.message
+
+
+def test_slivers_are_named():
+    """Cells a million times as long as wide: what cannot be proven says why."""
+    mesh = la.meshes.rectangle((0, 4), (-2, 0), 16, 10, grade_x=(1.0, 1e6), grade_y=(0.0, 1e6))
+    bound = la.lower_bound(replace(punch(), bodies={"soil": la.Body(mesh, CRITERION)}))
+    assert bound.status is la.Status.NOT_CERTIFIED
+    assert np.isnan(bound.load_factor)
+    assert "smallest angle" in bound.message
+
+
+def test_far_from_the_origin():
+    """At 10^6 times the size coordinates have 10 digits, which is what is then asked for."""
+    mesh = la.meshes.rectangle((0, 4), (-2, 0), 8, 4)
+    moved = replace(mesh, doflocs=mesh.p + np.array([[4e6], [0.0]]))
+
+    def stated(mesh, x0):
+        loads = [la.RigidFooting("soil", lambda x: (x[1] == 0) & (x[0] <= x0 + 1), (0, -1))]
+        return replace(punch(), bodies={"soil": la.Body(mesh, CRITERION)}, reference_loads=loads)
+
+    here, there = (proven_far(stated(m, x0)) for m, x0 in ((mesh, 0.0), (moved, 4e6)))
+    assert there == pytest.approx(here, rel=1e-8)
+
+
+def proven_far(stated):
+    bound = la.lower_bound(stated)
+    assert bound.rigor is la.Rigor.LOWER
+    return bound.load_factor
+
+
 def test_history_and_options():
     bound = la.lower_bound(
         punch(dead=[la.BodyForce("soil", (0, -1.0))]), options={"tolerance": 1e-8}
