@@ -1,6 +1,7 @@
 """Results as a table: typed, one row a finished run, and its exports."""
 
 from collections.abc import Iterable, Mapping
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,8 @@ def load_results(place: Path | str) -> pd.DataFrame:
 def load_outcomes(place: Path | str, known: Catalogue) -> tuple[list[Outcome], list[Entry]]:
     """The finished runs of a store with their cases; and those of cases that nobody knows here.
 
+    The first are in the order of the catalogue, its variants and meshes, then by what was set.
+
     Raises:
         InputError: as of `load_results`.
     """
@@ -45,7 +48,25 @@ def load_outcomes(place: Path | str, known: Catalogue) -> tuple[list[Outcome], l
             found.append(entry.outcome(_run(entry, known)))
         else:
             strange.append(entry)
-    return found, strange
+    order = {case_id: number for number, case_id in enumerate(known)}
+    return sorted(found, key=lambda outcome: _place(outcome.run, order)), strange
+
+
+def _place(run: Run, order: Mapping[str, int]) -> tuple[Any, ...]:
+    """Where a run stands among all; of names the order of the case, of numbers their size."""
+    meshes = [*run.case.meshes]
+    variants = [variant.name for variant in run.case.variants]
+    own = variants.index(run.variant.name) if run.variant.name in variants else len(variants)
+    settings = (run.parameters, run.size, run.settings, run.options)
+    place = (order[run.case.id], own, meshes.index(run.mesh), run.backend, run.coupling or "")
+    return (*place, *([_sortable(item) for item in each.items()] for each in settings))
+
+
+def _sortable(item: tuple[str, Any]) -> tuple[str, float, str]:
+    """A name and its value, so that any two can be compared."""
+    name, value = item
+    number = isinstance(value, int | float)
+    return (name, float(value) if number else inf, "" if number else str(value))
 
 
 def _fits(entry: Entry, known: Catalogue) -> bool:
