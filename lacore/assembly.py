@@ -12,9 +12,10 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.conditions import footing_conditions, support_conditions
 from lacore.contact_points import ContactPoints, contact_rows
 from lacore.dofs import BodyDofs, number
-from lacore.elimination import NodeConditions, free_basis, held, join
+from lacore.elimination import NodeConditions, free_basis, join
 from lacore.errors import InputError
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
@@ -365,16 +366,7 @@ def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
     facets = _facets(dofs, support)
     if support.components in ("normal", "tangential"):
         _require_straight(support, dofs, facets)
-    nodes, outward = _boundary_nodes(dofs, facets)
-    along = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
-    directions = {
-        "x": [np.broadcast_to([1.0, 0.0], outward.shape)],
-        "y": [np.broadcast_to([0.0, 1.0], outward.shape)],
-        "xy": [np.broadcast_to(axis, outward.shape) for axis in ([1.0, 0.0], [0.0, 1.0])],
-        "normal": [outward],
-        "tangential": [along],
-    }[support.components]
-    return join([held(nodes, direction) for direction in directions])
+    return support_conditions(support, *_boundary_nodes(dofs, facets))
 
 
 def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
@@ -396,9 +388,4 @@ def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
 
 
 def _footing_conditions(footing: RigidFooting, dofs: BodyDofs, number: int) -> NodeConditions:
-    nodes, outward = _boundary_nodes(dofs, _facets(dofs, footing))
-    motion = np.array(footing.direction) / np.linalg.norm(footing.direction)
-    across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
-    carried = outward if not footing.rough else np.broadcast_to(motion, outward.shape)
-    moved = NodeConditions(nodes, carried, np.full(nodes.size, number), carried @ motion)
-    return join([moved, held(nodes, across)]) if footing.rough else moved
+    return footing_conditions(footing, *_boundary_nodes(dofs, _facets(dofs, footing)), number)

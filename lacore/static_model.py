@@ -10,8 +10,9 @@ from skfem.mesh import MeshTri1
 from lacore.arrays import Floats, Ints
 from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.conditions import footing_conditions, support_conditions
 from lacore.contact_points import ContactPoints
-from lacore.elimination import NodeConditions, free_basis, held, join
+from lacore.elimination import free_basis, join
 from lacore.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
 from lacore.errors import InputError
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
@@ -78,9 +79,9 @@ def static_model(problem: Problem) -> StaticModel:
     )
     conditions = join(
         [
-            *(_support_conditions(support, bodies[support.body]) for support in problem.supports),
+            *(support_conditions(s, *_ends(bodies[s.body], s)) for s in problem.supports),
             *(
-                _footing_conditions(footing, bodies[footing.body], number)
+                footing_conditions(footing, *_ends(bodies[footing.body], footing), number)
                 for number, footing in enumerate(footings)
             ),
         ]
@@ -197,31 +198,8 @@ def _load_vector(
     return total
 
 
-def _ends(dofs: EquilibriumDofs, facets: Ints) -> tuple[Ints, Floats]:
+def _ends(dofs: EquilibriumDofs, part: Fix | RigidFooting) -> tuple[Ints, Floats]:
     """Nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
+    facets = _facets(dofs, part)
     _, _, outward = facet_geometry(dofs.body, facets)
     return dofs.facet_nodes(facets).ravel(), np.tile(outward.T, (2, 1))
-
-
-def _support_conditions(support: Fix, dofs: EquilibriumDofs) -> NodeConditions:
-    nodes, outward = _ends(dofs, _facets(dofs, support))
-    axes = [np.broadcast_to(axis, outward.shape) for axis in ([1.0, 0.0], [0.0, 1.0])]
-    directions = {
-        "x": axes[:1],
-        "y": axes[1:],
-        "xy": axes,
-        "normal": [outward],
-        "tangential": [np.stack([-outward[:, 1], outward[:, 0]], axis=1)],
-    }[support.components]
-    return join([held(nodes, direction) for direction in directions])
-
-
-def _footing_conditions(
-    footing: RigidFooting, dofs: EquilibriumDofs, number: int
-) -> NodeConditions:
-    nodes, outward = _ends(dofs, _facets(dofs, footing))
-    motion = np.array(footing.direction)
-    carried = np.broadcast_to(motion, outward.shape) if footing.rough else outward
-    moved = NodeConditions(nodes, carried, np.full(nodes.size, number), carried @ motion)
-    across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
-    return join([moved, held(nodes, across)]) if footing.rough else moved
