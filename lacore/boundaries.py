@@ -6,12 +6,16 @@ import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies import Body
-from lacore.errors import InputError, suggest
+from lacore.errors import InputError, suggest_all
 
 Where = str | tuple[str, ...] | Callable[[Floats], Bools]  # names: of blocks, nodes, members
 # Shares of an edge: inside it, so that `<` and `<=` with a vertex select the same, and close to its
 # ends, so that a predicate that ends just past a vertex is seen; 1e-3 leaves room for slack.
 _SAMPLES = np.array([1e-3, *np.linspace(0.0, 1.0, 17)[1:-1], 1 - 1e-3])
+_UNNAMED = (
+    "none is known: name boundaries by mesh.with_boundaries or by physical groups of lines, or give"
+    " a function of coordinates (2, n)"
+)
 
 
 def where_name(where: Where) -> str:
@@ -40,7 +44,8 @@ def boundary_facets(body: Body, where: Where, field: str) -> Ints:
     if isinstance(where, str):
         named = mesh.boundaries or {}
         if where not in named:
-            raise InputError(field, where, "no such boundary", suggest(where, named))
+            mend = suggest_all(where, named) if named else _UNNAMED
+            raise InputError(field, where, "no such boundary", mend)
         facets = np.unique(np.asarray(named[where], dtype=np.int64))
         if np.any(mesh.f2t[1, facets] >= 0):
             raise InputError(

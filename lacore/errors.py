@@ -51,6 +51,13 @@ def suggest(name: str, known: Iterable[str]) -> str:
     return f"known names: {', '.join(names)}" if names else "none is known"
 
 
+def suggest_all(name: str, known: Iterable[str]) -> str:
+    """As `suggest`, with the list of known names in any case: for names that others have given."""
+    names = sorted(known)
+    nearest = suggest(name, names)
+    return f"{nearest} known names: {', '.join(names)}" if nearest.endswith("?") else nearest
+
+
 def require_known(field: str, name: str, known: Iterable[str]) -> None:
     """Raise `InputError` unless `name` is one of `known`."""
     names = list(known)

@@ -1,4 +1,4 @@
-"""Mesh helpers on scikit-fem: rectangles, graded or turning around a point, and a quarter ring.
+"""Mesh helpers on scikit-fem: rectangles, graded or turning around a point, a quarter ring, files.
 
 Any `skfem.MeshTri` with named boundaries serves as well.
 """
@@ -13,6 +13,8 @@ from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Floats
 from lacore.errors import InputError
+from lacore.mesh_checks import quality as quality
+from lacore.mesh_files import read as read
 
 
 def graded(

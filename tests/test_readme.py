@@ -10,7 +10,9 @@ import lacore as la
 from verification import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-FIRST, BOUNDS, WALL, MORE, RESULTS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+FIRST, FILE, BOUNDS, WALL, MORE, RESULTS = re.findall(
+    r"```python\n(.*?)```", README, flags=re.DOTALL
+)
 
 
 @pytest.fixture
@@ -29,6 +31,15 @@ def test_examples(problem):
     for line in lines:
         state = eval(line, {"la": la, "problem": problem})
         assert state.status is la.Status.SOLVED, line
+
+
+def test_file(monkeypatch, capsys):
+    monkeypatch.chdir(Path(__file__).parents[1])
+    exec(FILE, {"la": la})
+    lower, upper = map(float, capsys.readouterr().out.split())
+    # The best slip circle, an upper bound itself.
+    assert lower < 5.53
+    assert lower < upper
 
 
 def test_bounds(problem, capsys):
