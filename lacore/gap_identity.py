@@ -9,7 +9,7 @@ from lacore.arrays import Floats
 from lacore.dofs import BodyDofs
 from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
-from lacore.kinematic_bound import UpperBound, by_weights, plastic_power
+from lacore.kinematic_bound import UpperBound, plastic_power
 from lacore.result import LimitState
 from lacore.static_bound import LowerBound
 from lacore.status import Status
@@ -64,7 +64,7 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         assert upper.point is not None
         velocity = upper.point.velocity
         velocity = velocity / float(program.reference_load @ velocity)
-        dissipation = plastic_power(discretisation, velocity, by_weights)
+        dissipation = plastic_power(discretisation, velocity, 1)
     restricted = np.zeros(static.n)
     for name, multipliers in lower.model.bodies.items():
         nodes, values = restriction(discretisation.bodies[name], multipliers, velocity)
@@ -146,12 +146,12 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
             "take one problem",
         )
     for name, dofs in continua.items():
-        if not dofs.space.strict:
+        if not (dofs.space.strict or (isinstance(upper, UpperBound) and dofs.space.linear)):
             raise InputError(
                 "upper",
                 dofs.body.space,
                 "its dissipation is no bound, so that shares could be negative",
-                "solve with Body(space='p2-vertex'), or another space of upper bounds",
+                "give its `upper_bound`, or solve with Body(space='p2-vertex')",
             )
         mesh, other = dofs.body.mesh, lower.model.bodies[name].body.mesh
         same = np.array_equal(mesh.t, other.t) and np.array_equal(mesh.p, other.p)

@@ -9,6 +9,7 @@ edge. The thickness cancels from all powers; only the regularised law sees it.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
@@ -32,10 +33,15 @@ class Jumps:
     Attributes:
         group: their dissipation; cone by cone along each edge.
         elements: on both sides of each cone, shape (2, m).
+        place: number of each cone among the control values of all edges, `copies` an edge, shape
+            (m,); the others are zero.
+        copies: control values of an edge.
     """
 
     group: DissipationGroup
     elements: Ints
+    place: Ints
+    copies: int
 
     def kept(self, mask: Bools) -> "Jumps":
         """Those of a mask of shape (m,)."""
@@ -46,7 +52,24 @@ class Jumps:
             bound=self.group.bound[mask],
             volumetric=self.group.volumetric[mask],
         )
-        return Jumps(group, self.elements[:, mask])
+        return Jumps(group, self.elements[:, mask], self.place[mask], self.copies)
+
+    def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
+        """Elements on both sides of edges, shape (2, e), and the power dissipated there, (e,).
+
+        From above: control values of `parts` equal parts of each edge, `parts` = 1 is the group.
+        """
+        _, first, edge = np.unique(
+            self.place // self.copies, return_index=True, return_inverse=True
+        )
+        control = np.zeros((first.size, self.copies, self.group.dim))
+        control[edge, self.place % self.copies] = self.group.cone_vectors(velocity)
+        total = np.zeros(first.size)
+        for start, end in pairwise(np.linspace(0, 1, parts + 1)):
+            for value in _control_values_of_part(control, start, end):
+                total += np.linalg.norm(value, axis=1)
+        strength = (self.group.weights * self.group.bound)[first]
+        return self.elements[:, first], strength * total / parts
 
 
 def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
@@ -81,7 +104,7 @@ def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
         volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
     )
-    return Jumps(group, mesh.f2t[:, facets].astype(np.int64))
+    return Jumps(group, mesh.f2t[:, facets].astype(np.int64), np.arange(count), copies)
 
 
 def movable(group: DissipationGroup, basis: Sparse) -> Bools:
@@ -98,6 +121,18 @@ def movable(group: DissipationGroup, basis: Sparse) -> Bools:
         entries = np.asarray(abs(csr_matrix(rows @ basis)).sum(axis=1))
         left += entries.reshape(left.size, dim).sum(axis=1)
     return np.asarray(left > _ROUND_OFF * left.max(initial=0.0))
+
+
+def _control_values_of_part(control: Floats, start: float, end: float) -> list[Floats]:
+    """Those of the part of each edge from `start` to `end` (shares of its length), by blossoms."""
+
+    def between(values: Floats, share: float) -> Floats:
+        return np.asarray(values[:, :-1] * (1 - share) + values[:, 1:] * share)
+
+    if control.shape[1] == 2:
+        return [between(control, share)[:, 0] for share in (start, end)]
+    pairs = ((start, start), (start, end), (end, end))
+    return [between(between(control, a), b)[:, 0] for a, b in pairs]
 
 
 def _control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:

@@ -21,6 +21,8 @@ from skfem.mesh import MeshQuad1, MeshTri1
 
 from lacore.arrays import Floats
 
+_ROUND_OFF = 1e-12  # of a factor of order one
+
 
 @dataclass(frozen=True)
 class VelocitySpace:
@@ -45,6 +47,24 @@ class VelocitySpace:
     strict: bool
     jumps: bool = False
     locks: bool = False
+
+    @property
+    def linear(self) -> bool:
+        """Whether strain rates are linear in an element: known everywhere from its strain points.
+
+        Then ``theta = 0`` at three of them is ``theta = 0`` everywhere, wherever they are.
+        """
+        return self.mesh is MeshTri1
+
+    def to_vertices(self) -> Floats:
+        """Factors that take strain rates from the strain points to the vertices, shape (3, q)."""
+        count = self.points.shape[1]
+        if count == 1:
+            return np.ones((3, 1))
+        places = np.stack([1 - self.points.sum(axis=0), *self.points], axis=1)
+        factors = np.linalg.inv(places)
+        factors[np.abs(factors) < _ROUND_OFF] = 0.0
+        return np.asarray(factors)
 
     def basis(self, mesh: Mesh) -> Basis:
         """scikit-fem basis whose quadrature points are the strain points, of equal weight."""
