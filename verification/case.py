@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf, isclose, isfinite, isnan
+from math import inf, isclose, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any
 
 import lacore as la
@@ -88,6 +88,9 @@ class Reference:
         return Reference(
             self.associated, f"associated: {self.formula}", self.source, self.kind, status=status
         )
+
+
+UNKNOWN = Reference(nan, "none is listed at these parameters", "", "none", complete=False)
 
 
 @dataclass(frozen=True)
@@ -289,8 +292,17 @@ class Case:
             return self.build(**size, **parameters)
 
     def reference_of(self, variant: Variant) -> Reference:
-        """The reference of a variant."""
-        return self.reference(**variant.parameters)
+        """The reference of a variant; of one that is not listed, where only a table is, unknown.
+
+        Raises:
+            LookupError: a variant of the case is not in its table.
+        """
+        try:
+            return self.reference(**variant.parameters)
+        except LookupError:
+            if variant in self.variants:
+                raise
+            return UNKNOWN
 
     def band_of(self, variant: Variant, elements: int) -> Band:
         """The band of a variant."""

@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 import verification.harness as harness
 from lacore.regularization import RegularisedValues
-from verification.case import Band, Reference
+from verification.case import Band, Reference, Variant
 from verification.catalogue import find
 from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
 from verification.harness import execute
@@ -220,3 +220,16 @@ def test_default_plan_has_every_case_and_backend():
     runs = plan()
     assert {run.backend for run in runs} == set(la.backend_names()) - set(ON_DEMAND) | set(LINEAR)
     assert {run.mesh for run in runs} == {"coarse", "medium", "blocks"}
+
+
+def test_a_variant_that_no_table_lists_has_nothing_to_be_compared_with():
+    case, (listed,) = find("wall-1")
+    (outcome,) = execute([Run(case, Variant("mu-0.5", {"mu": 0.5}), "blocks", "clarabel")])
+    assert (outcome.row.verdict, outcome.row.expected) == (PASS, "unknown")
+    assert 0 < outcome.row.load_factor < 0.642859  # that of more friction
+    with pytest.raises(LookupError):  # a variant of the case is to be in its table
+        replace(case, reference=no_table).reference_of(listed)
+
+
+def no_table(mu):
+    return {}[mu]
