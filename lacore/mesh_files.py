@@ -25,7 +25,8 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     Physical groups of lines (sets of line elements) become named boundaries, those of surfaces
     named subdomains; groups without a name are left out. Nodes that no triangle uses are dropped,
     and so is a z that is constant. A mesh of second order is reduced to its vertices where its
-    edges are straight, and refused where one is curved.
+    edges are straight, and refused where one is curved. Of a mesh of first order nobody can tell:
+    where straight edges replace a curve, say so by ``Body(geometry="approximated")``.
 
     Args:
         path: of the file; the ending says the format.
@@ -117,6 +118,8 @@ def _cells(file: Any, shown: str) -> tuple[Ints, Ints, dict[tuple[int, str], Int
                 f"holds elements of the kind {block.type!r}",
                 f"{_FIRST_ORDER}, of plane triangles only (without recombination)",
             )
+        if nodes.min() < 0 or nodes.max() >= len(file.points):
+            raise InputError("path", shown, "elements have nodes that it lacks", "write it anew")
         before = sum(map(len, found[block.dim]))
         found[block.dim].append(nodes[:, :2] if block.dim == 1 else nodes)
         for name, rows in _groups(file, number, block.dim):

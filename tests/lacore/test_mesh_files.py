@@ -261,6 +261,34 @@ def test_files_that_end_early(tmp_path, share, version):
         read(tmp_path / "cut.msh")
 
 
+def test_elements_without_their_nodes(tmp_path):
+    """The reader numbers them -1, which would be the last node."""
+    path = write(tmp_path / "m.msh", UNIT, {}, HALVES)
+    head, nodes = path.read_text(encoding="utf-8").split("$Nodes")
+    path.write_text(head + "$Nodes" + nodes.replace("\n4 ", "\n9 ", 1), encoding="utf-8")
+    with refused("nodes that it lacks", "write it anew"):
+        read(path)
+
+
+@given(
+    wounds=st.lists(
+        st.tuples(st.floats(0, 0.999), st.sampled_from(["", "7", "-1", " ", "$", "1e9", "0\n"])),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_broken_files_are_taken_or_refused(tmp_path_factory, wounds):
+    """Whatever stands in a file, the one error there is says where and what to do."""
+    text = (MESHES / "layers.msh").read_text(encoding="utf-8")
+    for share, letters in wounds:
+        place = int(share * len(text))
+        text = text[:place] + letters + text[place + 1 :]
+    path = tmp_path_factory.mktemp("broken") / "m.msh"
+    path.write_text(text, encoding="utf-8")
+    body = body_or_reason(path)
+    assert isinstance(body, la.Body) or "; " in str(body)
+
+
 def test_other_formats(tmp_path):
     """Sets of line elements are names wherever a format has them."""
     cells = [("line", np.array([(0, 1)])), ("triangle", np.array(HALVES))]
