@@ -18,7 +18,7 @@ import numpy as np
 from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
-from lacore.bracket import lower_bound, upper_bound
+from lacore.coulomb_bounds import lower_bound, upper_bound
 from lacore.coupling import Coupled, CouplingOptions, Iterate, Run, paired
 from lacore.loops import OnIterate, fixed_point, slip_rate
 from lacore.program import (

@@ -11,7 +11,7 @@ import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
-from lacore.bracket import kinematic_load_factor
+from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.certificate import certify
 from lacore.certified import certified_loop
 from lacore.conversion import point_in_si

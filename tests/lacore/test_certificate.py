@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.bracket import kinematic_load_factor
+from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.certificate import certify
 from lacore.program import Scales, associated_contact, dimensionless
 from tests.lacore.models import deformable_block
