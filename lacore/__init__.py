@@ -1,6 +1,7 @@
 """lacore: plastic collapse loads of bodies in frictional contact, each with its own proof."""
 
 from lacore import masonry, meshes
+from lacore.adaptivity import Bracket, Ending, bracket
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import backend_names, find_backend
 from lacore.blocks import BlockAssembly, RigidBlock
@@ -28,11 +29,13 @@ __all__ = [
     "BlockAssembly",
     "Body",
     "BodyForce",
+    "Bracket",
     "CapabilityError",
     "Certificate",
     "Coulomb",
     "CoulombRange",
     "Discretisation",
+    "Ending",
     "Fix",
     "Frame",
     "GapIdentity",
@@ -57,6 +60,7 @@ __all__ = [
     "UpperBound",
     "VonMises",
     "backend_names",
+    "bracket",
     "coulomb_range",
     "discretise",
     "find_backend",

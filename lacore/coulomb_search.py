@@ -16,8 +16,8 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
-from lacore.coulomb_bounds import lower_bound, upper_bound
 from lacore.certified import averaged
+from lacore.coulomb_bounds import lower_bound, upper_bound
 from lacore.coupling import CouplingOptions, Iterate, Run
 from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact

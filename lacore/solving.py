@@ -11,10 +11,10 @@ import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
-from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.certificate import certify
 from lacore.certified import certified_loop
 from lacore.conversion import point_in_si
+from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.coupling import Coupled, CouplingOptions, Iterate
 from lacore.dead_collapse import collapses
 from lacore.errors import InputError, SolveError, require_known

@@ -1,0 +1,54 @@
+"""Which elements to refine: shares of an error, and the fewest elements that hold most of it."""
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.kinematic_bound import UpperBound
+from lacore.static_bound import LowerBound
+
+
+def doerfler(shares: Floats, theta: float) -> Ints:
+    """The fewest elements that hold the part `theta` of all shares, ascending.
+
+    Shares below 0 count as 0; where none is left, all elements.
+
+    Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SINUM 33, 1996.
+    """
+    positive = np.maximum(shares, 0.0)
+    order = np.argsort(-positive, kind="stable")
+    held = np.cumsum(positive[order])
+    if not held[-1] > 0:
+        return np.arange(shares.size)
+    return np.sort(order[: int(np.searchsorted(held, theta * held[-1])) + 1])
+
+
+def upper_shares(bound: UpperBound, body: str) -> Floats:
+    """How far the dissipation of each element is above that of its mean strain rate (T26d).
+
+    By convexity no less than 0, and the least share of a gap (T26) that any stress constant in the
+    element can leave. Shape (elements,), in the unit of load factors.
+    """
+    groups = bound.discretisation.full.groups
+    group = next(group for group in groups if group.name == body)
+    whole = bound.dissipation[body]
+    rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
+        whole.size, -1, group.dim
+    )
+    strength = group.bound.reshape(whole.size, -1)[:, 0]
+    return np.asarray(whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1))
+
+
+def lower_shares(bound: LowerBound, body: str) -> Floats:
+    """The same of the multipliers of a lower bound, in geometric mean with their dissipation.
+
+    Multipliers of equilibrium elements vary in an element where stresses cannot follow; alone they
+    refine too few elements at a time (T26d). Shape (elements,), in the unit of load factors.
+    """
+    assert bound.point is not None
+    group = next(group for group in bound.model.program.groups if group.name == body)
+    rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
+    rates = rates.reshape(-1, 3, group.dim)
+    strength = group.bound.reshape(-1, 3)[:, 0]
+    whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
+    varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
+    return np.asarray(np.sqrt(whole * np.maximum(varying, 0.0)))

@@ -1,0 +1,76 @@
+"""Pictures of brackets: where the gap is, on the mesh that was made for it."""
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from skfem import MeshTri
+
+from lacore.adaptivity import Bracket
+from lacore.arrays import Floats
+from lacore.marking import lower_shares
+
+_PAGE = 9.0  # inches
+_DECADES = 3.0  # of shares that the colours span
+_WIDE = 0.7  # height over width: below it pictures stand above each other
+_LINES = 2000  # elements: above it the lines of the mesh are thinner
+
+
+def plot_bracket(bracket: Bracket) -> Figure:
+    """Shares of elements in the gap (T26) on the mesh of the upper bound; those of the lower one.
+
+    The shares of the lower bound's mesh are those that it was refined by (T26d), of their sum.
+    """
+    (name,) = bracket.upper_bound.discretisation.bodies
+    meshes = (
+        bracket.upper_bound.discretisation.bodies[name].body.mesh,
+        bracket.lower_bound.model.bodies[name].body.mesh,
+    )
+    gap, varying = bracket.gaps.elements[name], lower_shares(bracket.lower_bound, name)
+    extent = np.ptp(meshes[0].p, axis=1)
+    aspect = float(extent[1] / extent[0])
+    rows, columns = (2, 1) if aspect < _WIDE else (1, 2)
+    size = (_PAGE, min(rows * (_PAGE / columns * aspect * 0.88 + 0.4) + 0.5, 1.4 * _PAGE))
+    figure = Figure(figsize=size, layout="constrained")
+    figure.set_facecolor("white")
+    figure.suptitle(
+        f"{bracket.lower:.6g} <= load factor <= {bracket.upper:.6g}"
+        f"   (width {bracket.width:.2%}, {bracket.status.label})",
+        fontsize=11,
+        x=0.01,
+        ha="left",
+    )
+    for place, (mesh, shares, title) in enumerate(
+        (
+            (meshes[0], gap, "upper bound: shares in the gap [%]"),
+            (meshes[1], varying, "lower bound: shares it was refined by [%]"),
+        )
+    ):
+        axes = figure.add_subplot(rows, columns, place + 1)
+        _draw(figure, axes, mesh, shares)
+        axes.set_title(f"{title}, {mesh.nelements} elements", fontsize=9, loc="left")
+    return figure
+
+
+def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats) -> None:
+    part = 100 * np.maximum(shares, 0.0) / max(float(np.maximum(shares, 0.0).sum()), 1e-300)
+    peak = max(float(part.max()), 1e-12)
+    low = float(np.clip(part.min(), peak * 10**-_DECADES, peak / 2))
+    picture = PolyCollection(
+        list(mesh.p[:, mesh.t].transpose(2, 1, 0)),
+        array=np.maximum(part, low),
+        norm=LogNorm(low, peak),
+        cmap=matplotlib.colormaps["YlOrRd"],
+        edgecolors=(0, 0, 0, 0.45),
+        linewidths=0.3 if mesh.nelements < _LINES else 0.15,
+    )
+    axes.add_collection(picture)
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.tick_params(labelsize=8)
+    axes.set_xlabel("x [m]", fontsize=9)
+    axes.set_ylabel("y [m]", fontsize=9)
+    bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
+    bar.ax.tick_params(labelsize=8)

@@ -1,0 +1,257 @@
+"""Adaptive brackets: sides, targets and limits, what they are made of, and what is refused."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from skfem import MeshTri
+
+import lacore as la
+from lacore.fans import fanned, singular_points
+from lacore.marking import doerfler, lower_shares, upper_shares
+from lacore.refinement import refined, shapes
+from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
+from tests.lacore.random_continua import delaunay_square
+
+PRANDTL = 2 + pi
+CUT = (3.77, 3.78)  # gamma H/k of a vertical cut (Pastor, Thai & Francescato 2000)
+
+
+def cut(nx=6, ny=4):
+    """A vertical cut of height 1 above a stratum of depth 1, under its weight."""
+    mesh = la.meshes.rectangle((0, 3), (-2, 0), nx, ny)
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    soil = MeshTri(*_kept(mesh, ~((x < 1) & (y > -1)))).with_boundaries(
+        {
+            "left": lambda x: x[0] == 0,
+            "right": lambda x: x[0] == 3,
+            "bottom": lambda x: x[1] == -2,
+        }
+    )
+    return la.Problem(
+        {"soil": la.Body(soil, CRITERION)},
+        [la.BodyForce("soil", (0, -1))],
+        [la.Fix("soil", "bottom"), la.Fix("soil", "right"), la.Fix("soil", "left", "x")],
+    )
+
+
+def _kept(mesh, elements):
+    kept = mesh.restrict(np.flatnonzero(elements))
+    return kept.p, kept.t
+
+
+def even_punch():
+    """Unlike `punch` without grading: refinement has to find the edge of the footing."""
+    mesh = la.meshes.rectangle((0, 4), (-2, 0), 8, 4)
+    stated = punch(rough=False)
+    return la.Problem({"soil": la.Body(mesh, CRITERION)}, stated.reference_loads, stated.supports)
+
+
+def on(problem, mesh):
+    """The same problem on another mesh."""
+    return la.Problem(
+        {name: la.Body(mesh, CRITERION) for name in problem.bodies},
+        problem.reference_loads,
+        problem.supports,
+    )
+
+
+def proven(found):
+    """The bracket as it must be, whatever its width; returns it."""
+    history = found.history
+    assert found.lower <= found.upper
+    assert found.strict
+    assert found.lower_bound.certificate.equilibrium <= 1e-12
+    assert found.upper_bound.divergence <= 1e-12
+    assert found.lower == np.nanmax(history.solved[history.bound == "lower"])
+    assert found.upper == np.nanmin(history.solved[history.bound == "upper"])
+    assert history.lower.is_monotonic_increasing
+    assert history.upper.is_monotonic_decreasing
+    assert history.seconds.is_monotonic_increasing
+    assert found.width == pytest.approx(history.width.iloc[-1])
+    identity = found.gaps
+    # Round-off of a sum of a thousand terms; the mesh of the gaps is that of the upper bound.
+    assert identity.total == pytest.approx(identity.upper - identity.lower, rel=1e-5)
+    assert identity.least >= -1e-9
+    assert identity.upper == found.upper
+    return found
+
+
+def test_punch_with_a_fan_by_itself():
+    steps = []
+    found = proven(la.bracket(even_punch(), 0.03, on_step=steps.append))
+    assert found.status is la.Ending.REACHED
+    assert found.width <= 0.03
+    assert found.lower <= PRANDTL <= found.upper
+    assert len(steps) == len(found.history)
+    assert [step.elements for step in steps] == found.history.elements.tolist()
+    assert found.history.elements.max() < 700  # half of what even meshes of order 0.4 would need
+
+
+def test_punch_from_a_fan_by_hand():
+    fan = la.meshes.fan((0, 4), (-2, 0), (1, 0), 24, 4, crossed=False)
+    found = proven(la.bracket(even_punch(), 0.02, lower_mesh=fan))
+    assert found.status is la.Ending.REACHED
+    assert found.history.elements.max() < 500
+
+
+def test_cut():
+    found = proven(la.bracket(cut(), 0.05))
+    assert found.status is la.Ending.REACHED
+    assert found.lower < CUT[1]
+    assert found.upper > CUT[0]
+
+
+@pytest.mark.parametrize("backend", ["cvxpy"])
+def test_other_backends(backend):
+    one, other = (la.bracket(cut(3, 2), 0.3, backend=b) for b in ("clarabel", backend))
+    assert other.status is la.Ending.REACHED
+    assert other.history.elements.tolist() == one.history.elements.tolist()
+    # Twice what the tolerances on the way, 1e-5 of the powers, leave.
+    assert other.upper == pytest.approx(one.upper, rel=1e-4)
+    assert other.lower == pytest.approx(one.lower, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("limits", "ending"),
+    [
+        ({"max_elements": 450}, la.Ending.MAX_ELEMENTS),
+        ({"time_limit": 1e-6}, la.Ending.TIME_LIMIT),
+    ],
+)
+def test_a_target_that_is_not_reached_is_not_hidden(limits, ending):
+    found = la.bracket(even_punch(), 1e-3, **limits)
+    assert found.status is ending
+    assert "not reached" in found.status.value
+    assert found.width > 1e-3
+    assert found.lower <= PRANDTL <= found.upper
+    if "max_elements" in limits:
+        assert found.history.elements.max() <= limits["max_elements"]
+
+
+def test_exact_at_once():
+    """A block that slides: both bounds are exact but for the margin off strengths."""
+    found = la.bracket(deformable_block(la.Tresca(0.4), n=2), 1e-3)
+    assert found.status is la.Ending.REACHED
+    assert found.lower <= 1.6 <= found.upper
+    assert found.width < 1e-3
+    assert len(found.history) == 2
+
+
+def test_too_heavy_to_stand():
+    stated = cantilever()
+    heavy = la.Problem(
+        stated.bodies,
+        stated.reference_loads,
+        stated.supports,
+        dead_loads=[la.BodyForce("block", (0, -10.0))],
+    )
+    found = la.bracket(heavy)
+    assert found.status is la.Ending.NO_BOUND
+    assert "upper bound: unsafe" in found.failure
+    assert found.lower == -np.inf
+    assert found.upper == np.inf
+    assert found.width == np.inf
+
+
+@pytest.mark.parametrize(
+    ("stated", "arguments", "words"),
+    [
+        (punch, {"target_width": 0.0}, "target_width = 0.0"),
+        (punch, {"target_width": np.nan}, "target_width"),
+        (punch, {"time_limit": -1.0}, "time_limit"),
+        (punch, {"max_elements": 20}, "starts with 96 elements"),
+        (lambda: "punch", {}, "give a lacore.Problem"),
+        (lambda: deformable_block(0.3), {}, "not associated"),
+    ],
+)
+def test_what_is_refused(stated, arguments, words):
+    with pytest.raises(la.InputError, match=words):
+        la.bracket(stated(), **arguments)
+
+
+def test_slivers_and_other_bodies_are_refused():
+    flat = la.meshes.rectangle((0, 4), (-2, 0), 4, 400, crossed=False)
+    stated = on(punch(), flat)
+    with pytest.raises(la.InputError, match="sliver of shape"):
+        la.bracket(stated)
+    two = la.Problem(
+        {"a": la.Body(flat, CRITERION), "b": la.Body(flat, CRITERION)},
+        [la.Traction("a", "right", (1, 0))],
+    )
+    with pytest.raises(la.InputError, match="one body"):
+        la.bracket(two)
+
+
+def test_doerfler():
+    shares = np.array([0.1, 0.4, -0.2, 0.3, 0.2])
+    assert doerfler(shares, 0.5).tolist() == [1, 3]
+    assert doerfler(shares, 0.3).tolist() == [1]
+    assert doerfler(np.zeros(3), 0.5).tolist() == [0, 1, 2]
+
+
+def test_shares_are_no_less_than_zero_and_below_their_bound():
+    stated = even_punch()
+    upper, lower = la.upper_bound(stated), la.lower_bound(stated)
+    above, below = upper_shares(upper, "soil"), lower_shares(lower, "soil")
+    assert above.min() >= -1e-12
+    assert 0 < above.sum() < upper.load_factor
+    assert below.min() >= 0
+    assert 0 < below.sum() < lower.load_factor * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_refinement_keeps_area_names_and_shapes(seed):
+    rng = np.random.default_rng(seed)
+    first = mesh = delaunay_square(rng)
+    assert mesh.boundaries
+    for _ in range(6):
+        chosen = rng.choice(mesh.nelements, size=max(mesh.nelements // 5, 1), replace=False)
+        finer = refined(mesh, chosen)
+        assert finer.nelements >= mesh.nelements + 3 * chosen.size
+        mesh = finer
+    la.Body(mesh, CRITERION)  # no hanging nodes, nothing inverted
+    assert _area(mesh) == pytest.approx(_area(first), rel=1e-12)
+    assert set(mesh.boundaries) == set(first.boundaries)
+    for name, facets in first.boundaries.items():
+        finer = mesh.boundaries[name]
+        assert _length(mesh, finer) == pytest.approx(_length(first, facets), rel=1e-12)
+        assert np.all(mesh.f2t[1, finer] < 0)
+    # Halves of angles at worst.
+    assert shapes(mesh).min() > shapes(first).min() / 4
+
+
+@pytest.mark.parametrize("at", [(1, 0), (0, 0), (2, -1)])
+def test_fans_keep_area_and_names(at):
+    first = la.meshes.rectangle((0, 4), (-2, 0), 8, 4)
+    vertex = int(np.argmin(np.linalg.norm(first.p - np.reshape(at, (2, 1)), axis=0)))
+    mesh = fanned(first, [vertex], 24)
+    la.Body(mesh, CRITERION)
+    assert _area(mesh) == pytest.approx(_area(first), rel=1e-12)
+    for name, facets in first.boundaries.items():
+        assert _length(mesh, mesh.boundaries[name]) == pytest.approx(_length(first, facets))
+    around = np.flatnonzero(np.any(mesh.t == vertex, axis=0))
+    turn = {(1, 0): 180, (0, 0): 90, (2, -1): 360}[at]
+    assert around.size >= 24 * turn / 180
+    assert np.array_equal(fanned(mesh, [vertex], 24).t, mesh.t)
+    assert shapes(mesh).min() > 0.1
+
+
+def test_singular_points_are_found():
+    def places(problem):
+        (name,) = problem.bodies
+        return problem.bodies[name].mesh.p[:, singular_points(problem, name)].T.tolist()
+
+    assert places(even_punch()) == [[1, 0]]
+    assert places(cut()) == [[1, -1]]
+
+
+def _area(mesh):
+    a, b, c = (mesh.p[:, corner] for corner in mesh.t)
+    u, v = b - a, c - a
+    return float(np.abs(u[0] * v[1] - u[1] * v[0]).sum() / 2)
+
+
+def _length(mesh, facets):
+    ends = mesh.p[:, mesh.facets[:, facets]]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum())
