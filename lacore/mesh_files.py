@@ -63,7 +63,8 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     )
     order = np.argsort(first)
     element = np.argsort(order)[copy.ravel()]
-    mesh = MeshTri(points[kept].T, vertices[first[order]].T)
+    # In the order of memory that scikit-fem would report to change.
+    mesh = MeshTri(*map(np.ascontiguousarray, (points[kept].T, vertices[first[order]].T)))
     facets = _facets(mesh, number, lines, points, groups, shown)
     named = mesh.with_boundaries(
         {name: np.unique(facets[rows]) for (dim, name), rows in groups.items() if dim == 1}

@@ -330,7 +330,10 @@ def test_random_triangulations_are_taken_or_refused_with_a_reason(
     )
     upper, lower = la.solve(stated), la.lower_bound(stated)
     # Uniform uniaxial stress 2 k is linear in every element: found up to the solver's tolerance.
-    assert 2 * (1 - 1e-6) <= lower.load_factor <= upper.load_factor
+    assert lower.load_factor >= 2 * (1 - 1e-6)
+    # One velocity in some hundred misses the residuals of a proof by little, and is no number.
+    if upper.status is not la.Status.NOT_CERTIFIED:
+        assert lower.load_factor <= upper.load_factor
 
 
 def body_or_reason(path):
