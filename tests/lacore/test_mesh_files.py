@@ -136,6 +136,13 @@ def test_bounds_of_the_punch_are_strict(space):
         assert identity.least >= -1e-9
 
 
+def test_refined_from_a_file_they_stay_strict():
+    """Names and strictness survive refinement and the fan that the lower bound gets."""
+    found = la.bracket(punch(read(MESHES / "punch.msh", surface="soil")), target_width=0.06)
+    assert found.lower < EXACT < found.upper
+    assert found.upper - found.lower <= 0.06 * (found.upper + found.lower) / 2
+
+
 def test_round_trip(tmp_path):
     """Seventeen digits are the same mesh, and the same mesh is the same program."""
     mesh = read(MESHES / "punch.msh")
