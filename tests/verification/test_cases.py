@@ -39,6 +39,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "stack-two",
         "symmetric-wedge",
         "thick-cylinder",
+        "vertical-cut",
         "wall-1",
         "wall-2",
         "wall-3",
