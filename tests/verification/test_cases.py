@@ -30,6 +30,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-slide",
         "block-topple",
         "deformable-block",
+        "notched-strip",
         "platens-coulomb",
         "platens-square",
         "prandtl-punch",
