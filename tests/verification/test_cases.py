@@ -35,6 +35,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "platens-square",
         "prandtl-punch",
         "pulled-under-stop",
+        "rough-platens-2",
         "shear-patch",
         "stack-n",
         "stack-two",
