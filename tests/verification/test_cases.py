@@ -29,6 +29,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-incline-vertical",
         "block-slide",
         "block-topple",
+        "centre-crack",
         "deformable-block",
         "notched-strip",
         "platens-coulomb",

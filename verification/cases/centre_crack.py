@@ -1,0 +1,106 @@
+r"""A strip with a straight crack across its middle is pulled until the ligaments yield.
+
+           alpha                           alpha
+         ^  ^  ^  ^                      ^  ^  ^  ^
+       +------------+                  +------------+
+       |            |                  o            |
+       |            |                  o     1      |
+       |            |           u_x=0  o           .|
+       |    ----    |                  o        .   | free
+       |            |                  o     .   2  |
+       |            |                  |            |
+       +------------+                  +-----o-o-o--+
+         v  v  v  v                 crack, free  u_y=0
+                                       |<--->|<---->|
+                                       a=1/2   1/2
+
+Half the width is 1, half the crack a = 1/2; a quarter is modelled, in plane strain. The cut runs
+from the tip of the crack to the free side under 45 degrees: above it the strip goes up (1), below
+it a rigid wedge moves inwards (2). The free side confines nothing, so the ligaments carry their
+2 k and no more.
+
+Velocities here are continuous, and show the cut as a shear band of about one element's width.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import lacore as la
+from lacore.arrays import Bools, Floats
+from verification.case import Band, Case, Convergence, Reference, Variant
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+CRACK, LENGTH = 0.5, 2.0  # half the width is 1; half the length
+_ERROR = Convergence(1.695, 0.613, "36 to 4624 elements: 19.0, 8.58, 3.00, 1.86, 1.01 % above")
+
+
+def build(nx: int, ny: int, ratio: float) -> la.Problem:
+    """A quarter, graded towards the tip of the crack."""
+    mesh = la.meshes.rectangle(
+        x=(0, 1),
+        y=(0, LENGTH),
+        nx=nx,
+        ny=ny,
+        grade_x=(CRACK, ratio),
+        grade_y=(0.0, 4 * ratio),  # four times as far as in x: cells of one size at the tip
+    )
+    return la.Problem(
+        bodies={"strip": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        supports=[la.Fix("strip", "left", "x"), la.Fix("strip", _ligament, "y")],
+        reference_loads=[la.Traction("strip", "top", (0, 1))],
+    )
+
+
+def _ligament(x: Floats) -> Bools:
+    return np.asarray((x[1] < 1e-9) & (x[0] > CRACK - 1e-9))
+
+
+def reference() -> Reference:
+    """Ligaments at yield."""
+    return Reference(
+        2 * (1 - CRACK),
+        "2 k (1 - a)",
+        "by hand: a strip of stress beside the crack, and a straight cut",
+        "exact",
+    )
+
+
+def band(elements: int) -> Band:
+    """Strict upper bound."""
+    return _ERROR.strict(elements)
+
+
+def sketch(axes: "Axes", problem: la.Problem) -> None:
+    """The cut."""
+    axes.plot([CRACK, 1], [0, 1 - CRACK], color="#7a6a3a", lw=1.0, ls=(0, (5, 3)), zorder=3.5)
+
+
+CASE = Case(
+    id="centre-crack",
+    title="Strip in tension with a crack across its middle",
+    tags=("continuum", "singular point", "upper bound", "closed form"),
+    unit="mean traction / k",
+    explanation=__doc__,
+    hand_calculation="""\
+from below:  sigma_y = 2 k beside the crack, 0 above and below
+             it; rigid grips at the ends put up with this
+             force F = 2 (2 k) (1 - a) over a width of 2
+from above:  ends part at rate 2 v; four cuts of length
+             sqrt2 (1 - a) with a velocity jump sqrt2 v dissipate
+             D = 8 k (1 - a) v = 2 v F
+both:        alpha = F/2 = 2 k (1 - a) = 1 k
+""",
+    meshes={
+        "coarse": {"nx": 3, "ny": 3, "ratio": 3.0},
+        "medium": {"nx": 12, "ny": 12, "ratio": 10.0},
+        "fine": {"nx": 34, "ny": 34, "ratio": 30.0},
+    },
+    build=build,
+    reference=reference,
+    band=band,
+    sketch=sketch,
+    variants=(Variant("half", {}),),
+)
