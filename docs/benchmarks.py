@@ -21,7 +21,7 @@ KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
 _DIGITS = 8
-_OTHER = ("loop", "wall", "sweep")  # kinds that are told of apart
+_OTHER = ("loop", "wall", "sweep", "bracket", "bracket order")  # kinds that are told of apart
 _WALLS = {  # of their table
     "benchmark": ("what", "{}"),
     "blocks": ("blocks", "{:.0f}"),
@@ -31,6 +31,17 @@ _WALLS = {  # of their table
     "seconds": ("seconds", ""),
     "associated solves": ("ratio", ""),
     "memory, MB": ("memory_mb", "{:.0f}"),
+}
+_BRACKETS = {  # of their table
+    "benchmark": ("what", "{}"),
+    "lower": ("lower", "{:.5f}"),
+    "upper": ("upper", "{:.5f}"),
+    "width": ("width", "{:.2%}"),
+    "triangles below": ("triangles_lower", "{:.0f}"),
+    "above": ("triangles_upper", "{:.0f}"),
+    "solves": ("solves", "{:.0f}"),
+    "seconds": ("seconds", ""),
+    "elastic solve, s": ("elastic_seconds", ""),
 }
 _COLUMNS = {  # of the table: field of a record, and its format; none: two digits
     "backend": ("label", "{}"),
@@ -74,6 +85,11 @@ def table(frame: pd.DataFrame) -> str:
 def walls(frame: pd.DataFrame) -> str:
     """Markdown of the certified loop on masonry walls."""
     return _markdown(frame[frame["kind"] == "wall"].sort_values("blocks"), _WALLS)
+
+
+def brackets(frame: pd.DataFrame) -> str:
+    """Markdown of brackets with proof."""
+    return _markdown(frame[frame["kind"] == "bracket"], _BRACKETS)
 
 
 def _markdown(frame: pd.DataFrame, columns: dict[str, tuple[str, str]]) -> str:
@@ -124,6 +140,16 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in"
             " units of one associated solve of the same wall; memory is the peak above that of"
             f" the assembled problem:\n\n{walls(frame)}"
+        )
+    if (frame["kind"] == "bracket").any():
+        paragraphs.append(
+            "**Brackets with proof**, from the start to the certificate, wall clock, with one"
+            f" elastic solve of the last mesh of the upper bound:\n\n{brackets(frame)}"
+        )
+    for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
+        paragraphs.append(
+            "The width of the punch's bracket goes with the number of triangles to the power of"
+            f" {order['even']:.2f} on even meshes and {order['adaptive']:.2f} on adapted ones."
         )
     measured, analysis = kept["measured"], ""
     unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time

@@ -129,6 +129,15 @@ def test_a_target_that_is_not_reached_is_not_hidden(limits, ending):
         assert found.history.elements.max() <= limits["max_elements"]
 
 
+def test_picture_of_gaps():
+    figure = la.bracket(even_punch(), 0.1).plot()
+    upper, lower = (axes.collections[0] for axes in figure.axes[:2])
+    assert "reached" in figure.get_suptitle()
+    found = la.bracket(even_punch(), 0.1)
+    assert len(upper.get_paths()) == found.gaps.elements["soil"].size
+    assert len(lower.get_paths()) == found.lower_bound.model.n_elements
+
+
 def test_exact_at_once():
     """A block that slides: both bounds are exact but for the margin off strengths."""
     found = la.bracket(deformable_block(la.Tresca(0.4), n=2), 1e-3)
@@ -152,6 +161,8 @@ def test_too_heavy_to_stand():
     assert found.lower == -np.inf
     assert found.upper == np.inf
     assert found.width == np.inf
+    with pytest.raises(ValueError, match="no gap to look at"):
+        found.plot()
 
 
 @pytest.mark.parametrize(
