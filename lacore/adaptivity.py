@@ -292,8 +292,9 @@ class _Run:
             better = bound if gain > 0 else side.best
             gains = (*gains, max(gain, 0.0))
         state = bound.state if isinstance(bound, UpperBound) else bound
-        # Elements that are too few to carry the dead loads are no failure.
-        coarse = side.kind == "lower" and bound.status is Status.UNSAFE
+        # Elements that are too few to carry the dead loads, or to flow, are no failure.
+        few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
+        coarse = bound.status is few[side.kind]
         return replace(
             side,
             problem=problem,
