@@ -32,6 +32,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "centre-crack",
         "deformable-block",
         "notched-strip",
+        "opposed-punches",
         "platens-coulomb",
         "platens-square",
         "prandtl-punch",
