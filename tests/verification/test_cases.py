@@ -31,6 +31,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-topple",
         "centre-crack",
         "deformable-block",
+        "layer-rough",
         "notched-strip",
         "opposed-punches",
         "platens-coulomb",
