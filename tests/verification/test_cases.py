@@ -34,6 +34,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "layer-rough",
         "notched-strip",
         "opposed-punches",
+        "plate-hole",
         "platens-coulomb",
         "platens-square",
         "prandtl-punch",
