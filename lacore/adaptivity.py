@@ -255,6 +255,10 @@ class _Side:
         return int(self.mesh.nelements)
 
     @property
+    def proven(self) -> bool:
+        return self.best is not None and self.best.status is Status.SOLVED
+
+    @property
     def rate(self) -> float:
         """Largest recent gain per element: bounds rise in steps. What is new goes first."""
         return max(self.gains[-_RECENT:], default=np.inf) / self.elements
@@ -320,7 +324,7 @@ class _Run:
         lower, upper = (_proven(sides[k].best, np.nan) for k in ("lower", "upper"))
         if width(lower, upper) <= self.target:
             return Ending.REACHED
-        if any(side.failure for side in sides.values()):
+        if any(side.failure and not side.proven for side in sides.values()):
             return Ending.NO_BOUND
         closed = [self.closed(side) for side in sides.values()]
         if None in closed:
@@ -344,11 +348,11 @@ class _Run:
 
     def shares(self, side: _Side) -> Floats:
         bound = side.last
-        if bound is None or bound.status is not Status.SOLVED:
-            return np.ones(side.elements)
-        if isinstance(bound, UpperBound):
+        if isinstance(bound, UpperBound) and np.all(np.isfinite(bound.velocity)):
             return upper_shares(bound, self.body)
-        return lower_shares(bound, self.body)
+        if isinstance(bound, LowerBound) and bound.point is not None:
+            return lower_shares(bound, self.body)
+        return np.ones(side.elements)
 
     def too_late(self, side: _Side, finer: Problem) -> bool:
         expected = side.seconds * float(_mesh(finer).nelements) / side.elements
