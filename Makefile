@@ -32,7 +32,7 @@ verify: $(READY)
 	$(BIN)/lacore verify --out reports/verify
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 test-all: $(READY)
 	$(BIN)/python -m pytest -m "slow or not slow"
