@@ -125,6 +125,14 @@ def both(stated, held):
     return solve(stated, held), Clarabel().prepare(stated, ClarabelOptions()).solve(held)
 
 
+def leak(program, mean_stress, velocity):
+    """Power of mean stresses on the divergence of a velocity, signs dropped."""
+    return sum(
+        float(group.weights @ np.abs(p * (group.volumetric @ velocity)))
+        for group, p in zip(program.groups, mean_stress, strict=True)
+    )
+
+
 @pytest.mark.parametrize("mesh", ["coarse", pytest.param("medium", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("case", "variant"), VARIANTS)
 def test_certified_and_equal_to_clarabel(case, variant, mesh):
@@ -141,8 +149,11 @@ def test_certified_and_equal_to_clarabel(case, variant, mesh):
         assert answer.status is Status.SOLVED
         certificate = certify(stated, answer.point, held)
         assert certificate.holds(1e-6), certificate
-        # Clarabel leaves 1e-10 on scaled residuals: two digits of margin.
-        assert answer.point.load_factor == pytest.approx(exact.point.load_factor, abs=gap + 1e-8)
+        # Clarabel leaves 1e-10 on scaled residuals, two digits of margin; and a divergence theta,
+        # by which its value may be off by sum w |p theta|: duality, as for any constraint let go.
+        off = gap + 1e-8 + leak(stated, answer.point.mean_stress, exact.point.velocity)
+        assert answer.point.load_factor == pytest.approx(exact.point.load_factor, abs=off)
+        assert off < 1e-6
         held = reaction_contact(stated.contact, exact.point.normal_reaction)
 
 
