@@ -17,9 +17,19 @@ from verification import conformance, doctor, terminal
 from verification.case import KINDS
 from verification.catalogue import Catalogue, find, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
-from verification.execution import TIME_LIMIT, execute
+from verification.execution import execute
 from verification.harness import RAW
-from verification.options import cases_option, json_option, name_list, print_json, resumable
+from verification.options import (
+    cases_option,
+    fresh_option,
+    json_option,
+    name_list,
+    names_option,
+    out_option,
+    print_json,
+    resumable,
+    time_limit_option,
+)
 from verification.provenance import describe
 from verification.report.files import write
 from verification.report.manual import write as write_manual
@@ -56,42 +66,22 @@ def main() -> None:
 
 @main.command()
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option(
+@names_option(
     "--backends",
-    callback=name_list,
-    metavar="A,B",
-    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
+    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
 )
-@click.option(
+@names_option(
     "--meshes",
-    callback=name_list,
-    metavar="A,B",
-    help="Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have"
-    " none.",
+    "Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have none.",
 )
-@click.option(
+@names_option(
     "--couplings",
-    callback=name_list,
-    metavar="A,B",
-    help=f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
+    f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
     f" {', '.join(RAW)}; default: that of each backend. Where they are named, a table says how many"
     " runs each certified.",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("reports/compare"),
-    show_default=True,
-    help="Folder for the results, pictures and the page index.html.",
-)
-@click.option(
-    "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
-    default=TIME_LIMIT,
-    show_default=True,
-    metavar="SECONDS",
-    help="Of a run; one that takes longer is stopped.",
-)
+@out_option("reports/compare", "Folder for the results, pictures and the page index.html.")
+@time_limit_option
 @cases_option
 @click.option(
     "--jobs",
@@ -100,7 +90,7 @@ def main() -> None:
     show_default=True,
     help="Runs at a time, each on one thread; more than one blurs the times.",
 )
-@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
+@fresh_option
 @json_option
 @click.pass_context
 def compare(
@@ -204,13 +194,7 @@ def report(folder: Path, out: Path | None, known: Catalogue) -> None:
     show_default=True,
     help="Folder whose results are shown: that of `lacore verify`.",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("reports/manual"),
-    show_default=True,
-    help="Folder for the pages.",
-)
+@out_option("reports/manual", "Folder for the pages.")
 @cases_option
 def manual(names: tuple[str, ...], results: Path, out: Path, known: Catalogue) -> None:
     """Write the verification manual: a page for each case.

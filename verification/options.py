@@ -2,24 +2,56 @@
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from verification.catalogue import Catalogue
+from verification.execution import TIME_LIMIT
 from verification.plugins import gather
 
 _STOPPED = 130  # as shells say of Ctrl-C
+_Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def name_list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
     """Names between commas: a callback of options."""
     return [name.strip() for name in (value or "").split(",") if name.strip()]
 
+
+def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
+    """An option that takes names between commas."""
+    return click.option(name, callback=name_list, metavar="A,B", help=text)
+
+
+def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
+    """Gives a command its folder as the argument `out`."""
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path),
+        default=Path(default),
+        show_default=True,
+        metavar="DIR",
+        help=text,
+    )
+
+
+time_limit_option = click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Of a run; one that takes longer is stopped.",
+)
+
+fresh_option = click.option(
+    "--fresh", is_flag=True, help="Run again what the folder has results of."
+)
 
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
@@ -46,6 +78,23 @@ cases_option = click.option(
 """Gives a command the `Catalogue` as its argument `known`."""
 
 
+def cores() -> int:
+    """Cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not everywhere
+        return os.cpu_count() or 1
+
+
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=cores,
+    metavar="N",
+    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
+)
+
+
 def print_json(document: Any) -> None:
     """One strict document on stdout."""
     click.echo(json.dumps(strict(document), indent=1, allow_nan=False))
@@ -60,14 +109,6 @@ def strict(value: Any) -> Any:
     if isinstance(value, float) and not isfinite(value):
         return None if value != value else str(value)
     return value
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not everywhere
-        return os.cpu_count() or 1
 
 
 @contextmanager

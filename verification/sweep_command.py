@@ -15,10 +15,20 @@ from lacore.solving import COUPLINGS
 from verification import terminal
 from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
-from verification.execution import TIME_LIMIT, Executor, execute
+from verification.execution import Executor, execute
 from verification.harness import RAW
 from verification.judging import FAIL
-from verification.options import cases_option, cores, json_option, name_list, print_json, resumable
+from verification.options import (
+    cases_option,
+    fresh_option,
+    jobs_option,
+    json_option,
+    names_option,
+    out_option,
+    print_json,
+    resumable,
+    time_limit_option,
+)
 from verification.provenance import describe
 from verification.results import export, load_results
 from verification.run import Outcome
@@ -38,31 +48,19 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
     help="What to vary: START:STOP:N at equal distances, START:STOP:N:log at equal ratios, or"
     " a,b,c. Several make a grid.",
 )
-@click.option(
+@names_option(
     "--backends",
-    callback=name_list,
-    metavar="A,B",
-    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
+    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
 )
-@click.option(
+@names_option(
     "--meshes",
-    callback=name_list,
-    metavar="A,B",
-    help="Mesh levels; default: those of each variant, or the first where a size is varied.",
+    "Mesh levels; default: those of each variant, or the first where a size is varied.",
 )
-@click.option(
+@names_option(
     "--couplings",
-    callback=name_list,
-    metavar="A,B",
-    help=f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
+    f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=cores,
-    metavar="N",
-    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
-)
+@jobs_option
 @click.option(
     "--dask",
     "on_dask",
@@ -75,23 +73,9 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
     help="Run on the workers of the Dask scheduler at this address, as in tcp://127.0.0.1:8786."
     " They need the same lacore, and folders of --cases at the same place.",
 )
-@click.option(
-    "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
-    default=TIME_LIMIT,
-    show_default=True,
-    metavar="SECONDS",
-    help="Of a run; one that takes longer is stopped.",
-)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("reports/sweep"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for the results.",
-)
-@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
+@time_limit_option
+@out_option("reports/sweep", "Folder for the results.")
+@fresh_option
 @cases_option
 @json_option
 @click.pass_context

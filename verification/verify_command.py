@@ -12,9 +12,19 @@ from lacore.errors import require_positive
 from verification import terminal
 from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
-from verification.execution import TIME_LIMIT, execute
+from verification.execution import execute
 from verification.judging import FAIL, PASS, SKIPPED
-from verification.options import cases_option, cores, json_option, name_list, print_json, resumable
+from verification.options import (
+    cases_option,
+    fresh_option,
+    jobs_option,
+    json_option,
+    names_option,
+    out_option,
+    print_json,
+    resumable,
+    time_limit_option,
+)
 from verification.provenance import describe
 from verification.results import export
 from verification.store import NAME
@@ -24,42 +34,19 @@ from verification.verify import FILE, Finding, answer, as_table, ask, finish, ru
 
 @click.command()
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option(
+@names_option(
     "--backends",
-    callback=name_list,
-    metavar="A,B",
-    help=f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}; highs on rigid bodies.",
+    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}; highs on rigid bodies.",
 )
-@click.option(
+@names_option(
     "--meshes",
-    callback=name_list,
-    metavar="A,B",
-    help="Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
+    "Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
     " the coarsest of them for regularised ones. Orders have ladders of meshes of their own.",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=cores,
-    metavar="N",
-    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
-)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("reports/verify"),
-    show_default=True,
-    help="Folder for the results and checks.csv.",
-)
-@click.option(
-    "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
-    default=TIME_LIMIT,
-    show_default=True,
-    metavar="SECONDS",
-    help="Of a run; one that takes longer is stopped.",
-)
-@click.option("--fresh", is_flag=True, help="Run again what the folder has results of.")
+@jobs_option
+@out_option("reports/verify", "Folder for the results and checks.csv.")
+@time_limit_option
+@fresh_option
 @cases_option
 @json_option
 @click.pass_context
