@@ -404,3 +404,34 @@ def test_slip_at_a_limit_and_with_friction():
     interval = load_factor_interval(program, point, at_work("highs"))
     assert [interval.low, interval.high] == pytest.approx([1.4, 1.4], abs=1e-8)
     assert interval.exact
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_bound_on_friction_opens_an_interval_too(backend):
+    """A block is pulled from under another, which leans on a stop that carries at most T.
+
+    The stop bears -T <= V <= T of the upper weight, so N = W2 - V, and
+    alpha = mu2 N + mu1 (W1 + N).
+    """
+    mu1, mu2, w1, w2, limit = 0.4, 0.3, 2.0, 1.0, 0.5
+    blocks = {
+        "floor": [(-3, -1), (3, -1), (3, 0), (-3, 0)],
+        "lower": [(-1, 0), (1, 0), (1, 0.25), (-1, 0.25)],
+        "upper": [(-1, 0.25), (1, 0.25), (1, 0.5), (-1, 0.5)],
+        "stop": [(1, 0.3), (2, 0.3), (2, 0.4), (1, 0.4)],
+    }
+    joints = {("lower", "upper"): mu2, ("upper", "stop"): la.Tresca(limit)}
+    problem = la.Problem(
+        bodies={"blocks": la.BlockAssembly(blocks, friction=mu1, joint_friction=joints)},
+        supports=[la.Fix("blocks", "floor"), la.Fix("blocks", "stop")],
+        reference_loads=[la.PointForce("blocks", "lower", (1, 0))],
+        dead_loads=[
+            la.PointForce("blocks", "lower", (0, -w1)),
+            la.PointForce("blocks", "upper", (0, -w2)),
+        ],
+    )
+    most = limit * 0.1  # along the side of the stop
+    interval = la.solve(problem, backend=backend, throw=True).interval
+    ends = [mu2 * n + mu1 * (w1 + n) for n in (w2 - most, w2 + most)]
+    # Each end has a certificate at 1e-6 of the power, alpha and no less.
+    assert (interval.low, interval.high) == pytest.approx(tuple(ends), rel=1e-6)
