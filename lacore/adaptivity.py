@@ -19,8 +19,9 @@ from lacore.fans import fanned, sectors_for, singular_points
 from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.marking import doerfler, lower_shares, upper_shares
+from lacore.mesh_checks import quality
 from lacore.problem import Problem
-from lacore.refinement import refined, shapes
+from lacore.refinement import refined
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
@@ -383,7 +384,7 @@ def _told(
         lower=lower,
         upper=upper,
         width=width(lower, upper),
-        quality=float(shapes(side.mesh).min()),
+        quality=float(quality(side.mesh).min()),
         seconds=time.perf_counter() - begin,
     )
     if on_step is not None:
@@ -430,13 +431,13 @@ def _check_start(whose: str, mesh: MeshTri, max_elements: int) -> None:
             f"the mesh of the {whose} starts with {mesh.nelements} elements",
             "raise it, or start coarser",
         )
-    worst = int(np.argmin(shapes(mesh)))
-    quality = float(shapes(mesh)[worst])
-    if quality < _SLIVER:
+    shape = quality(mesh)
+    worst = int(np.argmin(shape))
+    if shape[worst] < _SLIVER:
         raise InputError(
             f"mesh of the {whose}",
             None,
-            f"element {worst} is a sliver of shape {quality:.2g} (1 is equilateral), below"
+            f"element {worst} is a sliver of shape {shape[worst]:.2g} (1 is equilateral), below"
             f" {_SLIVER}",
             "move its vertices, or mesh with larger angles",
         )

@@ -3,7 +3,7 @@
 import numpy as np
 from skfem import MeshTri
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Ints
 
 
 def refined(mesh: MeshTri, elements: Ints) -> MeshTri:
@@ -37,14 +37,6 @@ def facets_between(mesh: MeshTri, ends: Ints) -> Ints:
     known = _keys(mesh.facets, count)
     order = np.argsort(known)
     return np.sort(order[np.searchsorted(known, _keys(ends, count), sorter=order)])
-
-
-def shapes(mesh: MeshTri) -> Floats:
-    """``4 sqrt(3) A / sum l^2`` of triangles: 1 equilateral, towards 0 for slivers, (elements,)."""
-    corner = mesh.p[:, mesh.t]
-    sides = np.roll(corner, -1, axis=1) - corner
-    area = np.abs(sides[0, 0] * sides[1, 1] - sides[1, 0] * sides[0, 1]) / 2
-    return np.asarray(4 * np.sqrt(3) * area / np.sum(sides**2, axis=(0, 1)))
 
 
 def _keys(ends: Ints, count: int) -> Ints:
