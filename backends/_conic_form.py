@@ -2,7 +2,7 @@
 
 ``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
 plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
-costs are stress bounds and duals are stresses.
+costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t.
 
 A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
 walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.program import FrozenContact, KinematicProgram, interleaved
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -189,9 +189,13 @@ class ConicForm:
         for norm in self._norms:
             self.cones += norm.cones
         soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
-        own = np.arange(first, columns)
         self._soft = np.concatenate([*soft, np.zeros(0)])
-        self.quadratic = csc_matrix((self._soft, (own, own)), (columns, columns))
+        # The t are lengths times weights: w h (t/w)^2/2.
+        rising = [_modulus(group) / group.weights for group in program.groups]
+        still = np.zeros(first - program.n - sum(part.size for part in rising))
+        diagonal = np.concatenate([np.zeros(program.n), *rising, still, self._soft])
+        own = np.flatnonzero(diagonal)
+        self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
         self.linear = penalty is None and all(norm.dim == 1 for norm in self._norms if norm.count)
 
     def cost(self, contact: FrozenContact) -> Floats:
@@ -251,6 +255,10 @@ class ConicForm:
         """``sum stress^2/(2 K)`` of the duals; at a solution C, the energy of the velocity."""
         stress = (self.matrix.T @ z)[self.matrix.shape[1] - self._soft.size :]
         return float(np.sum(stress**2 / self._soft)) / 2
+
+
+def _modulus(group: DissipationGroup) -> Floats:
+    return np.zeros(group.weights.size) if group.modulus is None else group.modulus
 
 
 def _wide(rows: Sparse, columns: int) -> Sparse:

@@ -78,6 +78,7 @@ class Cvxpy:
         return Capabilities(
             regularised=False,
             max_cone=None if cones else 1,
+            hardening=cones,
             warm_start=self.known.warm_start,
             infeasibility=self.known.infeasibility,
             isolated=not self.known.time,
@@ -133,6 +134,8 @@ class _Model:
             self._flow.append(None if e is None else rates @ u == cp.vec(e, order="C"))
             self._volume.append(_weighted(theta, group.weights) @ u == 0 if theta.nnz else None)
             cost += 0 if e is None else group.bound @ _lengths(e)
+            if e is not None and group.modulus is not None:  # e is a length times a weight
+                cost += (group.modulus / group.weights) @ cp.sum(cp.square(e), axis=1) / 2
 
         self.stick, self.rub = _kinds(contact)
         self.dilatancy = contact.dilatancy

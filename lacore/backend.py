@@ -35,6 +35,7 @@ class Capabilities:
         warm_start: a solve starts from the answer of the one before.
         infeasibility: it recognises programs without a limit state (LOCKED, UNSAFE); from one that
             does not, such a program may get any status, and residuals that refute it.
+        hardening: it takes groups that harden with the strain rate, a quadratic cost (T29).
         isolated: it may hang where its time limit does not reach, so that it runs in a process of
             its own, which can be stopped.
     """
@@ -44,6 +45,7 @@ class Capabilities:
     max_cone: int | None = None
     warm_start: bool = False
     infeasibility: bool = True
+    hardening: bool = False
     isolated: bool = False
 
 
@@ -190,7 +192,7 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
     """Raise where a backend cannot take a program.
 
     Raises:
-        CapabilityError: too large, or cones that the backend does not have.
+        CapabilityError: too large, cones that the backend does not have, or hardening.
         InputError: the program holds NaN or infinite numbers.
     """
     require_finite(program)
@@ -205,6 +207,11 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
         raise CapabilityError(
             f"backend {backend.name!r} takes {takes}, this problem has cones of"
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
+        )
+    if program.hardens and not can.hardening:
+        raise CapabilityError(
+            f"backend {backend.name!r} takes costs that are linear in the strain rate, and those of"
+            " hardening within a step of a path are quadratic (T29): take 'clarabel' or 'cvxpy'"
         )
 
 

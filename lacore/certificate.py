@@ -74,13 +74,13 @@ def certify(
         contact: judge against these frozen bounds and dilatancies instead of the laws: the
             certificate of one inner solve.
     """
-    rows = program.contact
+    program, rows = program.hardened(state.velocity), program.contact
     t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
     opening, slip = rows.opening(u), rows.slip(u)
     slip_rate = np.linalg.norm(slip, axis=1)
     if contact is None:
         bound, dilatancy = rows.limit + rows.coefficient * np.maximum(t_n, 0.0), rows.dilatancy
-        shift = np.zeros(rows.count)
+        shift = rows.lead
     else:
         bound, dilatancy, shift = contact.bound, contact.dilatancy, contact.shift
     opening = opening + shift

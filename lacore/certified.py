@@ -159,12 +159,14 @@ def _ends(run: Run, iterate: Iterate) -> bool:
 def _undecided(run: Run, first: Iterate) -> Coupled:
     """No certificate within the budget: the bracket of T14, and no number."""
     locked = first.inner.status is Status.LOCKED
+    candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
+    best = min(candidates, key=lambda iterate: _worst(iterate))
+    if not run.program.homogeneous:  # T14 knows of no hardening and of no distance to close
+        return run.end(Status.NOT_CERTIFIED, best)
     upper = upper_bound(run.program, first.inner, run.options.tolerance)
     smooth = run.solve("frictionless", frictionless_contact(run.program.contact)).inner
     lower = lower_bound(run.program, smooth, run.options.tolerance)
     status = Status.JAM if locked and max(run.rates, default=0.0) >= 1 else Status.NOT_CERTIFIED
-    candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
-    best = min(candidates, key=lambda iterate: _worst(iterate))
     return run.end(status, best, bracket=(lower, upper))
 
 

@@ -60,10 +60,12 @@ def kinematic_load_factor(
 
     With `contact` given, friction at its bounds instead.
     """
-    u = point.velocity
+    u, rows = point.velocity, program.contact
     bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
-    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
-    return (dissipated - float(program.dead_load @ u)) / float(program.reference_load @ u)
+    plastic = program.hardened(u).plastic_dissipation(u)
+    dissipated = plastic + program.friction_dissipation(u, bound)
+    closed = float(rows.weights @ (point.normal_reaction * rows.lead))
+    return (dissipated + closed - float(program.dead_load @ u)) / float(program.reference_load @ u)
 
 
 def _gap(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> float:

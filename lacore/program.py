@@ -1,9 +1,10 @@
 """The kinematic program (T6): arrays and sparse matrices, all that a backend ever sees.
 
-minimise   sum_g w_g c_g ||D_g U|| + sum_j w_j g_j ||T_j U|| - Fd.U
+minimise   sum_g w_g (c_g ||D_g U|| + h_g ||D_g U||^2/2) + sum_j w_j g_j ||T_j U|| - Fd.U
 subject to F0.U = 1,  theta_g U = 0,  N_j U + s_j >= d_j ||T_j U||
 
-with g_j, d_j, s_j frozen by the coupling loop for one inner solve (`FrozenContact`).
+with g_j, d_j, s_j frozen by the coupling loop for one inner solve (`FrozenContact`). The h_g are
+zero except in a step of a path (T29).
 """
 
 from dataclasses import dataclass, replace
@@ -44,6 +45,9 @@ class Scales:
 class DissipationGroup:
     """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
 
+    Hardening adds ``weights_g modulus_g ||(rows U)_g||^2/2`` (T29): the stress at yield is then
+    ``bound + modulus ||rows U||``.
+
     Attributes:
         name: for messages and results.
         rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
@@ -52,6 +56,7 @@ class DissipationGroup:
         bound: largest norm of the conjugate stress, shape (m,), Pa.
         volumetric: rows of theta, shape (m, n).
         volumetric_factor: see `lacore.criteria.ConicForm`.
+        modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
     """
 
     name: str
@@ -61,6 +66,7 @@ class DissipationGroup:
     bound: Floats
     volumetric: Sparse
     volumetric_factor: float
+    modulus: Floats | None = None
 
     def cone_vectors(self, velocity: Floats) -> Floats:
         """``(rows U)`` by cone, shape (m, dim)."""
@@ -70,6 +76,17 @@ class DissipationGroup:
         """Dissipation of each cone, shape (m,)."""
         lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
         return np.asarray(self.weights * self.bound * lengths)
+
+    def hardened(self, velocity: Floats) -> "DissipationGroup":
+        """The group with the stress bounds of a velocity, and no hardening beyond them.
+
+        A velocity that is optimal with hardening is optimal with these bounds, with the same
+        stresses, reactions and load factor: all that is proven of it is proven with them.
+        """
+        if self.modulus is None:
+            return self
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        return replace(self, bound=self.bound + self.modulus * lengths, modulus=None)
 
 
 @dataclass(frozen=True)
@@ -84,6 +101,8 @@ class ContactRows:
         coefficient, limit, dilatancy: the law ``||t_t|| <= coefficient t_n + limit``,
             ``u_n >= dilatancy ||u_t||``, each of shape (m,); limit in Pa, inf is stick.
         interface: number of the interface of each point, shape (m,).
+        closing: speed at which the distance that is left closes within a step of a path,
+            ``u_n + closing >= 0``, shape (m,), m/s; None: all points touch.
     """
 
     normal: Sparse
@@ -94,6 +113,12 @@ class ContactRows:
     limit: Floats
     dilatancy: Floats
     interface: Ints
+    closing: Floats | None = None
+
+    @property
+    def lead(self) -> Floats:
+        """`closing`, zero where all points touch, shape (m,), m/s."""
+        return np.zeros(self.count) if self.closing is None else self.closing
 
     @property
     def count(self) -> int:
@@ -177,7 +202,7 @@ def family_contact(
     return FrozenContact(
         bound=contact.limit + frozen * np.maximum(normal_reaction, 0.0),
         dilatancy=contact.dilatancy + dilating,
-        shift=dilating * np.maximum(slip_rate, 0.0),
+        shift=contact.lead + dilating * np.maximum(slip_rate, 0.0),
     )
 
 
@@ -226,6 +251,22 @@ class KinematicProgram:
         dims = [group.dim for group in self.groups if group.weights.size]
         return max([*dims, self.contact.tangent_dim if self.contact.count else 0])
 
+    @property
+    def hardens(self) -> bool:
+        """Whether a group has a modulus."""
+        return any(group.modulus is not None for group in self.groups)
+
+    def hardened(self, velocity: Floats) -> "KinematicProgram":
+        """The program with the stress bounds of a velocity, see `DissipationGroup.hardened`."""
+        if not self.hardens:
+            return self
+        return replace(self, groups=tuple(group.hardened(velocity) for group in self.groups))
+
+    @property
+    def homogeneous(self) -> bool:
+        """Whether costs grow linearly with the velocity, as in a limit problem (T5)."""
+        return not self.hardens and self.contact.closing is None
+
     def plastic_dissipation(self, velocity: Floats) -> float:
         """Dissipation of all groups at a velocity."""
         return float(sum(group.dissipation(velocity).sum() for group in self.groups))
@@ -248,7 +289,7 @@ def require_finite(program: KinematicProgram) -> None:
         "contact.limit": np.where(np.isposinf(contact.limit), 0.0, contact.limit),
         **{
             f"contact.{name}": getattr(contact, name)
-            for name in ("weights", "coefficient", "dilatancy")
+            for name in ("weights", "coefficient", "dilatancy", "lead")
         },
     }
     for group in program.groups:
@@ -259,6 +300,7 @@ def require_finite(program: KinematicProgram) -> None:
                 "weights": group.weights,
                 "bound": group.bound,
                 "volumetric": group.volumetric.data,
+                "modulus": np.zeros(0) if group.modulus is None else group.modulus,
             }.items()
         }
     for name, values in arrays.items():
@@ -295,6 +337,7 @@ def kept_points(contact: ContactRows, kept: Bools) -> ContactRows:
             name: getattr(contact, name)[kept]
             for name in ("weights", "coefficient", "limit", "dilatancy", "interface")
         },
+        closing=None if contact.closing is None else contact.closing[kept],
     )
 
 
@@ -331,6 +374,9 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
                 volumetric=group.volumetric * scales.length,
                 weights=group.weights / scales.length**2,
                 bound=group.bound / scales.stress,
+                modulus=None
+                if group.modulus is None
+                else group.modulus * (scales.velocity / (scales.length * scales.stress)),
             )
             for group in program.groups
         ),
@@ -338,6 +384,7 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
             contact,
             weights=contact.weights / scales.length,
             limit=contact.limit / scales.stress,
+            closing=None if contact.closing is None else contact.closing / scales.velocity,
         ),
         reference_load=program.reference_load * scales.velocity,
         dead_load=program.dead_load / scales.force,
