@@ -1,6 +1,6 @@
 """lacore: plastic collapse loads of bodies in frictional contact, each with its own proof."""
 
-from lacore import masonry, meshes
+from lacore import hardening, masonry, meshes
 from lacore.adaptivity import Bracket, Ending, bracket
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import backend_names, find_backend
@@ -65,6 +65,7 @@ __all__ = [
     "discretise",
     "find_backend",
     "gap_identity",
+    "hardening",
     "lower_bound",
     "masonry",
     "meshes",

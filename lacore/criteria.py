@@ -7,6 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known
+from lacore.hardening import HardeningLaw, Perfect, require_hardening_law
 
 KINEMATICS = ("plane_strain", "plane_stress")
 
@@ -64,14 +65,17 @@ class ConicForm:
 class VonMises:
     """von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
 
-    Give one of the two. Source: T1; Bousshine & Chaaba 2007, eq. (5).
+    Give one of the two, or a law of `lacore.hardening`, of which a limit load takes the initial
+    yield stress. Source: T1, T29; Bousshine & Chaaba 2007, eq. (5).
 
     Raises:
-        InputError: none or both given, or not a positive finite number.
+        InputError: none or several given, not a positive finite number, not a law or one that
+            softens.
     """
 
     shear_strength: float | None = None
     yield_stress: float | None = None
+    hardening: HardeningLaw | None = None
 
     def __post_init__(self) -> None:
         given = {
@@ -79,6 +83,7 @@ class VonMises:
             for name, value in (
                 ("shear_strength", self.shear_strength),
                 ("yield_stress", self.yield_stress),
+                ("hardening", self.hardening),
             )
             if value is not None
         }
@@ -86,10 +91,15 @@ class VonMises:
             raise InputError(
                 "VonMises",
                 sorted(given),
-                "needs exactly one of shear_strength and yield_stress",
-                "give VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa",
+                "needs exactly one of shear_strength, yield_stress and hardening",
+                "give VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa,"
+                " or a law as VonMises(hardening=...)",
             )
-        for name, value in given.items():
+        if self.hardening is not None:
+            require_hardening_law("VonMises.hardening", self.hardening)
+            return
+        for name in given:
+            value = getattr(self, name)
             if not (is_number(value) and value > 0):
                 raise InputError(
                     f"VonMises.{name}", value, "not a positive number", "give a strength > 0 in Pa"
@@ -97,11 +107,19 @@ class VonMises:
 
     @property
     def k(self) -> float:
-        """Yield stress in shear, Pa."""
+        """Yield stress in shear, initial where it hardens, Pa."""
         if self.shear_strength is not None:
             return self.shear_strength
-        assert self.yield_stress is not None
-        return self.yield_stress / sqrt(3)
+        return float(self.law.stress(np.zeros(1))[0]) / sqrt(3)
+
+    @property
+    def law(self) -> HardeningLaw:
+        """Yield stress in tension over the equivalent plastic strain."""
+        if self.hardening is not None:
+            return self.hardening
+        if self.yield_stress is not None:
+            return Perfect(self.yield_stress)
+        return Perfect(sqrt(3) * self.k)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Cone of the dissipation (T1).
