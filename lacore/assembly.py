@@ -11,9 +11,10 @@ from skfem import Basis, FacetBasis, LinearForm
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
-from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.boundaries import boundary_facets, outward_normals
 from lacore.conditions import footing_conditions, support_conditions
 from lacore.contact_points import ContactPoints, contact_rows
+from lacore.curved import is_curved
 from lacore.dofs import BodyDofs, number
 from lacore.elimination import NodeConditions, free_basis, join
 from lacore.errors import InputError
@@ -34,7 +35,9 @@ from lacore.rigid import RigidDofs
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
 _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
-_LOAD_ORDER = 3  # exact: velocities of degree 2, times an area that is linear on quadrilaterals
+# Exact: velocities of degree 2, times an area that is linear on straight quadrilaterals; on curved
+# ones it is cubic in either direction, and the radius is quadratic.
+_LOAD_ORDER, _CURVED_ORDER = 3, 7
 
 
 @dataclass(frozen=True)
@@ -276,7 +279,7 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
         start = np.arange(count + 1) * values.shape[3]
         return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
 
-    weights = np.asarray(basis.dx).ravel()
+    weights = dofs.weights.ravel()
     return DissipationGroup(
         name=name,
         rows=rows(form.rows),
@@ -305,10 +308,8 @@ def _load_vector(
             continue
         dofs = bodies[load.body]
         if isinstance(load, RigidFooting):
-            start, end, _ = facet_geometry(dofs.body, _facets(dofs, load))
-            area = float(np.linalg.norm(end - start, axis=0).sum())
             place = first - len(footings) + footings.index(_unloaded(load))
-            total[place] += load.pressure * area
+            total[place] += load.pressure * _area(dofs, _facets(dofs, load))
         elif isinstance(load, PointForce):
             vertex = vertex_at(dofs.body, load.at, "PointForce.at")
             nodes = dofs.vertex_nodes(vertex)  # where velocities jump, on their mean
@@ -320,19 +321,34 @@ def _load_vector(
 
 
 def _distributed(load: Traction | Pressure | BodyForce, dofs: BodyDofs) -> Floats:
+    mesh = dofs.body.mesh
     if isinstance(load, BodyForce):
-        basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_LOAD_ORDER)
+        basis = Basis(mesh, dofs.basis.elem, intorder=_load_order(dofs))
     else:
-        facets = _facets(dofs, load)
-        basis = FacetBasis(dofs.body.mesh, dofs.basis.elem, facets=facets, intorder=_LOAD_ORDER)
+        basis = _facet_basis(dofs, _facets(dofs, load))
 
     @LinearForm
     def power(v, w):  # type: ignore[no-untyped-def]
-        if isinstance(load, Pressure):
-            return -load.value * (w.n[0] * v[0] + w.n[1] * v[1])
-        return load.vector[0] * v[0] + load.vector[1] * v[1]
+        vector = -load.value * w.n if isinstance(load, Pressure) else load.vector
+        return dofs.body.thickness(w.x) * (vector[0] * v[0] + vector[1] * v[1])
 
     return np.asarray(power.assemble(basis))
+
+
+def _load_order(dofs: BodyDofs) -> int:
+    curved = is_curved(dofs.body.mesh) or dofs.body.axisymmetric
+    return _CURVED_ORDER if curved else _LOAD_ORDER
+
+
+def _facet_basis(dofs: BodyDofs, facets: Ints) -> FacetBasis:
+    return FacetBasis(dofs.body.mesh, dofs.basis.elem, facets=facets, intorder=_load_order(dofs))
+
+
+def _area(dofs: BodyDofs, facets: Ints) -> float:
+    """Of a part of the boundary, m^2; m per unit thickness."""
+    basis = _facet_basis(dofs, facets)
+    places = np.asarray(basis.global_coordinates())
+    return float(np.sum(basis.dx * dofs.body.thickness(places)))
 
 
 def _facets(dofs: BodyDofs, part: Traction | Pressure | RigidFooting | Fix) -> Ints:
@@ -357,9 +373,10 @@ def _load_size(load: Floats, node_dofs: Ints) -> float:
 
 def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
     """Nodes on facets, a each, and the outward normal there: (a n,), (a n, 2)."""
-    _, _, outward = facet_geometry(dofs.body, facets)
     nodes = dofs.facet_nodes(facets)
-    return nodes.ravel() + dofs.first_node, np.tile(outward.T, (len(nodes), 1))
+    shares = np.linspace(0.0, 1.0, len(nodes))
+    outward = [outward_normals(dofs.body, facets, s).T for s in shares]
+    return nodes.ravel() + dofs.first_node, np.concatenate(outward)
 
 
 def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
@@ -371,9 +388,9 @@ def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
 
 def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
     """Refuse polygons in place of arcs: two normals at each vertex would pin it."""
-    _, _, outward = facet_geometry(dofs.body, facets)
     start, *_, end = dofs.facet_nodes(facets)
-    nodes, normals = np.concatenate([start, end]), np.tile(outward, 2).T
+    outward = [outward_normals(dofs.body, facets, s).T for s in (0.0, 1.0)]
+    nodes, normals = np.concatenate([start, end]), np.concatenate(outward)
     order = np.argsort(nodes, kind="stable")
     same = nodes[order][1:] == nodes[order][:-1]
     cosine = np.sum(normals[order][1:] * normals[order][:-1], axis=1)[same]

@@ -6,6 +6,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 from skfem.mesh import MeshTri1
 
+from lacore.arrays import Floats
 from lacore.criteria import KINEMATICS, VonMises
 from lacore.errors import InputError, require_known
 from lacore.locking import crossed_quadrilaterals
@@ -21,7 +22,9 @@ class Body:
 
     Attributes:
         mesh: straight-edged triangles (`skfem.MeshTri`), boundaries named; for the space ``q2``
-            convex quadrilaterals (`skfem.MeshQuad`).
+            convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
+            isoparametric meshes, whose edges are curves through their midside nodes
+            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
         criterion: yield criterion, `VonMises`.
         kinematics: ``plane_strain`` or ``plane_stress``; unit thickness.
         space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
@@ -66,17 +69,27 @@ class Body:
             )
 
     @property
+    def axisymmetric(self) -> bool:
+        """Whether x is the radius r >= 0 and y the axis z."""
+        return self.kinematics == "axisymmetric"
+
+    def thickness(self, places: Floats) -> Floats:
+        """Across the plane at places of shape (2, ...): 1, or the circumference ``2 pi r``, m."""
+        return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
+
+    @property
     def size(self) -> float:
         """Diagonal of the bounding box, the length that tolerances refer to."""
         return float(np.linalg.norm(np.ptp(self.mesh.p, axis=1)))
 
 
 def _check_mesh(mesh: MeshTri | MeshQuad, space: VelocitySpace) -> None:
-    if type(mesh) is not space.mesh:
+    if type(mesh) not in (space.mesh, space.curved):
         triangles = space.mesh is MeshTri1
         wanted = "straight-edged triangles" if triangles else "quadrilaterals"
         mend = (
-            "give a skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated';"
+            "give a skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated',"
+            " or space='p2-gauss' on a MeshTri2;"
             " of quadrilaterals: mesh.to_meshtri(style='x'), or space='q2')"
             if triangles
             else "give a skfem.MeshQuad, or another space"

@@ -6,6 +6,7 @@ import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies import Body
+from lacore.curved import edge_curves
 from lacore.errors import InputError, suggest_all
 
 Where = str | tuple[str, ...] | Callable[[Floats], Bools]  # names: of blocks, nodes, members
@@ -69,8 +70,9 @@ def boundary_facets(body: Body, where: Where, field: str) -> Ints:
 def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
     mesh = body.mesh
     boundary = mesh.boundary_facets()
-    start, end = mesh.p[:, mesh.facets[0, boundary]], mesh.p[:, mesh.facets[1, boundary]]
-    whole, cut = edges_inside(where, start, end, field)
+    curves = edge_curves(mesh, boundary)
+    start, end = curves.start, curves.end
+    whole, cut = edges_inside(where, start, end, field, curves.middle)
     if cut.size:
         first = cut[0]
         raise InputError(
@@ -84,18 +86,30 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
 
 
 def edges_inside(
-    where: Callable[[Floats], Bools], start: Floats, end: Floats, field: str
+    where: Callable[[Floats], Bools],
+    start: Floats,
+    end: Floats,
+    field: str,
+    middle: Floats | None = None,
 ) -> tuple[Ints, Ints]:
     """Numbers of the edges that satisfy a predicate along their whole length, and in part only.
+
+    Args:
+        where: the predicate.
+        start, end: of the edges, shape (2, n).
+        field: for messages.
+        middle: of curved edges, shape (2, n).
 
     Raises:
         InputError: the predicate does not return one bool a point.
     """
+    middle = (start + end) / 2 if middle is None else middle
     samples = start[:, :, None] * (1 - _SAMPLES) + end[:, :, None] * _SAMPLES
-    # Between its ends without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
-    samples = np.clip(
-        samples, np.minimum(start, end)[:, :, None], np.maximum(start, end)[:, :, None]
-    )
+    bulge = middle - (start + end) / 2
+    samples += bulge[:, :, None] * (4 * _SAMPLES * (1 - _SAMPLES))
+    # In its Bernstein hull without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
+    hull = np.stack([start, middle + bulge, end])
+    samples = np.clip(samples, hull.min(axis=0)[:, :, None], hull.max(axis=0)[:, :, None])
     inside = np.asarray(where(samples.reshape(2, -1)))
     if inside.shape != (samples[0].size,) or inside.dtype != bool:
         raise InputError(
@@ -109,8 +123,14 @@ def edges_inside(
     return np.flatnonzero(whole), np.flatnonzero(inside.any(axis=1) & ~whole)
 
 
+def outward_normals(body: Body, facets: Ints, s: float) -> Floats:
+    """Unit outward normals of boundary facets at a share of their parameter, shape (2, n)."""
+    *_, outward = facet_geometry(body, facets)
+    return edge_curves(body.mesh, facets).normal(s, outward)
+
+
 def facet_geometry(body: Body, facets: Ints) -> tuple[Floats, Floats, Floats]:
-    """Ends and unit outward normals of boundary facets: three arrays of shape (2, n)."""
+    """Ends and unit outward normals of (chords of) boundary facets: three arrays (2, n)."""
     mesh = body.mesh
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
     along = end - start

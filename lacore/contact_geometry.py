@@ -9,6 +9,7 @@ from lacore.arrays import Floats, Ints
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import Where, boundary_facets, facet_geometry, where_name
+from lacore.curved import edge_curves
 from lacore.errors import InputError
 from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
@@ -69,7 +70,7 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
     slave = bodies[interface.slave[0]]
     numbers, edges = boundary_edges(slave, interface.slave[1], f"{field}.slave")
     if isinstance(interface.master, RigidObstacle):
-        _check_obstacle(edges, interface, slave, field)
+        _check_obstacle(slave, numbers, edges, interface, field)
         nothing = np.full(numbers.size, -1)
         normal = -edges.normal
         if isinstance(slave, Frame):
@@ -106,29 +107,63 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
             f"does not touch {interface.master[0]}.{where_name(interface.master[1])}",
             "give two boundaries that lie on each other",
         )
-    return Segments(
+    segments = Segments(
         slave=numbers[shared.first],
         master=others[shared.second],
         start=shared.start,
         end=shared.end,
         normal=-edges.normal[:, shared.first],
     )
+    _check_curves(slave, master, segments, allowed, interface, field)
+    return segments
 
 
-def _check_obstacle(edges: Edges, interface: Interface, body: AnyBody, field: str) -> None:
+def _check_curves(
+    slave: AnyBody,
+    master: AnyBody,
+    segments: Segments,
+    allowed: float,
+    interface: Interface,
+    field: str,
+) -> None:
+    """Edges whose chords touch touch all along, also in the middle."""
+    middle = (segments.start + segments.end) / 2
+    places = []
+    for body, edges in ((slave, segments.slave), (master, segments.master)):
+        if isinstance(body, Body):
+            curves = edge_curves(body.mesh, edges)
+            places.append(curves.at(curves.parameter(middle)))
+        else:
+            places.append(middle)
+    gap = np.linalg.norm(places[0] - places[1], axis=0)
+    for worst in np.flatnonzero(gap > allowed)[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides are curved, and {gap[worst]:.3g} m apart at {middle[:, worst]}",
+            "give both the same vertices and midside nodes there, or straight edges",
+        )
+
+
+def _check_obstacle(
+    body: AnyBody, numbers: Ints, edges: Edges, interface: Interface, field: str
+) -> None:
     obstacle = interface.master
     assert isinstance(obstacle, RigidObstacle)
     if obstacle.point is None or obstacle.normal is None:
         return
     normal = np.array(obstacle.normal) / np.linalg.norm(obstacle.normal)
     point = np.reshape(obstacle.point, (2, 1))
-    gap = np.concatenate([normal @ (x - point) for x in (edges.start, edges.end)])
+    places = [edges.start, edges.end]
+    if isinstance(body, Body):
+        places.append(edge_curves(body.mesh, numbers).middle)
+    gap = np.concatenate([normal @ (x - point) for x in places])
     worst = gap[np.argmax(np.abs(gap))]
     if abs(worst) > tolerance(body):
         raise InputError(
             field,
             interface.name,
-            f"does not touch its obstacle: a vertex lies {abs(worst):.3g} m "
+            f"does not touch its obstacle: a node lies {abs(worst):.3g} m "
             f"{'above' if worst > 0 else 'inside'} it",
             "move the body or RigidObstacle.point so that the two coincide",
         )

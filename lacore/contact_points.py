@@ -16,9 +16,8 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.contact_controls import Dofs, controls
 from lacore.contact_geometry import Segments, interface_segments
-from lacore.dofs import BodyDofs
-from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
 from lacore.rigid import RigidDofs
@@ -27,9 +26,6 @@ _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it,
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
 _SAME_PLACE = 1e-9  # of the extent of the contact
 _ROUND_OFF = 1e-13  # of an entry of order one
-_POINT = 1.0  # m, the weight of a node
-
-Dofs = BodyDofs | RigidDofs | FrameDofs
 
 
 @dataclass(frozen=True)
@@ -162,21 +158,14 @@ def _stations(
             own = (csr_matrix(own[0] - other[0]), csr_matrix(own[1] - other[1]))
         return own
 
-    start, end = segments.start, segments.end
-    ends = [jump(start), jump(end)]
-    count, degrees = interface.size, [dofs.degree for dofs, _ in sides]
-    values, places = [ends[0], ends[1]], [start, end]
-    length = np.linalg.norm(end - start, axis=0)
-    if min(degrees) == 0:
-        values, places, length = values[:1], places[:1], np.full(count, _POINT)
-    elif max(degrees) > 1:
-        middle = (start + end) / 2
-        values.append(
-            [m * 2.0 - (a + b) * 0.5 for m, a, b in zip(jump(middle), *ends, strict=True)]
-        )
-        places.append(middle)
-    copies = len(places)
-    position, normal = np.concatenate(places, axis=1), np.tile(segments.normal, copies)
+    stands = controls(segments, sides)
+    values = [jump(stand.place) for stand in stands]
+    if len(stands) > 2:
+        values[2] = [m * 2.0 - (a + b) * 0.5 for a, b, m in zip(*values, strict=True)]
+    count, copies = interface.size, len(stands)
+    position = np.concatenate([stand.place for stand in stands], axis=1)
+    normal = np.concatenate([stand.normal for stand in stands], axis=1)
+    weights = np.concatenate([stand.weight for stand in stands])
     moving = moving_sides(sides, count)
     size = float(np.ptp(position, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
     key = np.column_stack(
@@ -195,7 +184,7 @@ def _stations(
         position=position[:, first].T,
         normal=normal[:, first].T,
         moving=moving[at],
-        weights=np.bincount(point.ravel(), np.tile(length / copies, copies)).astype(np.float64),
+        weights=np.bincount(point.ravel(), weights).astype(np.float64),
         interface=interface[at],
         laws=_Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
         x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),

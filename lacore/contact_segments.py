@@ -8,8 +8,9 @@ from scipy.spatial import cKDTree
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly import Discretisation
+from lacore.contact_controls import Dofs, controls, segment_curves
 from lacore.contact_geometry import Segments, interface_segments
-from lacore.contact_points import Dofs, moving_sides
+from lacore.contact_points import moving_sides
 from lacore.dofs import BodyDofs
 from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
@@ -77,8 +78,8 @@ class SegmentedContact:
 
         An obstacle does not move. `stretch` is in s.
         """
-        start, end = self.segments.start, self.segments.end
-        points = start[:, :, None] * (1 - along) + end[:, :, None] * along
+        curves = segment_curves(self.segments, self.sides)
+        points = np.stack([curves.at(share) for share in along], axis=2)
         flat = points.reshape(2, -1)
         result = []
         for dofs, parts in self.sides:
@@ -204,9 +205,6 @@ def _control_points(
     -1 where a support holds the point. The mean over the copies is that of the field (T28).
     """
     start, end = segments.start, segments.end
-    degrees = [dofs.degree for dofs, _ in sides]
-    places = [start, end, (start + end) / 2]
-    places = places[: 1 if min(degrees) == 0 else 1 + max(degrees)]
     size = float(np.ptp(np.concatenate([start, end], axis=1), axis=1).max()) or 1.0
     moving = moving_sides(sides, number.size)
 
@@ -215,7 +213,8 @@ def _control_points(
 
     points, rows = d.points, d.full.contact
     tree = cKDTree(key(points.position.T, points.normal.T, rows.interface, points.moving))
-    wanted = [key(place, segments.normal, number, moving) for place in places]
+    stands = controls(segments, sides)
+    wanted = [key(stand.place, stand.normal, number, moving) for stand in stands]
     _, found = tree.query(np.stack(wanted), distance_upper_bound=_SAME)
     return np.where(found < rows.count, found, -1)
 

@@ -9,6 +9,7 @@ from skfem import Basis
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies import Body
+from lacore.curved import EdgeCurves, edge_curves, is_curved
 from lacore.spaces import SPACES, VelocitySpace
 
 _ROUND_OFF = 1e-13  # of a shape function
@@ -48,6 +49,12 @@ class BodyDofs:
         return self.space.degree
 
     @property
+    def linear(self) -> bool:
+        """Whether strain rates are linear in each element, see `VelocitySpace.linear`."""
+        straight = self.space.linear and not is_curved(self.body.mesh)
+        return straight and not self.body.axisymmetric
+
+    @property
     def strength(self) -> float:
         """Shear stress that it can carry, Pa."""
         return self.body.criterion.k
@@ -62,6 +69,12 @@ class BodyDofs:
         """Areas of the elements, shape (elements,), m^2."""
         return np.asarray(self.basis.dx.sum(axis=1))
 
+    @property
+    def weights(self) -> Floats:
+        """Volumes of the strain points, shape (elements, q), m^3; m^2 per unit thickness."""
+        places = np.asarray(self.basis.global_coordinates())
+        return np.asarray(self.basis.dx * self.body.thickness(places))
+
     def parts(self, facets: Ints) -> Ints:
         """The facets themselves: velocities differ from one to the next."""
         return facets
@@ -70,13 +83,17 @@ class BodyDofs:
         """What moves continuously: all of the body is one, or each element for itself."""
         return self.body.mesh.f2t[0, facets] if self.space.jumps else np.zeros_like(facets)
 
+    def curves(self, facets: Ints) -> EdgeCurves:
+        """The facets as curves."""
+        return edge_curves(self.body.mesh, facets)
+
     def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n)."""
+        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n).
+
+        On a curved edge at the place that lies across its chord from the point.
+        """
         nodes = self.facet_nodes(facets)
-        start, end = self.nodes[:, nodes[0]], self.nodes[:, nodes[-1]]
-        along = end - start
-        s = np.sum((points - start) * along, axis=0) / np.sum(along**2, axis=0)
-        shape = edge_shapes(s, self.degree)
+        shape = edge_shapes(self.curves(facets).parameter(points), self.degree)
         kept = np.abs(shape) >= _ROUND_OFF
         first = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
         x, y = (

@@ -146,7 +146,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
             "take one problem",
         )
     for name, dofs in continua.items():
-        if not (dofs.space.strict or (isinstance(upper, UpperBound) and dofs.space.linear)):
+        if not (dofs.space.strict or (isinstance(upper, UpperBound) and dofs.linear)):
             raise InputError(
                 "upper",
                 dofs.body.space,

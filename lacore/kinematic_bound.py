@@ -108,7 +108,7 @@ def upper_bound(
     rigor = Rigor.NOT_CERTIFIED
     if proves:
         bodies = discretisation.bodies.values()
-        strict = all(d.space.linear and d.body.geometry == "exact" for d in bodies)
+        strict = all(d.linear and d.body.geometry == "exact" for d in bodies)
         rigor = Rigor.UPPER if strict else Rigor.DISCRETE
     full = discretisation.full
     hinges = full.groups[len(discretisation.bodies) + len(discretisation.jumps) :]
@@ -162,7 +162,7 @@ def plastic_power(
     for (name, dofs), group in zip(
         discretisation.bodies.items(), discretisation.full.groups, strict=False
     ):
-        if parts > 1 and dofs.space.linear:
+        if parts > 1 and dofs.linear:
             power[name] = _on_lattice(group, velocity, dofs.space, parts)
         else:
             power[name] = group.dissipation(velocity).reshape(dofs.areas.size, -1).sum(axis=1)

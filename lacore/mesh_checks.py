@@ -7,6 +7,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.curved import is_curved, jacobians, subdivided
 from lacore.errors import InputError
 
 _DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose all their digits
@@ -42,6 +43,9 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
     """
     if not np.all(np.isfinite(mesh.p)):
         raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
+    if is_curved(mesh):
+        _check_curved(mesh, field)
+        return
     unused = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.t)
     if unused.size:
         raise InputError(
@@ -55,6 +59,25 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
     _check_hanging(mesh, field)
     _check_overlaps(mesh, field)
     _check_connected(mesh, field)
+
+
+def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
+    """Elements with midside nodes; what straight ones between all nodes show of the rest."""
+    least, size = jacobians(mesh).min(axis=1), np.ptp(mesh.p[:, mesh.t], axis=1).max(axis=0)
+    wrong = np.flatnonzero(~(least > SLIVER * size**2))
+    if wrong.size:
+        raise InputError(
+            field,
+            wrong[:5].tolist(),
+            f"inverted elements, det J <= 0 somewhere inside, the first at"
+            f" {_centre(mesh, wrong[0])}",
+            "move their vertices or midside nodes, or mesh anew",
+        )
+    _check_crowded(mesh, field)
+    _check_connected(mesh, field)
+    straight = subdivided(mesh)
+    _check_hanging(straight, field)
+    _check_overlaps(straight, field)
 
 
 def _check_shapes(mesh: MeshTri | MeshQuad, field: str) -> None:
@@ -91,7 +114,7 @@ def _check_shapes(mesh: MeshTri | MeshQuad, field: str) -> None:
         )
 
 
-def _check_facets(mesh: MeshTri | MeshQuad, field: str) -> None:
+def _check_crowded(mesh: MeshTri | MeshQuad, field: str) -> None:
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if crowded.size:
         raise InputError(
@@ -100,6 +123,10 @@ def _check_facets(mesh: MeshTri | MeshQuad, field: str) -> None:
             f"an edge with more than two elements, {_edge(mesh, crowded[0])}: they overlap",
             "remove the elements that lie on top of others",
         )
+
+
+def _check_facets(mesh: MeshTri | MeshQuad, field: str) -> None:
+    _check_crowded(mesh, field)
     folded = _folded_facets(mesh)
     if folded.size:
         raise InputError(

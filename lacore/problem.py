@@ -18,6 +18,7 @@ from lacore.contact_geometry import (
     tolerance,
 )
 from lacore.corners import resting_corners
+from lacore.curved import vertices
 from lacore.errors import InputError, require_known, suggest
 from lacore.frame_dofs import COMPONENTS as NODE_COMPONENTS
 from lacore.frame_dofs import FrameDofs
@@ -257,13 +258,14 @@ def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
     if isinstance(at, str):
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")
-    distance = np.linalg.norm(body.mesh.p - np.reshape(at, (2, 1)), axis=0)
+    places = vertices(body.mesh)
+    distance = np.linalg.norm(places - np.reshape(at, (2, 1)), axis=0)
     nearest = int(np.argmin(distance))
     if distance[nearest] > _TOUCH * body.size:
         raise InputError(
             where,
             at,
             "no vertex of the mesh is there",
-            f"move it to the nearest one, {tuple(body.mesh.p[:, nearest].tolist())}, or the mesh",
+            f"move it to the nearest one, {tuple(places[:, nearest].tolist())}, or the mesh",
         )
     return nearest

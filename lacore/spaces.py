@@ -17,7 +17,7 @@ from skfem import (
     ElementVector,
     Mesh,
 )
-from skfem.mesh import MeshQuad1, MeshTri1
+from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats
 
@@ -37,6 +37,8 @@ class VelocitySpace:
         strict: whether its dissipation is never below that of the continuum.
         jumps: whether velocities jump from element to element (T23).
         locks: whether incompressibility locks it on general meshes (T24).
+        curved: type of isoparametric mesh that it lives on too (T31); None: it is for straight
+            edges only.
     """
 
     name: str
@@ -47,10 +49,11 @@ class VelocitySpace:
     strict: bool
     jumps: bool = False
     locks: bool = False
+    curved: type[Mesh] | None = None
 
     @property
     def linear(self) -> bool:
-        """Whether strain rates are linear in an element: known everywhere from its strain points.
+        """Whether strain rates are linear in a straight element: known from its strain points.
 
         Then ``theta = 0`` at three of them is ``theta = 0`` everywhere, wherever they are.
         """
@@ -88,10 +91,10 @@ SPACES = {
     space.name: space
     for space in (
         VelocitySpace("p2-vertex", MeshTri1, _P2, 2, _VERTICES, strict=True),
-        VelocitySpace("p2-gauss", MeshTri1, _P2, 2, _INSIDE, strict=False),
+        VelocitySpace("p2-gauss", MeshTri1, _P2, 2, _INSIDE, strict=False, curved=MeshTri2),
         VelocitySpace("p2-disc", MeshTri1, ElementDG(_P2), 2, _VERTICES, strict=True, jumps=True),
         VelocitySpace("p1-disc", MeshTri1, ElementDG(_P1), 1, _CENTRE, strict=True, jumps=True),
         VelocitySpace("p1", MeshTri1, _P1, 1, _CENTRE, strict=True, locks=True),
-        VelocitySpace("q2", MeshQuad1, ElementQuad2(), 2, _GAUSS, strict=False),
+        VelocitySpace("q2", MeshQuad1, ElementQuad2(), 2, _GAUSS, strict=False, curved=MeshQuad2),
     )
 }

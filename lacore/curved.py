@@ -1,0 +1,101 @@
+"""Isoparametric meshes: edges and elements that are curved, quadratic in their parameters (T31)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import Mesh, MeshTri
+from skfem.mesh import MeshQuad2, MeshTri2
+
+from lacore.arrays import Floats, Ints
+
+_SHARES = np.linspace(0.0, 1.0, 4)
+
+
+def is_curved(mesh: Mesh) -> bool:
+    """Whether a mesh has midside nodes, which may lie off the middle of straight edges."""
+    return isinstance(mesh, MeshTri2 | MeshQuad2)
+
+
+def vertices(mesh: Mesh) -> Floats:
+    """Vertices of a mesh, without its midside nodes, shape (2, n)."""
+    return np.asarray(mesh.p[:, : mesh.nvertices])
+
+
+@dataclass(frozen=True)
+class EdgeCurves:
+    """Quadratic curves by parameters 0 at `start`, 1/2 at `middle`, 1 at `end`, each (2, k)."""
+
+    start: Floats
+    middle: Floats
+    end: Floats
+
+    @property
+    def bulge(self) -> Floats:
+        """From the middle of the chord to that of the curve, shape (2, k): 0 where straight."""
+        return self.middle - (self.start + self.end) / 2
+
+    def at(self, s: Floats | float) -> Floats:
+        """Places at parameters of shape (k,), or one for all, shape (2, k)."""
+        return np.asarray((1 - s) * self.start + s * self.end + 4 * s * (1 - s) * self.bulge)
+
+    def tangent(self, s: Floats | float) -> Floats:
+        """Derivatives of the places by the parameter, m, shape (2, k)."""
+        return np.asarray(self.end - self.start + 4 * (1 - 2 * s) * self.bulge)
+
+    def normal(self, s: Floats | float, side: Floats) -> Floats:
+        """Unit normals, shape (2, k), on the side of vectors of that shape."""
+        along = self.tangent(s)
+        across = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
+        return np.asarray(across * np.sign(np.sum(across * side, axis=0)))
+
+    def parameter(self, points: Floats) -> Floats:
+        """Parameters of the places that lie across the chord from points (2, k), shape (k,)."""
+        chord = self.end - self.start
+        squared = np.sum(chord**2, axis=0)
+        share = np.sum((points - self.start) * chord, axis=0) / squared
+        a = -4 * np.sum(self.bulge * chord, axis=0) / squared
+        # share = (1 - a) s + a s^2, which grows along an edge that is not folded.
+        root = np.sqrt(np.maximum((1 - a) ** 2 + 4 * a * share, 0.0))
+        return np.asarray(2 * share / (1 - a + root))
+
+    def between(self, first: Floats, last: Floats) -> "EdgeCurves":
+        """The parts between two parameters, shape (k,) each."""
+        return EdgeCurves(self.at(first), self.at((first + last) / 2), self.at(last))
+
+
+def edge_curves(mesh: Mesh, facets: Ints) -> EdgeCurves:
+    """Edges of a mesh; straight ones have their middle at s = 1/2."""
+    start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
+    middle = mesh.p[:, mesh.nvertices + facets] if is_curved(mesh) else (start + end) / 2
+    return EdgeCurves(start, middle, end)
+
+
+def jacobians(mesh: Mesh) -> Floats:
+    """Bernstein coefficients of det J of curved elements, shape (elements, coefficients), m^2.
+
+    det J lies between their least and their largest: an element whose coefficients are all
+    positive is not inverted anywhere (T31). Of either orientation the larger part is positive.
+    """
+    if len(mesh.t) == 3:  # quadratic: vertices, and by a, b and the middle m of them 2 m - (a+b)/2
+        places = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+        change = np.eye(6)
+        for row, (a, b) in enumerate([(0, 1), (1, 2), (2, 0)], start=3):
+            change[row, [a, b, row]] = -0.5, -0.5, 2.0
+    else:  # cubic in either parameter
+        places = np.stack([axis.ravel() for axis in np.meshgrid(_SHARES, _SHARES)])
+        s = _SHARES[:, None]
+        cubic = np.array([1, 3, 3, 1]) * s ** np.arange(4) * (1 - s) ** np.arange(3, -1, -1)
+        change = np.kron(np.linalg.inv(cubic), np.linalg.inv(cubic))
+    values = np.asarray(mesh.mapping().detDF(places)) @ change.T
+    return np.asarray(values * np.sign(values.sum(axis=1, keepdims=True)))
+
+
+def subdivided(mesh: Mesh) -> MeshTri:
+    """Straight triangles between vertices, midside nodes and centres of a curved mesh."""
+    nodes = mesh.dofs.element_dofs
+    if len(mesh.t) == 3:
+        parts = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
+    else:
+        ring = [0, 4, 1, 5, 2, 6, 3, 7]
+        parts = [(8, a, b) for a, b in zip(ring, [*ring[1:], 0], strict=True)]
+    return MeshTri(mesh.p, np.concatenate([nodes[list(part)] for part in parts], axis=1))
