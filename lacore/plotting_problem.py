@@ -110,7 +110,8 @@ def _draw_continuum(sheet: Sheet, body: Body) -> None:
         LineCollection(list(outer), colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
-    text = rf"rigid-plastic, $k = {body.criterion.k:.4g}$ Pa"
+    first = "" if body.criterion.hardening is None else "hardening, at first "
+    text = rf"rigid-plastic, {first}$k = {body.criterion.k:.4g}$ Pa"
     sheet.handles[text] = Patch(facecolor=_SOIL, edgecolor=_OUTLINE)
 
 

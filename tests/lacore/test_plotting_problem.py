@@ -201,6 +201,12 @@ def test_two_bodies_are_named_as_they_are():
     assert {"rigid-plastic, $k = 1$ Pa", "rigid-plastic, $k = 2$ Pa"} <= set(legend(figure))
 
 
+def test_a_strength_that_hardens_is_the_first():
+    law = la.hardening.Linear(3**0.5, 2.0)
+    figure = continuum(bodies={"soil": la.Body(SOIL, la.VonMises(hardening=law))}).plot()
+    assert "rigid-plastic, hardening, at first $k = 1$ Pa" in legend(figure)
+
+
 def test_frames_with_all_that_they_can_have():
     frame = la.Frame(
         {"A": (0, 0), "B": (0, 3), "C": (4, 3), "D": (4, 0), "E": (7, 0)},
