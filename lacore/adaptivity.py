@@ -408,6 +408,13 @@ def _only_body(problem: Problem) -> tuple[str, Body]:
             "a bracket takes a deformable body on straight-edged triangles",
             "give a lacore.Body on a skfem.MeshTri",
         )
+    if body.axisymmetric:
+        raise InputError(
+            f"Problem.bodies[{name!r}].kinematics",
+            body.kinematics,
+            "nothing is a strict bound of a body of revolution",
+            "take `solve`, whose value converges under refinement",
+        )
     return name, body
 
 

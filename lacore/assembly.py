@@ -14,9 +14,10 @@ from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, outward_normals
 from lacore.conditions import footing_conditions, support_conditions
 from lacore.contact_points import ContactPoints, contact_rows
+from lacore.crossings import without_crossings
 from lacore.curved import is_curved
 from lacore.dofs import BodyDofs, number
-from lacore.elimination import NodeConditions, free_basis, join
+from lacore.elimination import NodeConditions, free_basis, held, join
 from lacore.errors import InputError
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
@@ -121,6 +122,10 @@ def discretise(problem: Problem) -> Discretisation:
             ),
         ]
     )
+    held_nodes = np.isin(np.arange(node_dofs.shape[1]), conditions.nodes)
+    # On an axis u_r = 0 follows from continuity: no support, and no reaction.
+    axes = np.concatenate([np.zeros(0, dtype=np.int64), *(b.axis_nodes for b in bodies.values())])
+    conditions = join([conditions, held(axes, np.tile([1.0, 0.0], (axes.size, 1)))])
     basis = csr_matrix(
         block_diag(
             [
@@ -163,7 +168,7 @@ def discretise(problem: Problem) -> Discretisation:
         full=full,
         program=program,
         free_basis=basis,
-        held_nodes=np.isin(np.arange(node_dofs.shape[1]), conditions.nodes),
+        held_nodes=held_nodes,
         bodies=bodies,
         assemblies=assemblies,
         frames=frames,
@@ -202,7 +207,10 @@ def _natural_scales(
             " load factor would always be 0",
             "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields",
         )
-    return Scales(length=length, stress=max(strengths), velocity=velocity)
+    volume = sum(float(body.weights.sum()) for body in bodies.values())
+    area = sum(body.extent for body in bodies.values())
+    thickness = volume / area if any(b.body.axisymmetric for b in bodies.values()) else 1.0
+    return Scales(length, max(strengths), velocity, thickness)
 
 
 def _shared_corners(contact: ContactRows, points: ContactPoints, problem: Problem) -> Bools:
@@ -268,8 +276,13 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
     form = dofs.body.criterion.conic_form(dofs.body.kinematics)
     basis = dofs.basis
     gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
-    strain = np.stack([gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]], axis=2)
-    # strain: (elements, points, 3, shapes)
+    rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
+    if dofs.body.axisymmetric:  # strain points lie off the axis
+        radial = np.stack([np.asarray(shape[0])[0] for shape in basis.basis], axis=-1)
+        radius = np.asarray(basis.global_coordinates())[0]
+        rates.insert(2, radial / radius[:, :, None])
+    strain = np.stack(rates, axis=2)
+    # strain: (elements, points, components, shapes)
     columns = basis.element_dofs.T.astype(np.int64) + dofs.offset
 
     def rows(coefficients: Floats) -> Sparse:
@@ -280,13 +293,16 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
         return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
 
     weights = dofs.weights.ravel()
+    volumetric = rows(form.volumetric[None, :])
+    if not (dofs.linear or form.compressible) and len(dofs.body.mesh.t) == 3:
+        volumetric = without_crossings(dofs, volumetric)
     return DissipationGroup(
         name=name,
         rows=rows(form.rows),
         dim=form.rows.shape[0],
         weights=weights,
         bound=np.full(weights.size, form.bound),
-        volumetric=rows(form.volumetric[None, :]),
+        volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
     )
 

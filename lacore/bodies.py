@@ -6,12 +6,15 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 from skfem.mesh import MeshTri1
 
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 from lacore.criteria import KINEMATICS, VonMises
+from lacore.curved import edge_curves, vertices
 from lacore.errors import InputError, require_known
 from lacore.locking import crossed_quadrilaterals
 from lacore.mesh_checks import check_mesh
 from lacore.spaces import SPACES, VelocitySpace
+
+_NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
 
 GEOMETRIES = ("exact", "approximated")
 
@@ -26,7 +29,10 @@ class Body:
             isoparametric meshes, whose edges are curves through their midside nodes
             (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
         criterion: yield criterion, `VonMises`.
-        kinematics: ``plane_strain`` or ``plane_stress``; unit thickness.
+        kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
+            body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
+            forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
+            the axis by itself; spaces ``p2-gauss`` and ``q2``.
         space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
             ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
             More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
@@ -56,7 +62,17 @@ class Body:
                 "give lacore.VonMises(shear_strength=...)",
             )
         space = SPACES[self.space]
+        if self.axisymmetric and space.strict:
+            raise InputError(
+                "Body.space",
+                self.space,
+                "no axisymmetric bodies: bounds need strain rates that are linear in elements, and"
+                " the vertex rule has a motion without energy at the axis",
+                "take 'p2-gauss', or 'q2' on quadrilaterals",
+            )
         _check_mesh(self.mesh, space)
+        if self.axisymmetric:
+            _check_radii(self)
         incompressible = not self.criterion.conic_form(self.kinematics).compressible
         if space.locks and incompressible and not crossed_quadrilaterals(self.mesh):
             raise InputError(
@@ -81,6 +97,28 @@ class Body:
     def size(self) -> float:
         """Diagonal of the bounding box, the length that tolerances refer to."""
         return float(np.linalg.norm(np.ptp(self.mesh.p, axis=1)))
+
+
+def on_axis(body: Body, places: Floats) -> Bools:
+    """Which places of shape (2, ...) lie on the axis of an axisymmetric body; else none."""
+    near = np.abs(places[0]) <= _NEAR * body.size
+    return np.asarray(near & body.axisymmetric)
+
+
+def _check_radii(body: Body) -> None:
+    mesh = body.mesh
+    curves = edge_curves(mesh, mesh.boundary_facets())
+    places = np.concatenate([vertices(mesh), curves.middle + curves.bulge], axis=1)
+    outside = np.flatnonzero(places[0] < -_NEAR * body.size)
+    if outside.size:
+        place = places[:, outside[np.argmin(places[0, outside])]]
+        raise InputError(
+            "Body.mesh",
+            float(place[0]),
+            f"a radius below 0, near ({place[0]:.6g}, {place[1]:.6g}): x is the radius r of an"
+            " axisymmetric body",
+            "give the half of the section at x >= 0, its axis at x = 0",
+        )
 
 
 def _check_mesh(mesh: MeshTri | MeshQuad, space: VelocitySpace) -> None:

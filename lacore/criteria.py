@@ -9,18 +9,19 @@ from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known
 from lacore.hardening import HardeningLaw, Perfect, require_hardening_law
 
-KINEMATICS = ("plane_strain", "plane_stress")
+KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
 
 
 @dataclass(frozen=True)
 class ConicForm:
     """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``.
 
-    `eps` is the strain rate in engineering components (xx, yy, gamma_xy), unit 1/s.
+    `eps` is the strain rate in engineering components (xx, yy, gamma_xy), of axisymmetric bodies
+    (rr, zz, tt, gamma_rz), unit 1/s.
 
     Attributes:
-        rows: cone rows, shape (dim, 3).
-        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (3,).
+        rows: cone rows, shape (dim, components).
+        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,).
         bound: largest norm of the conjugate stress, Pa.
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
@@ -38,13 +39,15 @@ class ConicForm:
         return not np.any(self.volumetric)
 
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
-        """Stresses (xx, yy, zz, xy), shape (m, 4), Pa, tension positive.
+        """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
 
         Args:
             conjugate: of `rows`, shape (m, dim), Pa.
             mean: of `volumetric`, shape (m,), Pa; in plane strain also sigma_zz (T1).
         """
         plane = conjugate @ self.rows + mean[:, None] * self.volumetric
+        if plane.shape[1] == 4:
+            return np.asarray(plane)
         out = np.zeros_like(mean) if self.compressible else mean
         return np.column_stack([plane[:, :2], out, plane[:, 2]])
 
@@ -125,9 +128,19 @@ class VonMises:
         """Cone of the dissipation (T1).
 
         Plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0; plane stress
-        ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume.
+        ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume;
+        axisymmetric ``k ||(eps_rr - eps_zz, (eps_rr + eps_zz - 2 eps_tt)/sqrt(3), gamma)||``,
+        theta = 0.
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
+        if kinematics == "axisymmetric":
+            share = 1 / sqrt(3)
+            return ConicForm(
+                rows=np.array([[1, -1, 0, 0], [share, share, -2 * share, 0], [0, 0, 0, 1]]),
+                volumetric=np.array([1.0, 1.0, 1.0, 0.0]),
+                bound=self.k,
+                volumetric_factor=0.0,  # the rows have no part of theta
+            )
         if kinematics == "plane_stress":
             return ConicForm(
                 rows=np.array([[2.0, 1.0, 0.0], [0.0, sqrt(3), 0.0], [0.0, 0.0, 1.0]]),

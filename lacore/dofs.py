@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 from skfem import Basis
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies import Body
+from lacore.bodies import Body, on_axis
 from lacore.curved import EdgeCurves, edge_curves, is_curved
 from lacore.spaces import SPACES, VelocitySpace
 
@@ -68,6 +68,16 @@ class BodyDofs:
     def areas(self) -> Floats:
         """Areas of the elements, shape (elements,), m^2."""
         return np.asarray(self.basis.dx.sum(axis=1))
+
+    @property
+    def volumes(self) -> Floats:
+        """Volumes of the elements, shape (elements,), m^3; m^2 per unit thickness."""
+        return np.asarray(self.weights.sum(axis=1))
+
+    @property
+    def axis_nodes(self) -> Ints:
+        """Nodes of an axisymmetric body on its axis, numbered among those of all bodies."""
+        return self.first_node + np.flatnonzero(on_axis(self.body, self.nodes))
 
     @property
     def weights(self) -> Floats:

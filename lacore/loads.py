@@ -1,4 +1,8 @@
-"""Supports and loads. Forces are per unit thickness; every load is integrated exactly."""
+"""Supports and loads. Forces are per unit thickness; every load is integrated exactly.
+
+Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces
+are those of the whole circumference, in N.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -98,7 +102,7 @@ class PointForce:
         body: name of the body. A continuum yields under it: mesh dependent.
         at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
             centroid) or of a node of a frame, or a place on a member of one: a node is put there.
-        vector: N/m.
+        vector: N/m; on an axisymmetric body the sum around the ring through `at`, N.
         where: the block that carries it, where `at` lies on several.
     """
 
@@ -123,7 +127,8 @@ class RigidFooting:
     Attributes:
         body, where: the part of the boundary under the footing; its ends fall on vertices.
         direction: of motion and force; normalised.
-        pressure: mean pressure, force over the area of `where`.
+        pressure: mean pressure, force over the area of `where` (of the whole ring or disc, where
+            the body is axisymmetric; then it moves along z).
         rough: the body sticks to the footing; else it slides along it without friction. Either
             way it does not lift off.
     """

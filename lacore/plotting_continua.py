@@ -77,7 +77,7 @@ def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
     friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())
     powers = zip(state.discretisation.bodies.values(), state.dissipation.values(), strict=True)
-    plastic = sum(float(body.areas @ power) for body, power in powers)
+    plastic = sum(float(body.volumes @ power) for body, power in powers)
     if plastic <= _RIGID_SHARE * (program.plastic_dissipation(point.velocity) + friction):
         return None
     peak = float(density.max())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lacore.arrays import Floats, Ints
+from lacore.axisymmetry import check_axisymmetry
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.contact_geometry import (
@@ -122,6 +123,12 @@ class Problem:
                     "hold x and y along an edge",
                 )
         self._check_interfaces()
+        loads = {
+            f"Problem.{attribute}[{index}]": load
+            for attribute in ("reference_loads", "dead_loads")
+            for index, load in enumerate(getattr(self, attribute))
+        }
+        check_axisymmetry(self.bodies, loads, self.supports, self.interfaces)
 
     def _split_frames(self) -> None:
         """Put a node wherever a point force acts on a member: it may hinge there."""

@@ -24,16 +24,18 @@ class Scales:
         length: m.
         stress: Pa.
         velocity: m/s.
+        thickness: m; 1 where everything is per unit thickness.
     """
 
     length: float = 1.0
     stress: float = 1.0
     velocity: float = 1.0
+    thickness: float = 1.0
 
     @property
     def force(self) -> float:
-        """Force per unit thickness, N/m."""
-        return self.stress * self.length
+        """Force, N; per unit thickness N/m."""
+        return self.stress * self.length * self.thickness
 
     @property
     def load_factor(self) -> float:
@@ -52,7 +54,7 @@ class DissipationGroup:
         name: for messages and results.
         rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
         dim: rows in a cone.
-        weights: integration weights, shape (m,), m^2 (plane bodies of unit thickness).
+        weights: integration weights, shape (m,), m^3; m^2 of plane bodies of unit thickness.
         bound: largest norm of the conjugate stress, shape (m,), Pa.
         volumetric: rows of theta, shape (m, n).
         volumetric_factor: see `lacore.criteria.ConicForm`.
@@ -97,7 +99,7 @@ class ContactRows:
         normal: rows of u_n, shape (m, n).
         tangential: rows of u_t, shape (m tangent_dim, n).
         tangent_dim: rows in a tangential velocity.
-        weights: lengths, shape (m,), m.
+        weights: areas, shape (m,), m^2; lengths, m, of plane bodies of unit thickness.
         coefficient, limit, dilatancy: the law ``||t_t|| <= coefficient t_n + limit``,
             ``u_n >= dilatancy ||u_t||``, each of shape (m,); limit in Pa, inf is stick.
         interface: number of the interface of each point, shape (m,).
@@ -372,7 +374,7 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
                 group,
                 rows=group.rows * scales.length,
                 volumetric=group.volumetric * scales.length,
-                weights=group.weights / scales.length**2,
+                weights=group.weights / (scales.length**2 * scales.thickness),
                 bound=group.bound / scales.stress,
                 modulus=None
                 if group.modulus is None
@@ -382,7 +384,7 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
         ),
         contact=replace(
             contact,
-            weights=contact.weights / scales.length,
+            weights=contact.weights / (scales.length * scales.thickness),
             limit=contact.limit / scales.stress,
             closing=None if contact.closing is None else contact.closing / scales.velocity,
         ),

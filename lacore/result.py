@@ -101,7 +101,7 @@ class LimitState:
     def stress(self) -> dict[str, Floats]:
         """Stress (xx, yy, zz, xy) at the strain points of continua, (elements, q, 4), Pa.
 
-        Tension is positive.
+        Of axisymmetric bodies (rr, zz, tt, rz), t the hoop. Tension is positive.
         """
         point = self._point()
         result = {}
@@ -115,7 +115,9 @@ class LimitState:
 
     @property
     def dissipation(self) -> dict[str, Floats]:
-        """Plastic power of elements per area by continuum, shape (elements,), W/m^2 at F0.u = 1.
+        """Plastic power of elements per volume by continuum, shape (elements,), at F0.u = 1.
+
+        W/m^3 where the load is in N, that is of axisymmetric bodies; W/m^2 per unit thickness.
 
         That of a velocity jump goes to both elements, half each.
         """
@@ -128,7 +130,7 @@ class LimitState:
             halves = jumps.group.dissipation(u) / 2
             for side in jumps.elements:
                 np.add.at(power[name], side, halves)
-        return {name: value / d.bodies[name].areas for name, value in power.items()}
+        return {name: value / d.bodies[name].volumes for name, value in power.items()}
 
     @property
     def hinges(self) -> pd.DataFrame:
@@ -158,6 +160,8 @@ class LimitState:
     def reactions(self) -> pd.DataFrame:
         """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
 
+        `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that
+        of the surface, m^2: times tractions it makes forces.
         ``t_n >= 0`` is compression; the tangent is the normal turned by +90 degrees. Pressures
         oscillate from point to point; sums and averages are what to trust.
         """
@@ -197,6 +201,7 @@ class LimitState:
     def support_reactions(self) -> pd.DataFrame:
         """Forces of supports and rigid footings on what they hold or move, N/m, and moments, N.
 
+        Of axisymmetric bodies forces around the whole ring, N.
         On the nodes of continua and of frames, and at the centroids of rigid blocks. A frame that
         is held twice along a member gets the least of the forces that its supports may exert.
         """

@@ -132,6 +132,14 @@ def _continua(problem: Problem) -> dict[str, Body]:
                 "equilibrium elements are straight-edged triangles",
                 "give a skfem.MeshTri, for quadrilaterals `mesh.to_meshtri(style='x')`",
             )
+        if body.axisymmetric:
+            raise InputError(
+                f"Problem.bodies[{name!r}].kinematics",
+                body.kinematics,
+                "no lower bound: linear stresses cannot be in equilibrium with the hoop stress over"
+                " r",
+                "take `solve`, whose value converges, and is no bound",
+            )
         bodies[name] = body
     return bodies
 
