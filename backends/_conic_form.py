@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, interleaved
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -189,11 +189,10 @@ class ConicForm:
         for norm in self._norms:
             self.cones += norm.cones
         soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
-        self._soft = np.concatenate([*soft, np.zeros(0)])
         # The t are lengths times weights: w h (t/w)^2/2.
-        rising = [_modulus(group) / group.weights for group in program.groups]
+        rising = [group.rise / group.weights for group in program.groups]
         still = np.zeros(first - program.n - sum(part.size for part in rising))
-        diagonal = np.concatenate([np.zeros(program.n), *rising, still, self._soft])
+        diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
         own = np.flatnonzero(diagonal)
         self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
         self.linear = penalty is None and all(norm.dim == 1 for norm in self._norms if norm.count)
@@ -251,14 +250,15 @@ class ConicForm:
             tangential_reaction=tangential,
         )
 
-    def complementary_energy(self, z: Floats) -> float:
-        """``sum stress^2/(2 K)`` of the duals; at a solution C, the energy of the velocity."""
-        stress = (self.matrix.T @ z)[self.matrix.shape[1] - self._soft.size :]
-        return float(np.sum(stress**2 / self._soft)) / 2
+    def complementary_energy(self, z: Floats, contact: FrozenContact) -> float:
+        """``sum stress^2/(2 K) + (stress - bound)^2/(2 modulus)`` of the duals.
 
-
-def _modulus(group: DissipationGroup) -> Floats:
-    return np.zeros(group.weights.size) if group.modulus is None else group.modulus
+        At a solution the energy C of the velocity, and what hardening adds to it.
+        """
+        curvature = self.quadratic.diagonal()
+        own = np.flatnonzero(curvature)
+        rest = (self.matrix.T @ z + self.cost(contact))[own]
+        return float(np.sum(rest**2 / curvature[own])) / 2
 
 
 def _wide(rows: Sparse, columns: int) -> Sparse:

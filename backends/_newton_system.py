@@ -4,7 +4,8 @@ The Huber law ``s = bound v / max(||v||, bound/stiffness)`` is linearised in the
 ``max(||v||, bound/stiffness) s = bound v`` with the stress s as an unknown of its own (Chan, Golub
 & Mulet 1999; Andersen et al. 2000). Eliminating it point by point leaves
 ``B^T W (bound I - sym(s v^T/||v||)) B / max(...)``: as sparse as the exact Hessian, and positive
-semidefinite as long as ``||s|| <= bound``.
+semidefinite as long as ``||s|| <= bound``. A law that hardens is a Huber law and a linear spring
+beside it (T17), whose stress is no unknown.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.linear_algebra import Gram, SingularError, SymmetricSolver
 from lacore.program import FrozenContact, KinematicProgram, interleaved
-from lacore.regularization import Penalties, RegularisedPoint, evaluate
+from lacore.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
 
 _ROUND_OFF = 1e-16  # of the largest curvature: its precision
 _FLOOR = 1e-13  # of the largest curvature: the first shift above it
@@ -28,41 +29,48 @@ _STICK = 1e20  # a friction bound that nothing reaches
 class Huber:
     """One kind of Huber terms ``sum_g weight_g huber(||v_g||)``, ``v = rows U`` by point.
 
-    `stress` is the dual variable, ``||stress|| <= bound``, shape (m, dim).
+    Beside each of them a spring, ``weight_g spring_g ||v_g||^2/2``. `stress` is the dual variable
+    of the Huber term alone, ``||stress|| <= bound``, shape (m, dim).
     """
 
     rows: Sparse
     dim: int
     weights: Floats
-    bound: Floats
-    stiffness: float
+    law: Beside
     stress: Floats
 
     def curvature(self, velocity: Floats) -> Floats:
         """The primal-dual blocks ``W H`` of ``B^T W H B``, shape (m, dim, dim)."""
         v, length, top = self._lengths(velocity)
-        flowing = length * self.stiffness > self.bound
-        direction = np.where(flowing[:, None], v / np.maximum(length, _TINY)[:, None], 0.0)
-        relative = self.stress / np.maximum(self.bound, _TINY)[:, None]
+        bound, spring = self.law.bound, self.law.spring
+        direction = np.where(
+            self._flowing(length)[:, None], v / np.maximum(length, _TINY)[:, None], 0.0
+        )
+        relative = self.stress / np.maximum(bound, _TINY)[:, None]
         outer = relative[:, :, None] * direction[:, None, :]
         blocks = np.eye(self.dim) - (outer + outer.transpose(0, 2, 1)) / 2
-        return np.asarray(blocks * (self.weights * self.bound / top)[:, None, None])
+        blocks *= (self.weights * bound / top)[:, None, None]
+        return np.asarray(blocks + (self.weights * spring)[:, None, None] * np.eye(self.dim))
 
     def step(self, velocity: Floats, change: Floats, share: float) -> None:
         """Move the stress by a share of its own Newton step, back into its bound."""
         v, length, top = self._lengths(velocity)
+        bound = self.law.bound
         dv = np.asarray(self.rows @ change).reshape(-1, self.dim)
-        flowing = length * self.stiffness > self.bound
-        along = np.sum(v * dv, axis=1) / np.maximum(length, _TINY) * flowing
-        target = (self.bound[:, None] * (v + dv) - along[:, None] * self.stress) / top[:, None]
+        along = np.sum(v * dv, axis=1) / np.maximum(length, _TINY) * self._flowing(length)
+        target = (bound[:, None] * (v + dv) - along[:, None] * self.stress) / top[:, None]
         moved = self.stress + share * (target - self.stress)
         size = np.linalg.norm(moved, axis=1)
-        self.stress = moved * np.minimum(1.0, self.bound / np.maximum(size, _TINY))[:, None]
+        self.stress = moved * np.minimum(1.0, bound / np.maximum(size, _TINY))[:, None]
+
+    def _flowing(self, length: Floats) -> Bools:
+        return np.asarray(length * self.law.stiffness > self.law.bound)
 
     def _lengths(self, velocity: Floats) -> tuple[Floats, Floats, Floats]:
         v = np.asarray(self.rows @ velocity).reshape(-1, self.dim)
         length = np.linalg.norm(v, axis=1)
-        return v, length, np.maximum(np.maximum(length, self.bound / self.stiffness), _TINY)
+        threshold = self.law.bound / self.law.stiffness
+        return v, length, np.maximum(np.maximum(length, threshold), _TINY)
 
 
 @dataclass(frozen=True)
@@ -183,14 +191,14 @@ def laws_of(
     program: KinematicProgram, contact: FrozenContact, penalty: Penalties, shape: Shape
 ) -> list[Huber]:
     """Huber terms of all groups and of the plain contact points, unstressed."""
-    terms = [(group.weights, group.bound, penalty.eta) for group in program.groups]
+    eta, tangential = penalty.eta, penalty.tangential
+    terms = [(g.weights, beside(eta, g.bound, g.rise)) for g in program.groups]
     held = np.minimum(contact.bound[shape.plain], _STICK)
-    terms.append((program.contact.weights[shape.plain], held, penalty.tangential))
+    weights = program.contact.weights[shape.plain]
+    terms.append((weights, beside(tangential, held, np.zeros(held.size))))
     return [
-        Huber(rows, dim, weights, bound, stiffness, np.zeros((weights.size, dim)))
-        for rows, dim, (weights, bound, stiffness) in zip(
-            shape.rows, shape.dims, terms, strict=True
-        )
+        Huber(rows, dim, weights, law, np.zeros((weights.size, dim)))
+        for rows, dim, (weights, law) in zip(shape.rows, shape.dims, terms, strict=True)
     ]
 
 

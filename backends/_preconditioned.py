@@ -181,7 +181,7 @@ class PreconditionedSolver:
             if escaped(velocity):
                 raise _Ran
             point = evaluate(self._program, contact, penalty, velocity)
-            return point.values.alpha_reg, solve_triangular(self._factor, point.gradient, trans="T")
+            return point.objective, solve_triangular(self._factor, point.gradient, trans="T")
 
         try:
             # More BLAS threads than idle cores make these small dense steps ten times slower.

@@ -61,7 +61,7 @@ class ClarabelRegularised:
     name: ClassVar[str] = "clarabel-regularised"
     title: ClassVar[str] = "Clarabel, regularised program as cones and quadratic cost"
     source: ClassVar[str] = "Goulart & Chen, Clarabel: an interior-point solver, 2024"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, hardening=True)
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelRegularisedOptions
 
@@ -114,17 +114,17 @@ class RegularisedSolver:
         """The energies at the velocity, with the stresses and reactions of the duals.
 
         Stresses by the law magnify what is wrong with the velocity by the penalties: at r = 1e-5
-        nodal forces miss their balance by 1e-3 where the duals leave 1e-9. The gap, ``C*(duals) -
-        C(velocity)`` in equilibrium, proves that the duals are the stresses of the law; where it
+        nodal forces miss their balance by 1e-3 where the duals leave 1e-9. The gap, that of the
+        objective in equilibrium, proves that the duals are the stresses of the law; where it
         does not, those of the law are returned, and are judged.
         """
         dual = answer.form.point(answer.x, answer.z, contact)
         point = evaluate(self._program, contact, self._penalty, dual.velocity, dual.load_factor)
         values = point.values
         shifted = float(self._program.contact.weights @ (contact.shift * dual.normal_reaction))
-        below = dual.load_factor - shifted - answer.form.complementary_energy(answer.z)
+        below = dual.load_factor - shifted - answer.form.complementary_energy(answer.z, contact)
         dead_power = float(self._program.dead_load @ dual.velocity)
-        power = max(abs(values.alpha_reg) + abs(dead_power), 1.0)
-        if not abs(values.alpha_reg - below) <= _PROVEN * power:
+        power = max(abs(point.objective) + abs(dead_power), 1.0)
+        if not abs(point.objective - below) <= _PROVEN * power:
             return point
         return replace(point, state=replace(dual, load_factor=values.load_factor))

@@ -78,7 +78,7 @@ class Cvxpy:
         return Capabilities(
             regularised=False,
             max_cone=None if cones else 1,
-            hardening=cones,
+            hardening=self.known.quadratic,
             warm_start=self.known.warm_start,
             infeasibility=self.known.infeasibility,
             isolated=not self.known.time,

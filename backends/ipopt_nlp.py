@@ -75,7 +75,9 @@ class Ipopt:
     name: ClassVar[str] = "ipopt"
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, warm_start=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=True, warm_start=True, hardening=True
+    )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptOptions
 
@@ -215,7 +217,7 @@ def _build(
             continue
         rows = interleaved(group.rows, group.dim, group.volumetric, 1)
         law = _plastic_law(group.dim, group.volumetric_factor)
-        constants = ca.DM(np.stack([group.weights, group.bound]))
+        constants = ca.DM(np.stack([group.weights, group.bound, group.rise]))
         part = _terms(
             rows, group.dim + 1, law, u, constants, ca.repmat(ca.vertcat(p[:2], p[4]), 1, count)
         )
@@ -324,32 +326,37 @@ def _derivatives(inputs: list[Any], force: Any, stiffness: Any) -> tuple[Any, An
 
 
 def _plastic_law(dim: int, share: float) -> _Law:
-    """T17 at a strain point: local (cone rows, theta), constants (weight, bound).
+    """T17 at a strain point: local (cone rows, theta), constants (weight, bound, modulus).
+
+    A Huber function and, from hardening, a spring beside it.
 
     Parameters: eta, K_c, and the share kept of the rank-one term of the Hessian.
     """
 
     def energy(local: list[Any], constants: list[Any], p: list[Any]) -> Any:
-        (weight, bound), (eta, bulk, _) = constants, p
+        (weight, bound, modulus), (eta, bulk, _) = constants, p
         theta = local[-1]
         square = sum(v**2 for v in local[:-1]) + (share * theta) ** 2
-        limit = bound / eta
+        limit, kept = bound / eta, eta / (eta + modulus)
         elastic, length = ca.fmin(square, limit**2), ca.sqrt(ca.fmax(square, limit**2))
-        return weight * (eta * elastic / 2 + bound * (length - limit) + bulk * theta**2 / 2)
+        huber = eta * elastic / 2 + bound * (length - limit)
+        return weight * (kept * (huber + modulus * square / 2) + bulk * theta**2 / 2)
 
-    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 2), ca.SX.sym("p", 3)
-    weight, bound, eta, bulk, damping = constants[0], constants[1], p[0], p[1], p[2]
+    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 3), ca.SX.sym("p", 3)
+    weight, bound, modulus, eta, bulk, damping = *ca.vertsplit(constants), *ca.vertsplit(p)
+    kept = eta / (eta + modulus)
     scale = ca.DM.ones(dim + 1)
     scale[dim] = share
     e = scale * local
     limit = bound / eta
     length = ca.sqrt(ca.fmax(ca.dot(e, e), limit**2))
     flowing = length > limit
-    secant = bound / length
-    force = secant * scale * e
+    secant, spring = kept * bound / length, kept * modulus
+    force = (secant + spring) * scale * e
     force[dim] += bulk * local[dim]
     direction = scale * e / length
     stiffness = secant * (ca.diag(scale**2) - damping * flowing * ca.mtimes(direction, direction.T))
+    stiffness += spring * ca.diag(scale**2)
     stiffness[dim, dim] += bulk
     return _Law(energy, _derivatives([local, constants, p], weight * force, weight * stiffness))
 

@@ -1,7 +1,8 @@
 """IPOPT through CasADi on the exact static program (T7): the largest load that stresses carry.
 
 The exact limit load from the other side, found by a solver for nonlinear programs: no velocity is
-among its unknowns, no regularisation in its program.
+among its unknowns, no regularisation in its program. Hardening within a step of a path (T29) would
+make yield a cost of what stresses exceed it by: not written here.
 """
 
 import time

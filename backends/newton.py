@@ -87,7 +87,9 @@ class Newton:
     name: ClassVar[str] = "newton"
     title: ClassVar[str] = "Primal-dual Newton, regularised program, sparse direct solver"
     source: ClassVar[str] = "Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, warm_start=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=True, warm_start=True, hardening=True
+    )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = NewtonOptions
 

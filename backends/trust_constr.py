@@ -56,6 +56,7 @@ class TrustConstr:
         regularised=True,
         max_unknowns=1200,
         warm_start=True,
+        hardening=True,
         infeasibility=False,  # its trust region keeps it from running away in time
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP

@@ -209,9 +209,10 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
     if program.hardens and not can.hardening:
+        states = "solves linear programs" if can.max_cone == 1 else "has costs linear in them only"
         raise CapabilityError(
-            f"backend {backend.name!r} takes costs that are linear in the strain rate, and those of"
-            " hardening within a step of a path are quadratic (T29): take 'clarabel' or 'cvxpy'"
+            "hardening within a step of a path costs the square of strain rates (T29), and backend"
+            f" {backend.name!r} {states}: take 'clarabel'"
         )
 
 

@@ -70,6 +70,11 @@ class DissipationGroup:
     volumetric_factor: float
     modulus: Floats | None = None
 
+    @property
+    def rise(self) -> Floats:
+        """`modulus`, zero where nothing hardens, shape (m,), Pa s."""
+        return np.zeros(self.weights.size) if self.modulus is None else self.modulus
+
     def cone_vectors(self, velocity: Floats) -> Floats:
         """``(rows U)`` by cone, shape (m, dim)."""
         return np.asarray(self.rows @ velocity).reshape(-1, self.dim)

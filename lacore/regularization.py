@@ -1,8 +1,9 @@
 """The regularised dissipation and contact laws (T17-T20), as corrected from the paper.
 
 Every rate-independent term ``bound ||v||`` becomes the least of a viscous energy
-``stiffness ||v - v_p||^2 / 2`` and the dissipation ``bound ||v_p||`` (a Huber function);
-incompressibility and contact become penalties. All quantities in the units of the program.
+``stiffness ||v - v_p||^2 / 2`` and the dissipation ``bound ||v_p||`` (a Huber function), and one
+that hardens (T29) keeps its ``modulus ||v_p||^2 / 2`` beside the dissipation; incompressibility and
+contact become penalties. All quantities in the units of the program.
 """
 
 import math
@@ -122,9 +123,14 @@ def penalties(
 class RegularisedValues:
     """The values of one regularised solve (T19): ``P <= alpha_reg <= load_factor <= alpha*``.
 
+    With hardening they are those of the program whose stress bounds are ``bound + modulus ||v_p||``
+    and stay so: it has the same velocity, stresses and multiplier, and alpha* is its exact value,
+    not that of the program which hardens.
+
     Attributes:
         plastic: P, dissipation less the power of the dead load.
-        alpha_reg: value of the objective, ``P + C`` with C the viscous and penalty energy.
+        alpha_reg: ``P + C`` with C the viscous and penalty energy; without hardening what is
+            minimised (`RegularisedPoint.objective`).
         load_factor: lambda = ``P + 2 C`` (and ``t_n.shift``), the multiplier of ``F0.U = 1``.
         multiplier: the same as the solver reports it; NaN where it reports none.
     """
@@ -142,26 +148,62 @@ class RegularisedValues:
 
 @dataclass(frozen=True)
 class _Huber:
-    """Elastic energy, dissipation and secant stiffness at given lengths."""
+    """Elastic energy, dissipation, what hardening adds to it, secant stiffness at given lengths.
+
+    The dissipation is that at the hardened bound, twice `hardening` of it by the hardening; the law
+    is the derivative of ``energy + dissipation - hardening``.
+    """
 
     energy: Floats
     dissipation: Floats
+    hardening: Floats
     secant: Floats
 
 
-def _huber(length: Floats, stiffness: float, bound: Floats) -> _Huber:
-    elastic = np.minimum(length, bound / stiffness)
+def _huber(length: Floats, stiffness: float, bound: Floats, modulus: Floats) -> _Huber:
+    plastic = np.maximum(stiffness * length - bound, 0.0) / (stiffness + modulus)
+    stress = bound + modulus * plastic
+    elastic = np.minimum(length, stress / stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):
-        secant = np.where(length > bound / stiffness, bound / length, stiffness)
-        dissipation = np.where(length > elastic, bound * (length - elastic), 0.0)
-    return _Huber(stiffness * elastic**2 / 2, dissipation, secant)
+        secant = np.where(plastic > 0, stress / length, stiffness)
+        dissipation = np.where(plastic > 0, stress * plastic, 0.0)
+    return _Huber(stiffness * elastic**2 / 2, dissipation, modulus * plastic**2 / 2, secant)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A law that hardens as two without hardening beside each other (T17), each of shape (m,).
+
+    Attributes:
+        spring: stiffness of a linear one.
+        stiffness, bound: of a Huber function, with the threshold of the law.
+    """
+
+    spring: Floats
+    stiffness: Floats
+    bound: Floats
+
+
+def beside(stiffness: float, bound: Floats, modulus: Floats) -> Beside:
+    """What a solver that knows Huber functions makes of hardening (T17)."""
+    share = stiffness / (stiffness + modulus)
+    return Beside(share * modulus, share * stiffness, share * bound)
 
 
 @dataclass(frozen=True)
 class RegularisedPoint:
-    """The regularised energy at a velocity, and its derivative as stresses and reactions."""
+    """The regularised energy at a velocity, and its derivative as stresses and reactions.
+
+    Attributes:
+        values: of T19.
+        objective: what is minimised: `values.alpha_reg`, with hardening less
+            ``sum w modulus ||v_p||^2/2``.
+        gradient: of the objective, shape (n,).
+        state: with the stresses and reactions of the law.
+    """
 
     values: RegularisedValues
+    objective: float
     gradient: Floats
     state: ProgramState
 
@@ -177,7 +219,7 @@ def evaluate(
 
     At a minimiser with ``F0.U = 1`` the gradient is ``load_factor * F0``.
     """
-    energy = dissipation = 0.0
+    energy = dissipation = hardening = 0.0
     gradient = -program.dead_load
     stresses, means = [], []
     for group in program.groups:
@@ -185,11 +227,12 @@ def evaluate(
         theta = np.asarray(group.volumetric @ velocity)
         share = group.volumetric_factor
         length = np.sqrt(np.sum(cone**2, axis=1) + (share * theta) ** 2)
-        law = _huber(length, penalty.eta, group.bound)
+        law = _huber(length, penalty.eta, group.bound, group.rise)
         stresses.append(law.secant[:, None] * cone)
         means.append((law.secant * share**2 + penalty.bulk) * theta)
         energy += float(group.weights @ (law.energy + penalty.bulk * theta**2 / 2))
         dissipation += float(group.weights @ law.dissipation)
+        hardening += float(group.weights @ law.hardening)
         gradient = gradient + group.rows.T @ (group.weights[:, None] * stresses[-1]).ravel()
         gradient = gradient + group.volumetric.T @ (group.weights * means[-1])
     reaction = _contact_law(program, contact, penalty, velocity)
@@ -212,7 +255,7 @@ def evaluate(
         normal_reaction=reaction.normal,
         tangential_reaction=reaction.tangential,
     )
-    return RegularisedPoint(values, gradient, state)
+    return RegularisedPoint(values, values.alpha_reg - hardening, gradient, state)
 
 
 def escaped(velocity: Floats) -> bool:
@@ -257,7 +300,7 @@ def _contact_law(
     opening = program.contact.opening(velocity) + contact.shift
     slip = program.contact.slip(velocity)
     slip_rate = np.linalg.norm(slip, axis=1)
-    law = _huber(slip_rate, penalty.tangential, contact.bound)
+    law = _huber(slip_rate, penalty.tangential, contact.bound, np.zeros(slip_rate.size))
     normal = penalty.normal * np.maximum(-opening, 0.0)
     d = contact.dilatancy
     dilatant = d > 0

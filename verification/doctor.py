@@ -34,7 +34,9 @@ def all_backends() -> Iterator[tuple[str, Backend | None, str]]:
 def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str, str]:
     """What a backend is and does, and whether it can run here, as text."""
     if backend is None:
-        blank = dict.fromkeys(("version", "title", "solves", "takes", "warm_start"), "")
+        blank = dict.fromkeys(
+            ("version", "title", "solves", "takes", "hardening", "warm_start"), ""
+        )
         return {"name": name, **blank, "state": missing}
     can = backend.capabilities
     takes = {None: "cones", 1: "linear programs"}.get(can.max_cone, f"cones to {can.max_cone} rows")
@@ -46,6 +48,7 @@ def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str
         "title": backend.title,
         "solves": "regularised" if can.regularised else "exact",
         "takes": takes,
+        "hardening": "yes" if can.hardening else "no",
         "warm_start": "yes" if can.warm_start else "no",
         "state": missing or "ready",
     }

@@ -194,7 +194,7 @@ def test_unproven_duals_are_not_reported(monkeypatch):
     """Where the gap does not close, the stresses are those of the law at the velocity."""
     stated, contact, _ = frozen(deformable_block(0.3))
     proven = solve(stated, contact, r=1e-1).point
-    monkeypatch.setattr(ConicForm, "complementary_energy", lambda form, z: np.nan)
+    monkeypatch.setattr(ConicForm, "complementary_energy", lambda form, z, contact: np.nan)
     unproven = solve(stated, contact, r=1e-1).point
     by_law = evaluate(stated, contact, Penalties(10.0, 100.0, 100.0, 100.0), unproven.velocity)
     assert np.array_equal(unproven.stress[0], by_law.state.stress[0])

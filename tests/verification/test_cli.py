@@ -119,6 +119,8 @@ def test_backends_and_their_variants():
     assert records["newton"]["solves"] == "regularised"
     assert "1200 unknowns" in records["slsqp"]["takes"]
     assert records["cvxpy:SCS"]["warm_start"] == "yes"
+    assert records["cvxpy:SCS"]["hardening"] == "yes"
+    assert records["cvxpy:HIGHS"]["hardening"] == records["ipopt-static"]["hardening"] == "no"
     table = run("backends").stdout
     for name, record in records.items():
         assert re.search(rf"^{name} .*(ready|missing)$", table, re.MULTILINE), name

@@ -13,6 +13,7 @@ from lacore.certificate import certify
 from lacore.state import ProgramState, contact_force, internal_force
 from lacore.status import Status
 from verification import conformance, doctor
+from verification.conformance.hardening_programs import HARDENING
 from verification.conformance.judge import AMPLIFIED
 from verification.conformance.programs import WORKED
 from verification.conformance.rigid_programs import RIGID
@@ -53,7 +54,7 @@ def test_variants_conform(backend):
 
 COMPLETE = [
     worked
-    for worked in (*WORKED, *RIGID)
+    for worked in (*WORKED, *RIGID, *HARDENING)
     if worked.status is Status.SOLVED
     and (worked.tangential_reaction is not None or not worked.program.contact.count)
     and (worked.mean_stress or not any(group.volumetric.nnz for group in worked.program.groups))
@@ -202,6 +203,22 @@ def bounds_of_another(solver, contact):
     return contact
 
 
+class Forgetful(Planted):
+    """It does not look at the modulus, and says that it takes it."""
+
+    @property
+    def capabilities(self):
+        return replace(sound(self.of).capabilities, hardening=True)
+
+    def prepare(self, program, options):
+        perfect = tuple(replace(group, modulus=None) for group in program.groups)
+        return super().prepare(replace(program, groups=perfect), options)
+
+
+def closed(_, contact):
+    return replace(contact, shift=np.zeros(contact.shift.size))
+
+
 def give_up(*_):
     raise RuntimeError("out of luck")
 
@@ -276,6 +293,18 @@ WRONG = {
         "volumetric row",
         "minimum",
     ),
+    "hardening forgotten": (Forgetful(), "hardening shares the load", "load factor"),
+    "hardening forgotten by highs": (
+        Forgetful(of="highs"),
+        "hardening up to a neighbour",
+        "stress of body",
+    ),
+    "hardening forgotten by penalties": (
+        Forgetful(of="newton"),
+        "hardening shares the load",
+        "minimum",
+    ),
+    "distance forgotten": (Planted(told=closed), "a distance that closes", "load factor"),
     "exact passed off": (
         Planted(in_values(alpha_reg=lambda values: values.load_factor), **REGULARISED),
         "friction",

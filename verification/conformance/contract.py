@@ -18,8 +18,13 @@ from lacore.backend import (
     read_options,
 )
 from lacore.errors import InputError
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
+from verification.conformance.hardening_programs import (
+    HARDENING,
+    closing_and_hardening,
+    two_that_harden,
+)
 from verification.conformance.judge import FAIL, SKIPPED, Finding, R, Subject, judge, said
 from verification.conformance.programs import (
     LENGTH,
@@ -99,6 +104,28 @@ def repeated_solves(bench: Bench) -> Iterator[Finding]:
     solver.close()
 
 
+def repeated_steps(bench: Bench) -> Iterator[Finding]:
+    """As `repeated_solves`, within a step of a path."""
+    solver = bench.prepare(closing_and_hardening(0.0).program)
+    for limit in (0.7, 0.2, 0.2, 1.1):
+        worked = closing_and_hardening(limit)
+        again = replace(worked, name=f"repeated: step, friction {limit}")
+        yield from judge(bench.subject, again, solved(solver, worked.contact))
+    solver.close()
+
+
+def hardening(bench: Bench) -> Iterator[Finding]:
+    """A program that hardens is taken by whoever says so, and refused in words by the others."""
+    name, can = "hardening", bench.subject.backend.capabilities.hardening
+    try:
+        bench.prepare(two_that_harden().program).close()
+    except la.CapabilityError as error:
+        named = "hardening" in str(error)
+        yield said(name, "refused", named and not can, f"refused with: {error}")
+    else:
+        yield said(name, "taken", can, "it was taken by a backend without the capability")
+
+
 def two_solvers(bench: Bench) -> Iterator[Finding]:
     """Two solvers of one backend, asked in turn, after a third was closed unused."""
     bench.prepare(_FRICTION.program).close()
@@ -163,6 +190,7 @@ def nan_in_the_program(bench: Bench) -> Iterator[Finding]:
     for what, given in (
         ("reference_load", program([cones([np.eye(2)], [2], [3])], nowhere(2), bad)),
         ("bound", program([cones([np.eye(2)], [2], [np.nan])], nowhere(2), [0.6, 0.8])),
+        ("modulus", program([_with_nan_modulus()], nowhere(2), [0.6, 0.8])),
         ("contact.normal", _with_nan_rows(slope([1, 0]))),
     ):
         try:
@@ -171,6 +199,10 @@ def nan_in_the_program(bench: Bench) -> Iterator[Finding]:
             yield said(name, what, what in str(error), f"refused without naming it: {error}")
         else:
             yield said(name, what, False, f"a program with NaN in {what} was prepared")
+
+
+def _with_nan_modulus() -> DissipationGroup:
+    return replace(cones([np.eye(2)], [2], [3]), modulus=np.array([np.nan]))
 
 
 def _with_nan_rows(given: KinematicProgram) -> KinematicProgram:
@@ -262,8 +294,10 @@ def pickles(bench: Bench) -> Iterator[Finding]:
 _FRICTION = next(worked for worked in WORKED if worked.name == "friction")
 
 EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
-    **{worked.name: worked_exercise(worked) for worked in (*WORKED, *RIGID)},
+    **{worked.name: worked_exercise(worked) for worked in (*WORKED, *RIGID, *HARDENING)},
+    "hardening": hardening,
     "repeated solves": repeated_solves,
+    "repeated solves that harden": repeated_steps,
     "two solvers": two_solvers,
     "iteration limit": iteration_limit,
     "time limit": time_limit,

@@ -10,7 +10,8 @@ What a solver says of itself counts for nothing here but its status. Allowed err
 - Regularised backends are held to `REGULARISED`, the bar of the reaction loop, against their own
   energy: at a velocity where its gradient is ``lambda F0`` a convex energy has its minimum, to the
   square of that.
-- A point is found less exactly than its value where the minimum is round: to the root of it.
+- A point is found less exactly than its value where the minimum is round: to the root of it. So is
+  the load factor within a step of a path: no value there but a slope, as of the velocity found.
 """
 
 from collections.abc import Iterator
@@ -24,7 +25,7 @@ from lacore.arrays import Floats
 from lacore.backend import Backend, InnerSolution, checked_answer
 from lacore.certificate import certify
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.regularization import Penalties, evaluate, penalties
+from lacore.regularization import Penalties, RegularisedValues, evaluate, penalties
 from lacore.state import ProgramState
 from lacore.status import Status
 from verification.conformance.programs import Worked
@@ -117,8 +118,10 @@ def judge(subject: Subject, worked: Worked, raw: object) -> Iterator[Finding]:
 
 def _exact(subject: Subject, worked: Worked, point: ProgramState) -> Iterator[Finding]:
     if worked.load_factor is not None:
-        yield _load_factor(worked, point.load_factor, subject.allowed)
-        yield from _point(worked, point, float(np.sqrt(subject.allowed)))
+        round_minimum = float(np.sqrt(subject.allowed))
+        slope = subject.allowed if worked.program.homogeneous else round_minimum
+        yield _load_factor(worked, point.load_factor, slope)
+        yield from _point(worked, point, round_minimum)
     yield residuals(worked.name, worked.program, worked.contact, point, subject.allowed)
 
 
@@ -212,8 +215,7 @@ def _regularised(worked: Worked, answer: InnerSolution, point: ProgramState) -> 
         "the stresses or reactions are not those of the velocity",
     )
     if worked.load_factor is not None:
-        triple = (values.plastic, values.alpha_reg, values.load_factor)
-        yield from _by_hand(worked, point, triple, penalty, scale)
+        yield from _by_hand(worked, point, values, at.objective, penalty, scale)
 
 
 def _apart(program: KinematicProgram, one: ProgramState, other: ProgramState) -> float:
@@ -235,11 +237,16 @@ def _apart(program: KinematicProgram, one: ProgramState, other: ProgramState) ->
 def _by_hand(
     worked: Worked,
     point: ProgramState,
-    triple: tuple[float, float, float],
+    values: RegularisedValues,
+    objective: float,
     penalty: Penalties,
     scale: float,
 ) -> Iterator[Finding]:
-    """P <= alpha_reg <= lambda <= alpha*, and closed forms where equilibrium gives them."""
+    """P <= alpha_reg <= lambda <= alpha*, and closed forms where equilibrium gives them.
+
+    Within a step of a path alpha* is no bound (T19). What is minimised, the `objective` at its
+    velocity, has bounds by weak duality: the exact stresses are admissible here too.
+    """
     assert worked.load_factor is not None
     contact = worked.contact
     exact = worked.load_factor
@@ -247,20 +254,25 @@ def _by_hand(
     if worked.normal_reaction is not None:
         reaction = np.asarray(worked.normal_reaction, dtype=float)
         shifted = float(worked.program.contact.weights @ (contact.shift * reaction))
-    plastic, alpha_reg, load_factor = triple
-    chain = (plastic, alpha_reg, load_factor, exact)
+    plastic, alpha_reg, load_factor = values.plastic, values.alpha_reg, values.load_factor
+    chain = [plastic, alpha_reg, load_factor, *([exact] if worked.program.homogeneous else [])]
     drop = max(a - b for a, b in pairwise(chain))
-    text = "P <= alpha_reg <= lambda <= alpha* (T19) came as {:.9g}, {:.9g}, {:.9g}, {:.9g}"
-    yield measured(
-        worked.name, "order of T19", max(drop, 0.0) / scale, REGULARISED, text.format(*chain)
-    )
+    came = ", ".join(f"{value:.9g}" for value in chain)
+    text = f"P <= alpha_reg <= lambda <= alpha* (T19) came as {came}"
+    yield measured(worked.name, "order of T19", max(drop, 0.0) / scale, REGULARISED, text)
+    if worked.softened is not None:
+        softened = worked.softened(penalty)
+        text = f"lambda by hand: {softened:.9g} was expected, {load_factor:.9g} came"
+        error = abs(load_factor - softened) / scale
+        yield measured(worked.name, "lambda by hand", error, REGULARISED, text)
     energy = _complementary_energy(worked, penalty)
     if not worked.isostatic:
-        if energy is not None:  # weak duality: the exact stresses are admissible here too
-            least = exact - shifted - energy
-            text = f"alpha_reg {alpha_reg:.9g} is below alpha* less the energy of its stresses"
-            short = max(least - alpha_reg, 0.0) / scale
-            yield measured(worked.name, "alpha_reg from below", short, REGULARISED, text)
+        if energy is not None:
+            most = exact - shifted - _hardening_power(worked)
+            text = f"{objective:.9g} is not within {energy:.2g}, the energy of the exact stresses,"
+            text += f" below the exact least cost {most:.9g}"
+            outside = max(most - energy - objective, objective - most, 0.0) / scale
+            yield measured(worked.name, "least cost", outside, REGULARISED, text)
         return
     yield _load_factor(worked, load_factor, REGULARISED)
     yield from _point(worked, point, float(np.sqrt(REGULARISED)), velocity=False)
@@ -271,6 +283,17 @@ def _by_hand(
         ):
             text = f"{check}: {expected:.9g} was expected, {found:.9g} came"
             yield measured(worked.name, check, abs(found - expected) / scale, REGULARISED, text)
+
+
+def _hardening_power(worked: Worked) -> float:
+    """``sum w h ||D U||^2/2`` at the exact velocity: by so much alpha* is above the least cost."""
+    if worked.velocity is None or not worked.program.hardens:
+        return 0.0
+    velocity = np.asarray(worked.velocity, dtype=float)
+    return sum(
+        float((g.weights * g.rise) @ np.sum(g.cone_vectors(velocity) ** 2, axis=1)) / 2
+        for g in worked.program.groups
+    )
 
 
 def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:

@@ -5,7 +5,7 @@ tangent t = (0.8, 0.6) up it, so that nothing lies along an axis. A body on it w
 4 against the plane and 3 down it; its contact length is L = 2, so F = L g is its friction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 
 from lacore.arrays import Floats
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.regularization import Penalties
 from lacore.status import Status
 
 W, LENGTH = 5.0, 2.0
@@ -38,6 +39,7 @@ class Worked:
         normal_reaction, tangential_reaction: t_n, shape (m,), and t_t, shape (m, tangent_dim).
         isostatic: equilibrium and the yielding cones alone give the load factor, the stresses and
             the reactions, so that viscosity and penalties change none of them.
+        softened: the load factor of the regularised program at given penalties, where it is known.
         unsoftened: why no regularised law says this; empty where one does.
     """
 
@@ -53,6 +55,7 @@ class Worked:
     normal_reaction: npt.ArrayLike | None = None
     tangential_reaction: npt.ArrayLike | None = None
     isostatic: bool = True
+    softened: Callable[[Penalties], float] | None = None
     unsoftened: str = ""
 
 
