@@ -34,7 +34,7 @@ from tests.backends.test_clarabel import frozen as held
 from tests.backends.test_clarabel import random_program as mixed_program
 from tests.backends.test_regularised import NAMED, SOLVER, VARIANTS, frozen
 from tests.lacore.models import deformable_block, punch
-from tests.lacore.random_programs import POINTS, random_program
+from tests.lacore.random_programs import POINTS, random_program, random_step
 from tests.lacore.random_programs import frozen as random_contact
 
 TRIPLE = ("plastic", "alpha_reg", "load_factor")
@@ -102,15 +102,16 @@ def test_stick():
 LAWS = st.sampled_from(["smooth", "friction", "stick", "dilatant", "shifted"])
 
 
+@pytest.mark.parametrize("make", [random_program, random_step])
 @given(seed=st.integers(0, 10**6), law=LAWS)
-def test_it_is_the_minimum_of_the_shared_law(seed, law):
+def test_it_is_the_minimum_of_the_shared_law(make, seed, law):
     """The gradient of `evaluate`, which Clarabel never sees, is that of the load.
 
     A gap of 1e-10 in an energy of curvature K = 100 leaves stresses off by sqrt(2 K gap) = 1.4e-4;
     both are per multiplier where that is above one, as the gap is.
     """
     rng = np.random.default_rng(seed)
-    stated = random_program(seed)
+    stated = make(seed)
     stated = replace(stated, dead_load=0.05 * stated.dead_load)
     bound = {"friction": rng.uniform(0.1, 1, POINTS), "stick": np.inf}.get(law, 0.0)
     dilatancy = rng.uniform(0.1, 1, POINTS) if law in ("dilatant", "shifted") else 0.0

@@ -1,5 +1,7 @@
 """Small programs of random numbers: laws are tested on them without any mesh."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse import csr_matrix
 
@@ -39,6 +41,20 @@ def random_program(seed):
         contact=contact,
         reference_load=rng.uniform(-1, 1, N),
         dead_load=rng.uniform(-1, 1, N),
+    )
+
+
+def random_step(seed):
+    """`random_program` as a step of a path: some cones harden, the points have a way to go."""
+    program, rng = random_program(seed), np.random.default_rng(seed + 1)
+    (group,) = program.groups
+    modulus = rng.uniform(0, 3, CONES) * (rng.uniform(size=CONES) > 0.3)
+    closing = rng.uniform(0, 0.5, POINTS)
+    return replace(
+        program,
+        groups=(replace(group, modulus=modulus),),
+        contact=replace(program.contact, closing=closing),
+        dead_load=0.05 * program.dead_load,  # any more collapses one in two
     )
 
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.program import Scales
-from lacore.regularization import Penalties, evaluate, penalties
-from tests.lacore.random_programs import POINTS, N, frozen, random_program
+from lacore.regularization import Penalties, beside, evaluate, penalties
+from tests.lacore.random_programs import CONES, POINTS, N, frozen, random_program, random_step
 
 SEED = st.integers(0, 10**6)
 # Stiffness per bound from far below to far above the kinks at velocities of order one.
@@ -32,14 +32,15 @@ def penalty(rng, stiff):
     return Penalties(*(stiff * rng.uniform(0.5, 2, 4)))
 
 
+@pytest.mark.parametrize("make", [random_program, random_step])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
-def test_gradient_is_that_of_the_energy(seed, stiff, name):
+def test_gradient_is_that_of_the_energy(make, seed, stiff, name):
     rng = np.random.default_rng(seed)
-    program, contact, k = random_program(seed), law(name, rng), penalty(rng, stiff)
+    program, contact, k = make(seed), law(name, rng), penalty(rng, stiff)
     u, direction = rng.uniform(-2, 2, (2, N))
     h = 1e-5
     up, down = (
-        evaluate(program, contact, k, u + sign * h * direction).values.alpha_reg for sign in (1, -1)
+        evaluate(program, contact, k, u + sign * h * direction).objective for sign in (1, -1)
     )
     slope = evaluate(program, contact, k, u).gradient @ direction
     # The gradient is Lipschitz with constant about stiffness * rows^2 * points < 200 stiff, so a
@@ -50,24 +51,26 @@ def test_gradient_is_that_of_the_energy(seed, stiff, name):
     )
 
 
+@pytest.mark.parametrize("make", [random_program, random_step])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
-def test_energy_is_convex(seed, stiff, name):
+def test_energy_is_convex(make, seed, stiff, name):
     """Both by the chord and by the monotonicity of the gradient."""
     rng = np.random.default_rng(seed)
-    program, contact, k = random_program(seed), law(name, rng), penalty(rng, stiff)
+    program, contact, k = make(seed), law(name, rng), penalty(rng, stiff)
     u, v = rng.uniform(-2, 2, (2, N))
     at = [evaluate(program, contact, k, u + s * (v - u)) for s in (0.0, 0.5, 1.0)]
-    values = [point.values.alpha_reg for point in at]
+    values = [point.objective for point in at]
     round_off = 1e-13 * max(1.0, *map(abs, values))
     assert values[1] <= (values[0] + values[2]) / 2 + round_off
     assert (at[2].gradient - at[0].gradient) @ (v - u) >= -round_off
 
 
+@pytest.mark.parametrize("make", [random_program, random_step])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
-def test_gradient_is_continuous(seed, stiff, name):
+def test_gradient_is_continuous(make, seed, stiff, name):
     """C1: along any line the gradient makes steps no larger than its Lipschitz constant allows."""
     rng = np.random.default_rng(seed)
-    program, contact, k = random_program(seed), law(name, rng), penalty(rng, stiff)
+    program, contact, k = make(seed), law(name, rng), penalty(rng, stiff)
     u, v = rng.uniform(-2, 2, (2, N))
     path = [evaluate(program, contact, k, u + s * (v - u)).gradient for s in np.linspace(0, 1, 51)]
     stack = [*(g.rows for g in program.groups), *(g.volumetric for g in program.groups)]
@@ -79,11 +82,12 @@ def test_gradient_is_continuous(seed, stiff, name):
     assert steps.max() <= lipschitz * np.linalg.norm(v - u) / 50
 
 
+@pytest.mark.parametrize("make", [random_program, random_step])
 @given(seed=SEED, stiff=STIFF, name=st.sampled_from(["smooth", "friction", "dilatant"]))
-def test_the_three_values(seed, stiff, name):
+def test_the_three_values(make, seed, stiff, name):
     """P <= alpha_reg <= lambda, and lambda = U.grad (T19)."""
     rng = np.random.default_rng(seed)
-    program, contact, k = random_program(seed), law(name, rng), penalty(rng, stiff)
+    program, contact, k = make(seed), law(name, rng), penalty(rng, stiff)
     u = rng.uniform(-2, 2, N)
     point = evaluate(program, contact, k, u)
     values = point.values
@@ -91,6 +95,74 @@ def test_the_three_values(seed, stiff, name):
     assert values.energy == pytest.approx(values.load_factor - values.alpha_reg, rel=1e-9)
     scale = np.abs(point.gradient) @ np.abs(u)
     assert point.gradient @ u == pytest.approx(values.load_factor, abs=1e-13 * scale)
+
+
+def plastic_share(group, k, u):
+    """||v_p|| of T17, shape (m,)."""
+    theta = group.volumetric_factor * (group.volumetric @ u)
+    length = np.hypot(np.linalg.norm(group.cone_vectors(u), axis=1), theta)
+    return length, np.maximum(k.eta * length - group.bound, 0) / (k.eta + group.rise)
+
+
+@given(seed=SEED, stiff=STIFF)
+def test_hardening_is_the_infimum_over_the_plastic_share(seed, stiff):
+    """T17 by brute force: no share of a fine grid costs less, and ||v_p|| itself costs as much."""
+    rng = np.random.default_rng(seed)
+    program, k, u = random_step(seed), penalty(rng, stiff), rng.uniform(-2, 2, N)
+    (group,) = program.groups
+    length, best = plastic_share(group, k, u)
+
+    def costs(p):
+        elastic = k.eta * (length - p) ** 2 / 2
+        return elastic + group.bound * p + group.rise * p**2 / 2
+
+    for share in np.linspace(0, 1, 101):
+        assert np.all(costs(best) <= costs(share * length) * (1 + 1e-12))
+    bare = replace(program, groups=(replace(group, bound=0 * group.bound, modulus=None),))
+    zero = replace(k, eta=1e-300)  # what is left without the group: penalties, contact, dead load
+    rest = evaluate(bare, frozen(0.0), zero, u).objective
+    found = evaluate(program, frozen(0.0), k, u).objective - rest
+    size = abs(rest) + found
+    assert found == pytest.approx(float(group.weights @ costs(best)), abs=1e-13 * size)
+
+
+@given(seed=SEED, stiff=STIFF)
+def test_a_law_that_hardens_is_a_huber_function_beside_a_spring(seed, stiff):
+    """T17, what `newton` and `ipopt` are given: stress and energy are the sum of both."""
+    rng = np.random.default_rng(seed)
+    program, k, u = random_step(seed), penalty(rng, stiff), rng.uniform(-2, 2, N)
+    (group,) = program.groups
+    two = beside(k.eta, group.bound, group.rise)
+    length, plastic = plastic_share(group, k, u)
+    slope = np.minimum(two.stiffness * length, two.bound) + two.spring * length
+    stress = np.where(plastic > 0, group.bound + group.rise * plastic, k.eta * length)
+    assert slope == pytest.approx(stress, rel=1e-13)
+    assert two.stiffness + two.spring == pytest.approx(np.full(CONES, k.eta), rel=1e-14)
+    assert two.bound / two.stiffness == pytest.approx(group.bound / k.eta, rel=1e-14)
+
+
+@given(seed=SEED, stiff=STIFF, name=st.sampled_from(["smooth", "friction", "dilatant"]))
+def test_hardening_is_a_program_with_the_bounds_that_it_has_reached(seed, stiff, name):
+    """T19: frozen at c + h ||v_p||, all values, the gradient, the stresses are the same."""
+    rng = np.random.default_rng(seed)
+    program, contact, k = random_step(seed), law(name, rng), penalty(rng, stiff)
+    u = rng.uniform(-2, 2, N)
+    (group,) = program.groups
+    _, plastic = plastic_share(group, k, u)
+    reached = replace(group, bound=group.bound + group.rise * plastic, modulus=None)
+    hardens = evaluate(program, contact, k, u)
+    held = evaluate(replace(program, groups=(reached,)), contact, k, u)
+    size = abs(hardens.values.load_factor) + abs(program.dead_load) @ abs(u)
+    for entry in ("plastic", "alpha_reg", "load_factor"):
+        mine, other = (getattr(point.values, entry) for point in (hardens, held))
+        assert mine == pytest.approx(other, abs=1e-13 * size), entry
+    assert hardens.gradient == pytest.approx(held.gradient, abs=1e-13 * np.abs(held.gradient).max())
+    assert hardens.state.stress[0] == pytest.approx(held.state.stress[0], rel=1e-12, abs=1e-15)
+    spent = float((group.weights * group.rise) @ plastic**2) / 2
+    assert hardens.values.alpha_reg - hardens.objective == pytest.approx(spent, abs=1e-13 * size)
+    # Within the yield that the velocity hardens to: what a certificate will see.
+    (limit,) = program.hardened(u).groups
+    assert np.all(np.linalg.norm(hardens.state.stress[0], axis=1) <= limit.bound * (1 + 1e-14))
 
 
 def admissible(program, rng):
