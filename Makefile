@@ -8,7 +8,7 @@ READY := $(VENV)/.ready
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
-	@echo "make verify    check every case: values, sides, residuals, orders; a minute or two"
+	@echo "make verify    check every case: values, sides, residuals, orders, brackets; two minutes"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"

@@ -112,7 +112,9 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
         return mesh  # elements too flat to be turned around
     finer = MeshTri(
         np.ascontiguousarray(np.transpose(points)),
-        np.concatenate([np.delete(mesh.t, around, axis=1), np.array(triangles).T], axis=1),
+        np.ascontiguousarray(
+            np.concatenate([np.delete(mesh.t, around, axis=1), np.transpose(triangles)], axis=1)
+        ),
     )
     names = {}
     for name, facets in (mesh.boundaries or {}).items():

@@ -24,28 +24,41 @@ def plot_bracket(bracket: Bracket) -> Figure:
     The shares of the lower bound's mesh are those that it was refined by (T26d), of their sum.
     """
     (name,) = bracket.upper_bound.discretisation.bodies
-    meshes = (
+    return plot_shares(
+        heading(bracket.lower, bracket.upper, bracket.width, bracket.status.label),
         bracket.upper_bound.discretisation.bodies[name].body.mesh,
+        bracket.gaps.elements[name],
         bracket.lower_bound.model.bodies[name].body.mesh,
+        lower_shares(bracket.lower_bound, name),
     )
-    gap, varying = bracket.gaps.elements[name], lower_shares(bracket.lower_bound, name)
-    extent = np.ptp(meshes[0].p, axis=1)
+
+
+def heading(lower: float, upper: float, width: float, status: str) -> str:
+    """What stands above a picture."""
+    return f"{lower:.6g} <= load factor <= {upper:.6g}   (width {width:.2%}, {status})"
+
+
+def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying: Floats) -> Figure:
+    """The same of meshes and shares that were kept.
+
+    Args:
+        title: see `heading`.
+        above: mesh of the upper bound.
+        gap: shares of its elements in the gap.
+        below: mesh of the lower bound.
+        varying: shares that it was refined by.
+    """
+    extent = np.ptp(above.p, axis=1)
     aspect = float(extent[1] / extent[0])
     rows, columns = (2, 1) if aspect < _WIDE else (1, 2)
     size = (_PAGE, min(rows * (_PAGE / columns * aspect * 0.88 + 0.4) + 0.5, 1.4 * _PAGE))
     figure = Figure(figsize=size, layout="constrained")
     figure.set_facecolor("white")
-    figure.suptitle(
-        f"{bracket.lower:.6g} <= load factor <= {bracket.upper:.6g}"
-        f"   (width {bracket.width:.2%}, {bracket.status.label})",
-        fontsize=11,
-        x=0.01,
-        ha="left",
-    )
+    figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     for place, (mesh, shares, title) in enumerate(
         (
-            (meshes[0], gap, "upper bound: shares in the gap [%]"),
-            (meshes[1], varying, "lower bound: shares it was refined by [%]"),
+            (above, gap, "upper bound: shares in the gap [%]"),
+            (below, varying, "lower bound: shares it was refined by [%]"),
         )
     ):
         axes = figure.add_subplot(rows, columns, place + 1)

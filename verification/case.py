@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import lacore as la
 from lacore.errors import require_known
+from verification.bracketing import Bracketing
 from verification.guard import guarded
 
 if TYPE_CHECKING:
@@ -244,6 +245,8 @@ class Case:
         on_demand: whether it is run only when it is named.
         order: what refinement must show, from the parameters of a variant; None where no order is
             expected, or known.
+        bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
+            have none in any case.
         sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
             lines of a mechanism, say; called with the axes and the problem.
     """
@@ -263,6 +266,7 @@ class Case:
     valid: Callable[..., bool] | None = None
     on_demand: bool = False
     order: Callable[..., Order | None] | None = None
+    bracket: Bracketing | None = field(default_factory=Bracketing)
     sketch: "Callable[[Axes, la.Problem], None] | None" = None
 
     @property
@@ -307,6 +311,12 @@ class Case:
     def band_of(self, variant: Variant, elements: int) -> Band:
         """The band of a variant."""
         return self.band(elements, **variant.parameters)
+
+    @property
+    def bracketed_from(self) -> str:
+        """Mesh level that a bracket starts from."""
+        named = "" if self.bracket is None else self.bracket.mesh
+        return named or next(iter(self.meshes))
 
     def order_of(self, variant: Variant) -> Order | None:
         """What refinement must show of a variant; None where nothing is expected."""

@@ -9,7 +9,8 @@ from numbers import Real
 from typing import Any
 
 import lacore as la
-from lacore.errors import InputError, is_number, suggest
+from lacore.errors import InputError, is_number, require_count, suggest
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Order, Reference, Variant
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
@@ -38,6 +39,7 @@ def check(case: Case) -> None:
     for field in ("valid", "order", "sketch"):
         if getattr(case, field) is not None:
             _check_callable(f"Case.{field}", getattr(case, field))
+    _check_bracket(case)
     _check_picklable(case)
     _check_variants(case)
     for variant in case.variants:
@@ -93,6 +95,35 @@ def _check_meshes(meshes: object) -> None:
                 "not keyword arguments of build()",
                 "give a dict such as {'n': 8}",
             )
+
+
+def _check_bracket(case: Case) -> None:
+    stated = case.bracket
+    if stated is None:
+        return
+    if not isinstance(stated, Bracketing):
+        kind = type(stated).__name__
+        raise InputError("Case.bracket", kind, "no Bracketing", "give a Bracketing, or None")
+    if not (is_number(stated.target_width) and stated.target_width > 0):
+        raise InputError(
+            "Case.bracket.target_width", stated.target_width, "not a width", "give a number > 0"
+        )
+    require_count("Case.bracket.max_elements", stated.max_elements)
+    if stated.mesh and stated.mesh not in case.meshes:
+        raise InputError(
+            "Case.bracket.mesh",
+            stated.mesh,
+            "unknown level",
+            suggest(str(stated.mesh), case.meshes),
+        )
+    for field in ("below", "above"):
+        value = getattr(stated, field)
+        if not (is_number(value) and value >= 0):
+            raise InputError(
+                f"Case.bracket.{field}", value, "not a size of an error", "give a number >= 0"
+            )
+    if stated.straightened:
+        _check_text("Case.bracket.reason", stated.reason)
 
 
 def _check_picklable(case: Case) -> None:

@@ -14,6 +14,7 @@ import lacore as la
 from lacore.errors import require_positive
 from lacore.solving import COUPLINGS
 from verification import conformance, doctor, terminal
+from verification.bracketing import BRACKET
 from verification.case import KINDS
 from verification.catalogue import Catalogue, find, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
@@ -77,8 +78,8 @@ def main() -> None:
 @names_option(
     "--couplings",
     f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
-    f" {', '.join(RAW)}; default: that of each backend. Where they are named, a table says how many"
-    " runs each certified.",
+    f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound; default: that of each backend."
+    " Where they are named, a table says how many runs each certified.",
 )
 @out_option("reports/compare", "Folder for the results, pictures and the page index.html.")
 @time_limit_option

@@ -11,6 +11,7 @@ import lacore as la
 from lacore.backend import load_backend
 from lacore.errors import require_known
 from lacore.solving import COUPLINGS, coupling_for
+from verification.bracketing import BRACKET
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find
 from verification.execution import TIME_LIMIT, Executor, execute
@@ -75,7 +76,7 @@ def check_names(
         with suppress(la.CapabilityError):
             load_backend(name)
     for name in couplings:
-        require_known("coupling", name, [*COUPLINGS, *RAW])
+        require_known("coupling", name, [*COUPLINGS, *RAW, BRACKET])
 
 
 def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Variant]]]:
@@ -185,8 +186,9 @@ class Effort:
 def efforts(outcomes: Sequence[Outcome]) -> list[Effort]:
     """Each coupling with each backend, over all variants that have a load factor.
 
-    That is known, or some coupling has found one.
+    That is known, or some coupling has found one. Brackets are no couplings.
     """
+    outcomes = [outcome for outcome in outcomes if outcome.row.coupling != BRACKET]
     solved = la.Status.SOLVED.label
     finite_ones = {
         (row.case, row.variant)

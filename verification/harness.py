@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 import lacore as la
+from verification.bracket_run import run_bracket
+from verification.bracketing import BRACKET
 from verification.evidence import evidence_of
 from verification.judging import FAIL, SKIPPED, about, distance, judge
 from verification.run import Outcome, Row, Run
@@ -81,6 +83,8 @@ def perform(
         band = run.case.band_of(run.variant, discretisation.n_elements)
         if run.skip:
             return _skipped(run, names, run.skip)
+        if run.coupling == BRACKET:
+            return run_bracket(run, names, discretisation.problem, time_limit, memory)
         coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
         limit = {} if time_limit is None else {"time_limit": time_limit}
         state = la.solve(
@@ -92,6 +96,10 @@ def perform(
         )
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))
+    except la.InputError as error:
+        if run.coupling == BRACKET and error.field.startswith("Problem"):
+            return _skipped(run, names, f"no bracket can be stated: {error}")
+        return Outcome(run, _failed(names, error))
     except Exception as error:  # a broken backend must not take the others' results with it
         return Outcome(run, _failed(names, error))
     names["coupling"] = run.coupling or state.coupling

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import lacore as la
 from lacore.regularization import RegularisedValues
+from verification.bracketing import BRACKET
 from verification.case import (
     Allowed,
     Band,
@@ -18,6 +19,8 @@ PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
 BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
+FINDS_NONE = (*BOUNDS, BRACKET)
+"""What stands for a coupling in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
 """What statuses say of the load factor: they are claims, right or wrong, like a number."""
 

@@ -20,7 +20,7 @@ class Run:
     Attributes:
         case, variant, mesh, backend: names and things.
         coupling: a name of `la.solve` or `verification.harness.RAW`; None is the default of the
-            backend.
+            backend; `BRACKET` stands for a lower and an upper bound.
         insist: whether to end without a result is a failure.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.
@@ -114,14 +114,17 @@ class Row:
 
     Attributes:
         case, variant, backend, coupling, mesh: what was run.
-        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports.
+        n_elements, n_dofs: triangles and rigid blocks; unknowns after supports. Of a bracket those
+            of its upper bound, and ``n_elements_lower`` those of its lower one.
         load_factor, reference: in units of the case.
         reference_to: upper end of the reference, where it is an interval.
         expected: the reference as text: number, interval or status.
         error: distance from the reference, relative to its size or that of the dead loads; 0 inside
             an interval.
         rigor, status: labels.
-        lower, upper: the load factor again, where rigor proves it to be such a bound.
+        lower, upper: proven bounds: of a bracket, or the load factor again, where rigor proves it
+            to be one.
+        width: of a bracket, per its mean.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
@@ -168,6 +171,8 @@ class Row:
     contraction: float = nan
     iterations: float = nan
     claimed: bool = False
+    n_elements_lower: float = nan
+    width: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""
@@ -179,7 +184,7 @@ class Row:
         return {name: values[name] for name in TYPES}
 
 
-_COUNTS = ("n_elements", "n_dofs", "outer_iterations", "iterations")
+_COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
 _KINDS: Mapping[Any, str] = {str: "string", float: "float64", bool: "boolean"}
 TYPES = {
     "lambda" if entry.name == "regularised_lambda" else entry.name: "Int64"

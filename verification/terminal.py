@@ -114,6 +114,9 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
+        if isfinite(row.width):
+            between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
+            print_line(console, f"         {between}, {100 * row.width:.2g} % wide", "dim")
     skipped: dict[tuple[str, str, str], list[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         if row.verdict == SKIPPED:

@@ -67,7 +67,9 @@ def verify(
     CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are checked.
     Of each with each backend: is the value (or the status) right, do strict bounds lie on their
     side, do the residuals hold when computed afresh from the stored states, does the error fall
-    under refinement as it must. `pytest verification` makes the same checks, one test each.
+    under refinement as it must; and of deformable bodies, does a proven bracket enclose the
+    reference, and do the shares of elements add up to its gap. `pytest verification` makes the same
+    checks, one test each.
 
     \b
     Examples:
@@ -116,8 +118,11 @@ def verify(
 
 def _show(console: Console, findings: Sequence[Finding]) -> None:
     """A line a variant, backend and coupling, all its checks in it; then what failed, and why."""
-    line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6}  {}".format
-    head = ("backend", "coupling", "meshes", "value %", "side", "residuals", "order", "verdict")
+    line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6} {:>7} {:>7}  {}".format
+    head = (
+        *("backend", "coupling", "meshes", "value %", "side", "residuals", "order"),
+        *("width %", "gap", "verdict"),
+    )
     print_line(console, line(*head), "bold")
     groups: dict[tuple[str, str, str], dict[str, Finding]] = {}
     for found in findings:
@@ -135,6 +140,8 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
             _cell(checks, "side", "+.1e"),
             _cell(checks, "residuals", ".1e"),
             _cell(checks, "order", ".2f"),
+            _cell(checks, "bracket", ".2f", 100),
+            _cell(checks, "gap", ".0e"),
         )
         skipped = all(found.verdict == SKIPPED for found in checks.values())
         verdict = f"FAIL: {', '.join(failed)}" if failed else SKIPPED if skipped else PASS

@@ -276,6 +276,28 @@ def test_bad_files_get_one_sentence(planted, replacements, message):
     assert done.exc_info[0] is SystemExit
 
 
+@pytest.mark.parametrize(
+    ("stated", "message"),
+    [
+        ("3", "Case.bracket = 'int': no Bracketing; give a Bracketing, or None"),
+        ("Bracketing(0.0)", "Case.bracket.target_width = 0.0: not a width"),
+        ("Bracketing(max_elements=1e4)", "Case.bracket.max_elements = 10000.0: not a positive"),
+        ("Bracketing(mesh='bloks')", "Case.bracket.mesh = 'bloks': unknown level; did you mean"),
+        ("Bracketing(below=float('nan'))", "Case.bracket.below = nan: not a size of an error"),
+        ("Bracketing(above=0.1)", "Case.bracket.reason = '': says nothing"),
+    ],
+)
+def test_a_bracket_says_what_it_must(planted, stated, message):
+    imported = (
+        "import lacore as la\n",
+        "import lacore as la\nfrom verification.bracketing import Bracketing\n",
+    )
+    folder = planted(imported, ("build=build", f"build=build,\n    bracket={stated}"))
+    done = run("cases", "--cases", folder)
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
 def test_an_order_needs_a_ladder(planted):
     order = (
         "def order(h):\n    from verification.case import Order\n"

@@ -73,9 +73,11 @@ def test_names_tell_case_variant_backend_and_check():
         "prandtl-punch:smooth-newton-side",
         "wall-1:mu-0.65-highs-associated-value",
         "wedge-in-walls:pushed-down-clarabel-status",
+        "prandtl-punch:smooth-clarabel-bracket",
+        "prandtl-punch:smooth-clarabel-bracket-gap",
     } <= set(names)
     assert {question.check for question in questions} == {
-        "value", "status", "side", "residuals", "order",
+        "value", "status", "side", "residuals", "order", "bracket", "gap",
     }  # fmt: skip
 
 
@@ -305,11 +307,13 @@ def test_a_wrong_reference_in_a_built_in_case_is_exit_code_1(tmp_path, monkeypat
     result = run("shear-patch:yielding", "--backends", "clarabel", "--out", tmp_path, "--json")
     assert result.exit_code == 1
     document = json.loads(result.stdout)
-    assert document["summary"]["failed"] == 1
-    (failed,) = [found for found in document["checks"] if found["verdict"] == FAIL]
-    assert failed["case"] == "shear-patch"
-    assert "shear-patch:yielding coarse clarabel: 0.6" in failed["why"]
-    assert "the reference is 0.61" in failed["why"]
+    assert document["summary"]["failed"] == 2
+    value, bracket = (found for found in document["checks"] if found["verdict"] == FAIL)
+    assert value["case"] == bracket["case"] == "shear-patch"
+    assert "shear-patch:yielding coarse clarabel: 0.6" in value["why"]
+    assert "the reference is 0.61" in value["why"]
+    assert bracket["check"] == "bracket"
+    assert "no less than: planted, lies outside of what is proven" in bracket["why"]
 
 
 @pytest.fixture
@@ -322,13 +326,14 @@ def stored(tmp_path):
     def tamper(change, forge):
         with closing(sqlite3.connect(tmp_path / "results.sqlite")) as database, database:
             names = [row[1] for row in database.execute("PRAGMA table_info(runs)")]
-            (record,) = database.execute("SELECT * FROM runs")
+            rows = "SELECT * FROM runs WHERE identity NOT LIKE '%bracket%'"
+            (record,) = database.execute(rows)
             record = dict(zip(names, record, strict=True))
             record["arrays"] = packed(change(unpacked(record["arrays"])))
             sealed = [record[name] for name in names if name != "checksum"]
             checksum = _checksum(sealed) if forge else record["checksum"]
-            statement = "UPDATE runs SET arrays = ?, checksum = ?"
-            database.execute(statement, (record["arrays"], checksum))
+            statement = "UPDATE runs SET arrays = ?, checksum = ? WHERE run = ?"
+            database.execute(statement, (record["arrays"], checksum, record["run"]))
         return run(*arguments)
 
     return tamper
@@ -374,8 +379,8 @@ def test_checks_are_kept_and_shown(tmp_path):
     result = run("shear-patch:yielding", "--backends", "clarabel,newton", "--out", tmp_path)
     assert result.exit_code == 0, result.output
     assert "shear-patch:yielding" in result.stdout
-    assert "4 checks pass, 0 FAIL, 0 skipped; 3 runs" in result.stdout
-    assert (tmp_path / "checks.csv").read_text().count("\n") == 1 + 4
+    assert "6 checks pass, 0 FAIL, 0 skipped; 4 runs" in result.stdout
+    assert (tmp_path / "checks.csv").read_text().count("\n") == 1 + 6
     assert (tmp_path / "results.sqlite").is_file()
 
 

@@ -29,6 +29,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Reference, Variant
 
 NOTCH, LENGTH = 0.5, 2.0  # half the width is 1; half the length
@@ -93,5 +94,6 @@ a = 1/2:     2 k (1/2) (1 + ln(0.75/0.5))
     build=build,
     reference=reference,
     band=band,
+    bracket=Bracketing(target_width=0.02),
     variants=(Variant("half", {}),),
 )

@@ -15,12 +15,18 @@ Plane strain, a quarter modelled. There is no contact: the case tests the contin
 boundaries. The mesh replaces both circles by polygons, so its value is not a bound.
 """
 
-from math import log, sqrt
+from math import cos, log, pi, sqrt
 
 import lacore as la
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 INNER, OUTER = 1.0, 2.0
+_MESHES = {
+    "coarse": {"n_radial": 2, "n_angular": 4},
+    "medium": {"n_radial": 9, "n_angular": 16},
+    "fine": {"n_radial": 26, "n_angular": 46},
+}
 _ERROR = Convergence(
     0.372, 0.974, "72 to 4784 elements: 0.577, 0.323, 0.105, 0.051, 0.021, 0.010 %, all above"
 )
@@ -62,6 +68,19 @@ def order() -> Order:
     )
 
 
+def _bracketing(mesh: str) -> Bracketing:
+    """What a polygon is off by: load factors of rings that it contains, and is contained in."""
+    turn = pi / 2 / _MESHES[mesh]["n_angular"]
+    off = -log(cos(turn / 2)) / log(OUTER / INNER)
+    return Bracketing(
+        mesh=mesh,
+        below=off,
+        above=off,
+        reason="the polygons lie between rings of b/a times cos(turn/2) and by it, turn the angle"
+        f" of an edge, whose load factors differ from the reference by {off:.3%}",
+    )
+
+
 CASE = Case(
     id="thick-cylinder",
     title="Thick tube under internal pressure",
@@ -74,14 +93,11 @@ yield:        sigma_t - sigma_r = 2 k = (2/sqrt3) s0  (plane strain)
 integrate:    0 - (-alpha) = (2/sqrt3) s0 ln(b/a)
 b/a = 2:      alpha = 0.800377 s0
 """,
-    meshes={
-        "coarse": {"n_radial": 2, "n_angular": 4},
-        "medium": {"n_radial": 9, "n_angular": 16},
-        "fine": {"n_radial": 26, "n_angular": 46},
-    },
+    meshes=_MESHES,
     build=build,
     reference=reference,
     band=band,
     order=order,
+    bracket=_bracketing("medium"),
     variants=(Variant("burst", {}),),
 )

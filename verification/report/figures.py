@@ -6,9 +6,12 @@ from math import isfinite, nan
 
 import numpy as np
 from matplotlib.figure import Figure
+from skfem import MeshTri
 
+from lacore.plotting_bracket import heading, plot_shares
+from verification.bracket_evidence import unpacked_shares
 from verification.case import Case, Variant
-from verification.judging import BOUNDS
+from verification.judging import FINDS_NONE
 from verification.report.charts import figure_axes, labelled, legend
 from verification.report.svg import Chart, Tip
 from verification.report.theme import BAND, INK, MARKERS, SERIES, styled
@@ -22,6 +25,26 @@ def png(figure: Figure, dpi: int = 110) -> bytes:
     return buffer.getvalue()
 
 
+def drawn_bracket(outcome: Outcome) -> Figure:
+    """Meshes of a stored bracket, and the shares of their elements.
+
+    Raises:
+        ValueError: what is stored is no bracket.
+    """
+    row = outcome.row
+    found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
+    if not {"upper", "lower"} <= set(found):
+        raise ValueError("one of the meshes is missing")
+    above, below = found["upper"], found["lower"]
+    return plot_shares(
+        heading(row.lower, row.upper, row.width, row.message),
+        MeshTri(above.points, above.elements),
+        above.shares,
+        MeshTri(below.points, below.elements),
+        below.marks,
+    )
+
+
 def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
     """For each variant of one case the outcome to show: exact before regularised, then finest."""
     best: dict[str, Outcome] = {}
@@ -33,7 +56,7 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
     for outcome in outcomes:
         if not outcome.evidence.arrays:
             continue
-        if outcome.row.coupling in BOUNDS:
+        if outcome.row.coupling in FINDS_NONE:
             continue
         name = outcome.run.variant.name
         if name not in best or rank(outcome) > rank(best[name]):
@@ -48,7 +71,7 @@ def sweep_chart(case: Case, outcomes: Sequence[Outcome]) -> Chart | None:
     """
     families: dict[tuple[object, ...], list[Outcome]] = {}
     for outcome in outcomes:
-        if outcome.row.coupling not in BOUNDS and case.sweep in outcome.run.variant.parameters:
+        if outcome.row.coupling not in FINDS_NONE and case.sweep in outcome.run.variant.parameters:
             families.setdefault(_others(case, outcome), []).append(outcome)
     family = max(families.values(), key=lambda own: len(_swept(case, own)), default=[])
     values = _swept(case, family)

@@ -5,6 +5,7 @@ from math import isfinite, isnan, nan
 
 import pandas as pd
 
+from verification.bracketing import BRACKET
 from verification.case import EXACT, SOLVER, Case
 from verification.checks import said
 from verification.compare import Tally as Verdicts
@@ -34,9 +35,15 @@ from verification.report.blocks import (
     slug,
 )
 from verification.report.description import counted, description, lead
-from verification.report.figures import finest_exact, png, sweep_chart
+from verification.report.figures import drawn_bracket, finest_exact, png, sweep_chart
 from verification.report.studies import studies
-from verification.report.tables import RUN, certificates_table, reasons_table, results_table
+from verification.report.tables import (
+    RUN,
+    brackets_table,
+    certificates_table,
+    reasons_table,
+    results_table,
+)
 from verification.results import as_table
 from verification.run import Outcome
 
@@ -124,7 +131,9 @@ def _worst_error(outcomes: Sequence[Outcome]) -> float:
 
     Of values that were found: a status has no error.
     """
-    exact = [o for o in outcomes if o.evidence.residuals and isnan(o.row.P)]
+    exact = [
+        o for o in outcomes if o.evidence.residuals and isnan(o.row.P) and o.row.coupling != BRACKET
+    ]
     finest = max((o.row.n_elements for o in exact), default=0)
     errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
     return max((error for error in errors if isfinite(error)), default=nan)
@@ -162,15 +171,18 @@ def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> 
 
 def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Block]:
     """What came out of one case: runs, reasons, certificates, charts and mechanisms."""
-    blocks: list[Block] = [
-        results_table(results),
-        Details("Why each verdict", [reasons_table(results)]),
-    ]
+    brackets = results["coupling"] == BRACKET
+    blocks: list[Block] = []
+    if brackets.any():
+        blocks.append(brackets_table(results[brackets]))
+    if not brackets.all():
+        blocks.append(results_table(results[~brackets]))
+    blocks.append(Details("Why each verdict", [reasons_table(results)]))
     certificates = certificates_table(results)
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
         blocks.append(Details(title, [certificates]))
-    drawn = list(_mechanisms(outcomes))
+    drawn = [*_mechanisms(outcomes), *_brackets(outcomes)]
     pictures = [item for item in drawn if isinstance(item, Picture)]
     missing = [item for item in drawn if isinstance(item, Text)]
     return [*blocks, Gallery([*_charts(case, outcomes), *pictures]), *missing]
@@ -193,6 +205,19 @@ def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
             state = restored(outcome.run, outcome.row, outcome.evidence)
             yield Picture(file, caption, png(state.plot(), dpi=90))
         except Exception as error:  # of a case that was changed since, or whatever others wrote
+            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
+
+
+def _brackets(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
+    """Pictures of meshes and gaps of brackets; those that failed come first."""
+    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
+    for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:MECHANISMS]:
+        name = outcome.run.variant.name
+        caption = f"Bracket of {name}: where the rest of the gap is"
+        file = f"{slug(outcome.run.case.id)}-{slug(name)}-bracket"
+        try:
+            yield Picture(file, caption, png(drawn_bracket(outcome), dpi=90))
+        except Exception as error:  # whatever bytes are in the store
             yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
 
 

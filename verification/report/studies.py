@@ -7,7 +7,7 @@ import pandas as pd
 
 from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
-from verification.judging import BOUNDS, SKIPPED
+from verification.judging import FINDS_NONE, SKIPPED
 from verification.report.blocks import Block, Column, Details, Section, Table
 from verification.report.convergence import refinement_section, regularisation_section
 from verification.report.solvers import solvers_section
@@ -51,7 +51,7 @@ def _extrapolation(results: pd.DataFrame) -> Section | None:
 
 def _solvers(results: pd.DataFrame) -> Section | None:
     """Backends with their default options, on the problems that all of them were run on."""
-    runs = results[~results["coupling"].isin(list(BOUNDS))]
+    runs = results[~results["coupling"].isin(FINDS_NONE)]
     varied = [name for name in solver_columns(runs) if name not in ("backend", "coupling")]
     runs = _common(runs[runs[varied].isna().all(axis=1)])
     if runs["backend"].nunique() < 2:

@@ -43,6 +43,25 @@ def results_table(results: pd.DataFrame) -> Table:
     return Table(columns, _proven(results).assign(outcome=outcome), anchor=RUN)
 
 
+def brackets_table(results: pd.DataFrame) -> Table:
+    """Proven load factors beside the reference between them."""
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        Column("variant"),
+        Column("backend"),
+        Column("lower", "lower bound", ".7f", link=CERTIFICATE),
+        Column("expected", "reference", "g", order="reference"),
+        Column("upper", "upper bound", ".7f"),
+        Column("width", "width %", ".2f", scale=100),
+        Column("rigor"),
+        Column("n_elements_lower", "elements below", ".0f"),
+        Column("n_elements", "elements above", ".0f"),
+        Column("outer_iterations", "solves", ".0f"),
+        Column("solve_time", "solve s", ".2f"),
+    )
+    return Table(columns, _proven(results), anchor=RUN, caption="Proven from both sides")
+
+
 def reasons_table(results: pd.DataFrame) -> Table:
     """Why each verdict is what it is."""
     columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", long=True))

@@ -5,9 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import lacore as la
 from lacore.certificate import Certificate
+from verification.bracketing import BRACKET
 from verification.evidence import recheck
 from verification.judging import SKIPPED
 from verification.run import Outcome, Row, Run
+from verification.verify.brackets import bracket, gap
 from verification.verify.finding import Answer, Finding
 from verification.verify.order import order
 from verification.verify.questions import Question
@@ -90,6 +92,8 @@ def answer(question: Question, finished: Finished) -> Finding:
 def _meshes(question: Question, rows: Sequence[Row]) -> str:
     if question.check == "order":
         return ", ".join(f"{row.n_elements:g}" for row in rows)
+    if question.coupling == BRACKET:
+        return ", ".join(f"{row.n_elements_lower:g} + {row.n_elements:g}" for row in rows)
     return ", ".join(row.mesh for row in rows)
 
 
@@ -108,4 +112,6 @@ _BY_CHECK: Mapping[str, _Check] = {
     "side": _side,
     "residuals": lambda _, outcomes, finished: residuals(outcomes, finished.rechecked),
     "order": lambda question, outcomes, _: order(question, outcomes),
+    "bracket": lambda question, outcomes, _: bracket(outcomes, question.reference),
+    "gap": lambda _, outcomes, __: gap(outcomes),
 }

@@ -37,10 +37,12 @@ class Finding:
 
     Attributes:
         case, variant, backend, coupling, check: of the question; no coupling is the default one.
-        meshes: the levels that were looked at, or the numbers of elements of a ladder.
+        meshes: the levels that were looked at, or the numbers of elements of a ladder, or of the
+            meshes of a lower and an upper bound.
         measured, allowed: of the answer: ``value`` relative error and band, ``side`` relative
             distance from the bound, ``residuals`` the largest and its bar, ``order`` p of
-            ``error ~ elements**-p`` and what is expected.
+            ``error ~ elements**-p`` and what is expected, ``bracket`` width and target, ``gap``
+            what is missing from the sum of shares, per gap, and its bar.
         verdict, why: of the answer.
     """
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from math import isnan
 
 import lacore as la
+from verification.bracket_judging import between
+from verification.bracketing import BRACKET
 from verification.case import Case, Reference, Variant
 from verification.catalogue import Catalogue
 from verification.compare import is_regularised, plan
@@ -17,6 +19,8 @@ CHECKS: Mapping[str, str] = {
     "side": "a strict upper bound is not below the reference, lambda not above the exact value",
     "residuals": "the residuals, computed afresh from the stored state, prove it",
     "order": "the error falls under refinement as the case says",
+    "bracket": "a proven lower and a proven upper bound enclose the reference, closely enough",
+    "gap": "shares of elements add up to the gap between both bounds, and none is below 0",
 }
 """What a check asks, by name."""
 
@@ -29,11 +33,13 @@ class Question:
         check: a name of `CHECKS`.
         runs: to be looked at, all of one variant, backend and coupling.
         exact: of a regularised backend and ``side``: a run of an exact backend beside each.
+        coulomb: of a bracket: whether the problem has Coulomb friction, which is made associated.
     """
 
     check: str
     runs: tuple[Run, ...]
     exact: tuple[Run, ...] = ()
+    coulomb: bool = False
 
     @property
     def case(self) -> Case:
@@ -58,13 +64,15 @@ class Question:
     @property
     def reference(self) -> Reference:
         """What its coupling must find."""
+        if self.coupling == BRACKET:
+            return between(self.case.reference_of(self.variant), self.coulomb)
         return _reference(self.case, self.variant, self.coupling)
 
     @property
     def name(self) -> str:
-        """As in ``prandtl-punch:smooth-clarabel-order``."""
+        """As in ``prandtl-punch:smooth-clarabel-order``, ``...-clarabel-bracket-gap``."""
         parts = (f"{self.case.id}:{self.variant.name}", self.backend, self.coupling, self.check)
-        return "-".join(part for part in parts if part)
+        return "-".join(dict.fromkeys(part for part in parts if part))
 
 
 def ask(
@@ -76,8 +84,9 @@ def ask(
     """Questions on cases (``id`` or ``id:variant``; none: all but those on demand).
 
     Without `backends` those of a comparison; the ladder of an order is climbed by the first exact
-    one of them only: it is one of the discretisation. Without `meshes` exact backends run the
-    levels of each variant, regularised ones the coarsest of them; ladders are their own meshes.
+    one of them only: it is one of the discretisation; and so is a bracket, whatever is named.
+    Without `meshes` exact backends run the levels of each variant, regularised ones the coarsest of
+    them; ladders and brackets have meshes of their own.
 
     Raises:
         InputError: an unknown name.
@@ -127,6 +136,8 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
             yield Question("side", tuple(group))
         yield Question("residuals", tuple(group))
         first = bool(exact) and backend == exact[0].backend
+        if coupling is None and first:
+            yield from _bracket(group[0], not nature.normal)
         if coupling is None and (first or (each and not is_regularised(backend))):
             yield from _ladder(group[0])
 
@@ -149,6 +160,18 @@ def _ladder(run: Run) -> Iterator[Question]:
                 for size in order.meshes
             ),
         )
+
+
+def _bracket(run: Run, coulomb: bool) -> Iterator[Question]:
+    """Of a deformable body that has a load factor, whatever friction does."""
+    case, variant = run.case, run.variant
+    if case.bracket is None or not case.meshed:
+        return
+    if between(case.reference_of(variant), coulomb).status is not la.Status.SOLVED:
+        return
+    asked = Run(case, variant, case.bracketed_from, run.backend, BRACKET, skip=run.skip)
+    for check in ("bracket", "gap"):
+        yield Question(check, (asked,), coulomb=coulomb)
 
 
 def _reference(case: Case, variant: Variant, coupling: str) -> Reference:

@@ -1,0 +1,84 @@
+"""Checks of brackets: that they contain the reference, and that their gaps add up (T26)."""
+
+from collections.abc import Sequence
+from math import nan
+
+import lacore as la
+from verification.bracket_evidence import Shares, unpacked_shares
+from verification.bracket_judging import judge_bracket
+from verification.bracketing import Bracketing
+from verification.case import Reference
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.run import Outcome
+from verification.verify.finding import Answer
+
+DEFECT = 1e-5
+"""By which the sum of shares may differ from the gap, relative to it."""
+NEGATIVE = 1e-9
+"""By which a share may be below 0, relative to `Shares.scale`: by the round-off of two solves."""
+_LEAST = 1e-6  # of `Shares.scale`: smaller gaps are as round-off leaves them, 1e-11 of the load
+_SOLVED = la.Status.SOLVED.label
+_ADAPTED = {"upper", "lower"}
+
+
+def bracket(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
+    """Whether proven load factors enclose the reference, and are as close as the case says.
+
+    Judged afresh: the row of a store may be older than the reference.
+
+    Args:
+        outcomes: one.
+        reference: of the problem that was bracketed.
+    """
+    (outcome,) = outcomes
+    run, row = outcome.run, outcome.row
+    stated = run.case.bracket or Bracketing()
+    allowed = f"<= {stated.target_width:g}"
+    if row.status == _SOLVED:
+        band = run.case.band_of(run.variant, int(row.n_elements))
+        verdict, why = judge_bracket(row, reference, stated, band)
+    else:
+        verdict, why = FAIL, row.why
+    return Answer(verdict, f"{run.label}: {why}", row.width, allowed)
+
+
+def gap(outcomes: Sequence[Outcome]) -> Answer:
+    """Whether ``upper - lower`` is the sum of shares, none below 0, on every mesh.
+
+    Summed afresh from what is stored.
+
+    Args:
+        outcomes: one.
+    """
+    (outcome,) = outcomes
+    run, row = outcome.run, outcome.row
+    allowed = f"<= {DEFECT:g}"
+    if row.status != _SOLVED:
+        return Answer(SKIPPED, f"{run.label}: there is no bracket: {row.why}", nan, allowed)
+    try:
+        found = unpacked_shares(outcome.evidence.arrays)
+    except ValueError as error:
+        return Answer(FAIL, f"{run.label}: {error}", nan, allowed)
+    missing = _ADAPTED - {one.mesh for one in found}
+    if missing:
+        why = f"{run.label}: no gap of the mesh of the {' and the '.join(sorted(missing))} bound"
+        return Answer(FAIL, why, nan, allowed)
+    defects = {one.mesh: _defect(one) for one in found}
+    failed = [one for one in found if not (defects[one.mesh] <= DEFECT and _none_negative(one))]
+    worst = failed[0] if failed else max(found, key=lambda one: defects[one.mesh])
+    why = (
+        f"{run.label}: on {len(found)} meshes ({', '.join(defects)}), the worst {worst.mesh}:"
+        f" shares add up to {worst.total:.6g}, the gap is {worst.upper - worst.lower:.6g}, the"
+        f" least share {worst.least / worst.scale:.1e} of the load"
+    )
+    return Answer(FAIL if failed else PASS, why, defects[worst.mesh], allowed)
+
+
+def _defect(one: Shares) -> float:
+    """What is missing from the sum, per gap; NaN stays."""
+    gap = one.upper - one.lower
+    return abs(one.total - gap) / max(abs(gap), _LEAST * one.scale)
+
+
+def _none_negative(one: Shares) -> bool:
+    return one.least >= -NEGATIVE * one.scale
