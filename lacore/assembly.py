@@ -14,7 +14,6 @@ from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, outward_normals
 from lacore.conditions import footing_conditions, support_conditions
 from lacore.contact_points import ContactPoints, contact_rows
-from lacore.crossings import without_crossings
 from lacore.curved import is_curved
 from lacore.dofs import BodyDofs, number
 from lacore.elimination import NodeConditions, free_basis, held, join
@@ -33,6 +32,7 @@ from lacore.program import (
     reduced,
 )
 from lacore.rigid import RigidDofs
+from lacore.volume import volume_projector
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
 _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and more
@@ -293,9 +293,7 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
         return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
 
     weights = dofs.weights.ravel()
-    volumetric = rows(form.volumetric[None, :])
-    if not (dofs.linear or form.compressible) and len(dofs.body.mesh.t) == 3:
-        volumetric = without_crossings(dofs, volumetric)
+    volumetric = csr_matrix(volume_projector(dofs) @ rows(form.volumetric[None, :]))
     return DissipationGroup(
         name=name,
         rows=rows(form.rows),

@@ -15,6 +15,7 @@ from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Rigor, Status
+from lacore.volume import volume_projector
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,7 +111,8 @@ class LimitState:
             self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
         ):
             form = dofs.body.criterion.conic_form(dofs.body.kinematics)
-            result[name] = form.stress(s, p).reshape(dofs.body.mesh.nelements, -1, 4)
+            mean = volume_projector(dofs) @ p
+            result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
         return result
 
     @property

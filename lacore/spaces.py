@@ -33,12 +33,15 @@ class VelocitySpace:
         mesh: the type of mesh that it lives on.
         element: of one velocity component.
         degree: of the velocity along an element edge.
-        points: strain points on the reference element, of equal weight, shape (2, q).
+        points: strain points on the reference element, shape (2, q).
+        weights: of them, of sum 1, shape (q,).
         strict: whether its dissipation is never below that of the continuum.
         jumps: whether velocities jump from element to element (T23).
         locks: whether incompressibility locks it on general meshes (T24).
         curved: type of isoparametric mesh that it lives on too (T31); None: it is for straight
             edges only.
+        pressures: functions whose weighted sums with theta vanish, by their values at the strain
+            points, shape (q, functions); None: theta vanishes at each point.
     """
 
     name: str
@@ -46,10 +49,12 @@ class VelocitySpace:
     element: Element
     degree: int
     points: Floats
+    weights: Floats
     strict: bool
     jumps: bool = False
     locks: bool = False
     curved: type[Mesh] | None = None
+    pressures: Floats | None = None
 
     @property
     def linear(self) -> bool:
@@ -70,31 +75,47 @@ class VelocitySpace:
         return np.asarray(factors)
 
     def basis(self, mesh: Mesh) -> Basis:
-        """scikit-fem basis whose quadrature points are the strain points, of equal weight."""
-        count = self.points.shape[1]
+        """scikit-fem basis whose quadrature points are the strain points."""
         area = 0.5 if self.mesh is MeshTri1 else 1.0  # of the reference element
         return Basis(
-            mesh,
-            ElementVector(self.element),
-            quadrature=(self.points, np.full(count, area / count)),
+            mesh, ElementVector(self.element), quadrature=(self.points, area * self.weights)
         )
 
 
 _VERTICES = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 _INSIDE = np.array([[1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 _CENTRE = np.array([[1 / 3], [1 / 3]])
-_LOW, _HIGH = 0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)
-_GAUSS = np.array([[_LOW, _HIGH, _HIGH, _LOW], [_LOW, _LOW, _HIGH, _HIGH]])
+
+
+_LINE, _SHARE = np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0]), np.array([5.0, 8.0, 5.0]) / 18
+_GAUSS = (1 + np.stack([np.tile(_LINE, 3), np.repeat(_LINE, 3)])) / 2
+_GAUSS_WEIGHTS = np.outer(_SHARE, _SHARE).ravel()
+_BILINEAR = np.stack([np.ones(9), *(_GAUSS - 0.5), np.prod(_GAUSS - 0.5, axis=0)], axis=1)
+_EQUAL, _ONE = np.full(3, 1 / 3), np.ones(1)
 _P1, _P2 = ElementTriP1(), ElementTriP2()
 
 SPACES = {
     space.name: space
     for space in (
-        VelocitySpace("p2-vertex", MeshTri1, _P2, 2, _VERTICES, strict=True),
-        VelocitySpace("p2-gauss", MeshTri1, _P2, 2, _INSIDE, strict=False, curved=MeshTri2),
-        VelocitySpace("p2-disc", MeshTri1, ElementDG(_P2), 2, _VERTICES, strict=True, jumps=True),
-        VelocitySpace("p1-disc", MeshTri1, ElementDG(_P1), 1, _CENTRE, strict=True, jumps=True),
-        VelocitySpace("p1", MeshTri1, _P1, 1, _CENTRE, strict=True, locks=True),
-        VelocitySpace("q2", MeshQuad1, ElementQuad2(), 2, _GAUSS, strict=False, curved=MeshQuad2),
+        VelocitySpace("p2-vertex", MeshTri1, _P2, 2, _VERTICES, _EQUAL, strict=True),
+        VelocitySpace("p2-gauss", MeshTri1, _P2, 2, _INSIDE, _EQUAL, strict=False, curved=MeshTri2),
+        VelocitySpace(
+            "p2-disc", MeshTri1, ElementDG(_P2), 2, _VERTICES, _EQUAL, strict=True, jumps=True
+        ),
+        VelocitySpace(
+            "p1-disc", MeshTri1, ElementDG(_P1), 1, _CENTRE, _ONE, strict=True, jumps=True
+        ),
+        VelocitySpace("p1", MeshTri1, _P1, 1, _CENTRE, _ONE, strict=True, locks=True),
+        VelocitySpace(
+            "q2",
+            MeshQuad1,
+            ElementQuad2(),
+            2,
+            _GAUSS,
+            _GAUSS_WEIGHTS,
+            strict=False,
+            curved=MeshQuad2,
+            pressures=_BILINEAR,
+        ),
     )
 }

@@ -324,3 +324,39 @@ def test_pictures():
     for figure in (state.plot(), state.discretisation.problem.plot()):
         figure.canvas.draw()
         plt.close(figure)
+
+
+def q2_tube(n, curved):
+    """A quarter of a thick tube under internal pressure, which only its stiffness spreads."""
+    flat = la.meshes.quadrilaterals((1, 2), (0, np.pi / 2), n, 2 * n, grade_x=(1.0, 2.0))
+
+    def bend(mesh):
+        radius, angle = mesh.p
+        turned = np.stack([radius * np.cos(angle), radius * np.sin(angle)])
+        turned[0, angle == np.pi / 2] = 0.0
+        return turned - mesh.p
+
+    mesh = isoparametric(flat, bend) if curved else replace(flat, doflocs=flat.p + bend(flat))
+    return la.Problem(
+        bodies={"tube": la.Body(mesh, la.VonMises(yield_stress=1.0), space="q2")},
+        supports=[la.Fix("tube", "bottom", "y"), la.Fix("tube", "top", "x")],
+        reference_loads=[la.Pressure("tube", "left")],
+    )
+
+
+@pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])
+def test_no_mode_of_quadrilaterals_is_free(curved):
+    """With 2 x 2 strain points 3 and 1.4 % below the exact value: a mode without energy (T24)."""
+    exact = 2 / np.sqrt(3) * np.log(2)
+    states = [la.solve(q2_tube(n, curved), throw=True) for n in (2, 4)]
+    errors = [abs(state.load_factor / exact - 1) for state in states]
+    assert errors[1] < 2e-5
+    assert np.log2(errors[0] / errors[1]) > 3.5  # fourth order
+    # Mean stresses are projected with theta: sigma_rr at the strain points, a row along a radius.
+    stress = states[1].stress["tube"]
+    place = np.asarray(states[1].discretisation.bodies["tube"].basis.global_coordinates())
+    radius = np.linalg.norm(place, axis=0)
+    mean = stress[..., :2].sum(axis=2) / 2
+    # Half of sigma_rr + sigma_tt, with sigma_tt - sigma_rr = 2 k.
+    wanted = -2 / np.sqrt(3) * np.log(2 / radius) + 1 / np.sqrt(3)
+    np.testing.assert_allclose(mean, wanted, atol=0.01)  # bilinear in cells of size 1/8 and 1/5
