@@ -7,6 +7,7 @@ from lacore.backend import backend_names, find_backend
 from lacore.blocks import BlockAssembly, RigidBlock
 from lacore.bodies import Body
 from lacore.certificate import Certificate
+from lacore.control import FootingTravel, PointTravel, Time
 from lacore.coulomb_range import CoulombRange, coulomb_range
 from lacore.criteria import VonMises
 from lacore.errors import CapabilityError, InputError, LacoreError, SolveError
@@ -17,8 +18,10 @@ from lacore.intervals import Interval
 from lacore.isolation import SolverProcess
 from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
+from lacore.path import Path
 from lacore.problem import Problem
 from lacore.result import LimitState
+from lacore.sequential import AdaptiveSteps, sequential
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
@@ -26,6 +29,7 @@ from lacore.status import Rigor, Status
 __all__ = [
     "SMOOTH",
     "STICK",
+    "AdaptiveSteps",
     "BlockAssembly",
     "Body",
     "BodyForce",
@@ -37,6 +41,7 @@ __all__ = [
     "Discretisation",
     "Ending",
     "Fix",
+    "FootingTravel",
     "Frame",
     "GapIdentity",
     "InputError",
@@ -45,7 +50,9 @@ __all__ = [
     "LacoreError",
     "LimitState",
     "LowerBound",
+    "Path",
     "PointForce",
+    "PointTravel",
     "Pressure",
     "Problem",
     "RigidBlock",
@@ -55,6 +62,7 @@ __all__ = [
     "SolveError",
     "SolverProcess",
     "Status",
+    "Time",
     "Traction",
     "Tresca",
     "UpperBound",
@@ -69,6 +77,7 @@ __all__ = [
     "lower_bound",
     "masonry",
     "meshes",
+    "sequential",
     "solve",
     "upper_bound",
 ]

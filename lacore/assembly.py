@@ -1,6 +1,6 @@
 """From a `Problem` to the kinematic program (T6), vectorised."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -13,6 +13,7 @@ from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, outward_normals
 from lacore.conditions import footing_conditions, support_conditions
+from lacore.contact_controls import Dofs
 from lacore.contact_points import ContactPoints, contact_rows
 from lacore.curved import is_curved
 from lacore.dofs import BodyDofs, number
@@ -20,6 +21,7 @@ from lacore.elimination import NodeConditions, free_basis, held, join
 from lacore.errors import InputError
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
+from lacore.interfaces import Interface
 from lacore.jumps import Jumps, jumps, movable
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem, vertex_at
@@ -59,6 +61,8 @@ class Discretisation:
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
+        footings: unknowns of the footings, each the speed of one along its direction, in the order
+            of the loads, shape (f,).
         natural: scales in which the quantities of the answer are of order one (T20).
     """
 
@@ -73,6 +77,7 @@ class Discretisation:
     jumps: Mapping[str, Jumps]
     points: ContactPoints
     shared_corners: Bools
+    footings: Ints
     natural: Scales
 
     @property
@@ -83,8 +88,14 @@ class Discretisation:
         return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())
 
 
-def discretise(problem: Problem) -> Discretisation:
-    """Assemble a problem.
+Contact = Callable[
+    [Sequence[Interface], Mapping[str, Dofs], int], tuple[ContactRows, ContactPoints]
+]
+"""Rows of interfaces for n unknowns of bodies: see `lacore.contact_points.contact_rows`."""
+
+
+def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discretisation:
+    """Assemble a problem, its contact by `contact_of`.
 
     Raises:
         InputError: a footing that cannot move, a reference load that does no power because it
@@ -110,7 +121,7 @@ def discretise(problem: Problem) -> Discretisation:
             n += frames[name].count
     rigid: dict[str, RigidDofs | FrameDofs] = {**assemblies, **frames}  # in order of unknowns
 
-    contact, points = contact_rows(problem.interfaces, {**bodies, **rigid}, n)
+    contact, points = contact_of(problem.interfaces, {**bodies, **rigid}, n)
     slips = {name: jumps(name, dofs, n) for name, dofs in bodies.items() if dofs.space.jumps}
     supports = [support for support in problem.supports if support.body in bodies]
     conditions = join(
@@ -175,6 +186,7 @@ def discretise(problem: Problem) -> Discretisation:
         jumps=slips,
         points=points,
         shared_corners=_shared_corners(program.contact, points, problem),
+        footings=node_dofs.size + np.arange(len(footings)),
         natural=_natural_scales(program, bodies, rigid, 1 / size),
     )
 

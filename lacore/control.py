@@ -1,0 +1,85 @@
+"""What measures how far a path has come: a footing, a point of a body, or time (T29)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.assembly import Discretisation
+from lacore.bodies import Body
+from lacore.errors import InputError, is_plane_vector
+from lacore.loads import RigidFooting
+from lacore.problem import Problem, vertex_at
+
+Gauge = Callable[[Discretisation, Floats], float]
+"""Rate of the travel at a velocity of all unknowns, in units of the travel per s."""
+
+
+class Control(Protocol):
+    """What a path is measured by."""
+
+    def gauge(self, problem: Problem) -> Gauge:
+        """How to read it in a problem.
+
+        Raises:
+            InputError: the problem has no such thing.
+        """
+
+
+@dataclass(frozen=True)
+class FootingTravel:
+    """How far the rigid footing of the reference load has moved along its direction, m."""
+
+    def gauge(self, problem: Problem) -> Gauge:
+        """See `Control`."""
+        loads = problem.reference_loads
+        if len(loads) != 1 or not isinstance(loads[0], RigidFooting):
+            raise InputError(
+                "control",
+                "FootingTravel",
+                "the reference load is not one RigidFooting",
+                "give control=lacore.PointTravel(body, at, direction) or lacore.Time()",
+            )
+        return lambda d, velocity: float(velocity[d.footings[0]])
+
+
+@dataclass(frozen=True)
+class PointTravel:
+    """How far a point of a body has moved along a direction, m.
+
+    Attributes:
+        body: name.
+        at: a vertex of its mesh at the beginning of the path.
+        direction: normalised.
+    """
+
+    body: str
+    at: tuple[float, float]
+    direction: tuple[float, float]
+
+    def gauge(self, problem: Problem) -> Gauge:
+        """See `Control`."""
+        body = problem.bodies.get(self.body)
+        if not isinstance(body, Body):
+            known = ", ".join(sorted(problem.bodies))
+            raise InputError(
+                "PointTravel.body", self.body, "no body that deforms", f"give one of {known}"
+            )
+        if not (is_plane_vector(self.direction) and np.any(self.direction)):
+            raise InputError(
+                "PointTravel.direction", self.direction, "has no direction", "give a vector != 0"
+            )
+        node = vertex_at(body, self.at, "PointTravel.at")  # vertices are the first nodes
+        along = np.array(self.direction) / np.linalg.norm(self.direction)
+        return lambda d, velocity: float(along @ velocity[d.bodies[self.body].dofs[:, node]])
+
+
+@dataclass(frozen=True)
+class Time:
+    """The time that has gone by, s, at velocities of ``F0.u = 1``: the work of the unit load."""
+
+    def gauge(self, problem: Problem) -> Gauge:
+        """See `Control`."""
+        return lambda d, velocity: 1.0

@@ -1,0 +1,172 @@
+"""One limit problem of a path: how bodies flow at one moment of a step (T29)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lacore.approach import approaching_rows
+from lacore.arrays import Floats
+from lacore.assembly import discretise
+from lacore.configuration import Configuration
+from lacore.contact_controls import Dofs
+from lacore.contact_points import ContactPoints
+from lacore.dofs import BodyDofs
+from lacore.interfaces import Interface
+from lacore.program import ContactRows, DissipationGroup, KinematicProgram
+from lacore.result import LimitState
+from lacore.solving import solve
+from lacore.staging import Stage
+
+# Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
+# is taken out of the load again.
+_CHOICE = 1e-3
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where and for what a limit problem of a step is stated.
+
+    Attributes:
+        begin: where the step begins.
+        at: where bodies are now.
+        duration: of the step, s; of the velocities of ``F0.u = 1``.
+        share: of the duration that has gone by when the yield stress counts, theta.
+    """
+
+    begin: Configuration
+    at: Configuration
+    duration: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Answer at a moment.
+
+    Attributes:
+        state: the limit state there, of the program with the hardening that chooses.
+        moment: what it answers.
+        load_factor: alpha, without that hardening; NaN where there is no state.
+    """
+
+    state: LimitState
+    moment: Moment
+    load_factor: float
+
+    @property
+    def velocity(self) -> dict[str, Floats]:
+        """By body, shape (2, nodes), m/s at ``F0.u = 1``."""
+        return self.state.velocity
+
+    @property
+    def strain_rate(self) -> dict[str, Floats]:
+        """Equivalent strain rate at the strain points by body, shape (elements, q), 1/s."""
+        d = self.state.discretisation
+        assert self.state.point is not None
+        rates = {}
+        for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True):
+            lengths = np.linalg.norm(group.cone_vectors(self.state.point.velocity), axis=1)
+            rates[name] = _per_length(dofs) * lengths.reshape(dofs.weights.shape)
+        return rates
+
+    def hencky_strain(self, duration: float) -> dict[str, Floats]:
+        """Equivalent logarithmic strain of a step about this moment, (elements, q) (T30).
+
+        Infinite where the step is longer than a point can bear.
+        """
+        d, velocity = self.state.discretisation, self.velocity
+        strains = {}
+        for name, dofs in d.bodies.items():
+            principal = duration * _principal_rates(dofs, velocity[name])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                logarithmic = 2 * np.arctanh(principal / 2)
+            deviator = logarithmic - logarithmic.mean(axis=0)
+            strain = np.sqrt(2 / 3 * np.sum(deviator**2, axis=0))
+            strains[name] = np.where(np.isfinite(strain), strain, np.inf)
+        return strains
+
+
+def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
+    """Solve the limit problem of a moment; settings are those of `lacore.solve`.
+
+    Raises:
+        InputError: a mesh that is inverted or overlaps there.
+    """
+
+    def contact(
+        _: Sequence[Interface], bodies: Mapping[str, Dofs], n: int
+    ) -> tuple[ContactRows, ContactPoints]:
+        deform = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, BodyDofs)}
+        return approaching_rows(stage.obstacles, deform, n, moment.begin, moment.duration)
+
+    d = discretise(stage.at(moment.at), contact)
+    laws = [_law(name, dofs, moment) for name, dofs in d.bodies.items()]
+    d = replace(d, full=_hardening(d.full, laws), program=_hardening(d.program, laws))
+    state = solve(d, **settings)
+    if state.point is None:
+        return Flow(state, moment, np.nan)
+    chosen = 0.0
+    for law, group in zip(laws, d.full.groups, strict=True):
+        squares = np.sum(group.cone_vectors(state.point.velocity) ** 2, axis=1)
+        chosen += float(group.weights @ (law.choosing * squares))
+    return Flow(state, moment, state.load_factor - chosen)
+
+
+@dataclass(frozen=True)
+class _Law:
+    """Of the strain points of a body, per length of a cone vector, each of shape (m,).
+
+    Attributes:
+        bound: yield stress where the step begins, of the tangent about the strain expected now.
+        modulus: of hardening within the step.
+        choosing: more of it, which chooses between mechanisms.
+    """
+
+    bound: Floats
+    modulus: Floats
+    choosing: Floats
+
+
+def _law(name: str, dofs: BodyDofs, moment: Moment) -> _Law:
+    law, factor = dofs.body.criterion.law, _per_length(dofs)
+    begin, now = moment.begin.strain[name].ravel(), moment.at.strain[name].ravel()
+    slope, stress = law.modulus(now), law.stress(now)
+    rate = factor**2 * moment.share * moment.duration
+    return _Law(
+        bound=factor * (stress - slope * (now - begin)),
+        modulus=rate * slope,
+        choosing=rate * np.maximum(_CHOICE * stress - slope, 0.0),
+    )
+
+
+def _hardening(program: KinematicProgram, laws: Sequence[_Law]) -> KinematicProgram:
+    """The groups of continua, which are the only ones, by their laws."""
+    return replace(
+        program,
+        groups=tuple(_hardened(g, law) for g, law in zip(program.groups, laws, strict=True)),
+    )
+
+
+def _hardened(group: DissipationGroup, law: _Law) -> DissipationGroup:
+    modulus = law.modulus + law.choosing
+    return replace(group, bound=law.bound, modulus=modulus if np.any(modulus > 0) else None)
+
+
+def _per_length(dofs: BodyDofs) -> float:
+    """Equivalent strain rate per length of a cone vector: both dissipate the same."""
+    criterion = dofs.body.criterion
+    return float(criterion.conic_form(dofs.body.kinematics).bound / (np.sqrt(3) * criterion.k))
+
+
+def _principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:
+    """Principal strain rates at the strain points, shape (3, elements, q), 1/s."""
+    field = dofs.basis.interpolate(velocity.T.ravel())
+    gradient = np.asarray(field.grad)
+    mean = (gradient[0, 0] + gradient[1, 1]) / 2
+    radius = np.hypot((gradient[0, 0] - gradient[1, 1]) / 2, (gradient[0, 1] + gradient[1, 0]) / 2)
+    out = np.zeros_like(mean)
+    if dofs.body.axisymmetric:
+        out = np.asarray(field)[0] / np.asarray(dofs.basis.global_coordinates())[0]
+    return np.stack([mean + radius, mean - radius, out])

@@ -1,0 +1,141 @@
+"""What a path leaves behind: its history, what happened on the way, the bodies at every step."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import pandas as pd
+
+from lacore.arrays import Floats
+from lacore.configuration import Configuration
+from lacore.problem import Problem
+from lacore.result import LimitState
+from lacore.staging import Stage
+
+
+class Ending(Enum):
+    """Why a path ends where it ends. The text says what to do."""
+
+    REACHED = "the travel asked for is reached"
+    INVERSION = (
+        "the next step would turn an element inside out: start from elements that are drawn out"
+        " across the flow, or mesh anew from the last configuration"
+    )
+    OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
+    STANDSTILL = (
+        "the control does not move in its direction: turn its direction around, or follow another"
+        " point or a footing"
+    )
+    NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
+    NOT_ITERATED = (
+        "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
+    )
+    STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables: ``not solved``."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class PathStep:
+    """One step, as a row of the history.
+
+    Attributes:
+        step: 1, 2, ...
+        travel: where the load is that of the bodies: at the beginning of an explicit step, in the
+            middle of a leapfrog step, at the end of an implicit one.
+        load_factor: alpha there, on the boundary as it is there.
+        force: power of the reference load per speed of the control: what a testing machine reads.
+        plastic, friction, dead: powers at ``F0.u = 1``; load_factor = plastic + friction - dead.
+        max_strain: largest equivalent strain at the end of the step.
+        min_jacobian: least Bernstein coefficient of an element at the end of the step, per mean
+            (T31); what is not above 0 may be inverted.
+        volume: of all bodies at the end of the step, m^3 (m^2 of unit thickness).
+        error: displacement by which the velocity changed against the step before, half of it, per
+            body size.
+        solves: limit problems with all their inner solves.
+        gap: of the certificate of the load.
+        end: travel at the end of the step.
+        seconds: of the step, wall clock.
+    """
+
+    step: int
+    travel: float
+    load_factor: float
+    force: float
+    plastic: float
+    friction: float
+    dead: float
+    max_strain: float
+    min_jacobian: float
+    volume: float
+    error: float
+    solves: int
+    gap: float
+    end: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened on the way.
+
+    Attributes:
+        kind: ``contact closed``, ``contact opened``, ``peak load``, ``inversion predicted``,
+            ``remeshed``.
+        step: in which it happened.
+        travel: where, as closely as the steps show.
+        what: interface, load factor or element, in words.
+    """
+
+    kind: str
+    step: int
+    travel: float
+    what: str
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The bodies at the end of a step.
+
+    Attributes:
+        step: 0 is the beginning.
+        travel: there.
+        configuration: where they are, and their strains.
+        velocity: that led there, by body, shape (2, nodes), m/s at ``F0.u = 1``; zero at the
+            beginning.
+    """
+
+    step: int
+    travel: float
+    configuration: Configuration
+    velocity: Mapping[str, Floats]
+
+
+@dataclass(frozen=True)
+class Path:
+    """A path of large deformation.
+
+    Attributes:
+        status: whether the travel asked for is reached, and if not, why.
+        message: the status in words.
+        history: one row a step, see `PathStep`.
+        events: one row an event, see `Event`.
+        snapshots: the bodies at the beginning and at the end of the steps.
+        last: limit state of the last step that was taken; None where there is none.
+        stage: the problem as it was made ready.
+    """
+
+    status: Ending
+    message: str
+    history: pd.DataFrame
+    events: pd.DataFrame
+    snapshots: tuple[Snapshot, ...]
+    last: LimitState | None
+    stage: Stage
+
+    def problem(self, step: int = -1) -> Problem:
+        """The problem on the bodies of a snapshot, without its interfaces: the last by default."""
+        return self.stage.at(self.snapshots[step].configuration)

@@ -1,0 +1,257 @@
+"""Schemes of a path: at which configuration a step is solved, and how it moves the bodies (T30)."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lacore.anderson import Anderson
+from lacore.arrays import Floats
+from lacore.configuration import Configuration
+from lacore.control import Gauge
+from lacore.errors import InputError
+from lacore.flow import Flow, Moment, flow
+from lacore.path import Ending
+from lacore.staging import Stage
+from lacore.status import Status
+
+_CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same
+_NOISE = 1e-5  # of the body size: what is left where velocities are hardly determined
+_PATIENCE = 4  # iterations that bring an implicit step no closer
+_ITERATIONS = 60  # of an implicit step
+_SAME_DURATION = 0.2  # relative: closer guesses change a load at second order only
+_CLOSING_DURATION = 0.01  # where distances close: by that much of them bodies may overlap obstacles
+_GUESSES = 4  # of the duration of a step
+_STILL = 1e-9  # of the largest velocity: a control that moves less stands still
+
+Fields = Mapping[str, Floats]
+
+
+class PathEndError(Exception):
+    """The path cannot go on."""
+
+    def __init__(self, ending: Ending, message: str) -> None:
+        self.ending = ending
+        super().__init__(message)
+
+
+@dataclass(frozen=True)
+class Here:
+    """Between two steps.
+
+    Attributes:
+        step: the last one; 0 is the beginning.
+        travel: so far.
+        configuration: of the bodies.
+        velocity, strain_rate: of the last step, by body; None at the beginning.
+        speed: of the control in the last step; a guess at the beginning.
+    """
+
+    step: int
+    travel: float
+    configuration: Configuration
+    velocity: Fields | None
+    strain_rate: Fields | None
+    speed: float
+
+
+@dataclass(frozen=True)
+class Stride:
+    """A step, before it is taken.
+
+    Attributes:
+        flow: its velocity moves the bodies.
+        load: its load is reported, for the travel `at`.
+        duration: s.
+        strained: increments of strain by body.
+        speed: of the control.
+        error: see `PathStep.error`.
+    """
+
+    flow: Flow
+    load: Flow
+    at: float
+    duration: float
+    strained: Fields
+    speed: float
+    error: float
+
+
+@dataclass
+class Walk:
+    """What does not change along a path, and the count of solves."""
+
+    stage: Stage
+    gauge: Gauge
+    settings: Mapping[str, Any]
+    solves: int = field(default=0)
+
+    @property
+    def size(self) -> float:
+        """Of the largest body, m."""
+        return max(body.size for body in self.stage.bodies.values())
+
+    def flow(self, moment: Moment) -> tuple[Flow, float]:
+        """The flow at a moment, and the speed of the control.
+
+        Raises:
+            PathEndError: there is no certified answer, no mesh, or the control stands still.
+        """
+        try:
+            found = flow(self.stage, moment, self.settings)
+        except InputError as wrong:
+            raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
+        state = found.state
+        self.solves += state.outer_iterations
+        if state.status is not Status.SOLVED or state.point is None:
+            raise PathEndError(Ending.NOT_SOLVED, state.message)
+        speed = self.gauge(state.discretisation, state.point.velocity)
+        if speed <= _STILL * float(np.abs(state.point.velocity).max()):
+            raise PathEndError(Ending.STANDSTILL, f"{Ending.STANDSTILL.value} (speed {speed:.3g})")
+        return found, speed
+
+    def timed(
+        self, here: Here, at: Configuration, distance: float, share: float, speed: float
+    ) -> tuple[Flow, float]:
+        """The flow of a step that covers a distance, from a first guess of the speed."""
+        found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
+        for _ in range(_GUESSES):
+            program = found.state.discretisation.program
+            same = _SAME_DURATION if program.contact.closing is None else _CLOSING_DURATION
+            if program.homogeneous or abs(speed / own - 1) <= same:
+                break
+            speed = own
+            found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
+        return found, own
+
+
+Scheme = Callable[[Walk, Here, float], Stride]
+"""The stride over a distance of the control from where the bodies are."""
+
+
+def explicit(walk: Walk, here: Here, distance: float) -> Stride:
+    """Solved where the step begins; hardening within the step is not seen."""
+    found, speed = walk.timed(here, here.configuration, distance, 0.0, here.speed)
+    duration = distance / speed
+    strained = _scaled(found.strain_rate, duration)
+    error = _change(walk, here, found, distance, speed)
+    return Stride(found, found, here.travel, duration, strained, speed, error)
+
+
+def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
+    """Solved half a step ahead, by the velocity of the step before."""
+    here = _started(walk, here, distance)
+    assert here.velocity is not None
+    assert here.strain_rate is not None
+    ahead = distance / here.speed / 2
+    middle = here.configuration.moved(
+        _scaled(here.velocity, ahead), _scaled(here.strain_rate, ahead)
+    )
+    found, speed = walk.timed(here, middle, distance, 0.5, here.speed)
+    duration = distance / speed
+    strained = _scaled(found.strain_rate, duration)
+    error = _change(walk, here, found, distance, speed)
+    at = here.travel + distance / 2
+    return Stride(found, found, at, duration, strained, speed, error)
+
+
+def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
+    """Solved half way to the end, which it finds by iteration; the load is that at the end."""
+    here = _started(walk, here, distance)
+    found, speed = _settled(walk, here, distance, 0.5)
+    duration = distance / speed
+    strained = found.hencky_strain(duration)
+    if not all(np.all(np.isfinite(values)) for values in strained.values()):
+        message = "a point would strain by more than a step can bear: take smaller steps"
+        raise PathEndError(Ending.NOT_ITERATED, message)
+    end = here.configuration.moved(_scaled(found.velocity, duration), strained)
+    load, _ = walk.flow(Moment(end, end, duration, 0.0))
+    error = _change(walk, here, found, distance, speed)
+    return Stride(found, load, here.travel + distance, duration, strained, speed, error)
+
+
+def implicit_euler(walk: Walk, here: Here, distance: float) -> Stride:
+    """Solved at the end, which it finds by iteration."""
+    here = _started(walk, here, distance)
+    found, speed = _settled(walk, here, distance, 1.0)
+    duration = distance / speed
+    strained = _scaled(found.strain_rate, duration)
+    error = _change(walk, here, found, distance, speed)
+    return Stride(found, found, here.travel + distance, duration, strained, speed, error)
+
+
+SCHEMES: Mapping[str, Scheme] = {
+    "leapfrog": leapfrog,
+    "explicit": explicit,
+    "implicit-midpoint": implicit_midpoint,
+    "implicit-euler": implicit_euler,
+}
+
+
+def _started(walk: Walk, here: Here, distance: float) -> Here:
+    """At the beginning of a path, with the velocity there."""
+    if here.velocity is not None:
+        return here
+    found, speed = walk.timed(here, here.configuration, distance, 0.5, here.speed)
+    return Here(
+        here.step, here.travel, here.configuration, found.velocity, found.strain_rate, speed
+    )
+
+
+def _settled(walk: Walk, here: Here, distance: float, share: float) -> tuple[Flow, float]:
+    """The flow at a share of the step that it makes itself.
+
+    Raises:
+        PathEndError: the iteration does not settle.
+    """
+    assert here.velocity is not None
+    assert here.strain_rate is not None
+    size, mixing, begin = walk.size, Anderson(5, 1.0), here.configuration
+    names = list(begin.nodes)
+    shapes = [begin.nodes[name].shape for name in names]
+    shapes += [begin.strain[name].shape for name in names]
+    ends = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes)])
+
+    def packed(velocity: Fields, strain_rate: Fields, duration: float) -> Floats:
+        moves = [velocity[name] for name in names]
+        return np.concatenate(
+            [(share * duration * part).ravel() for part in moves]
+            + [(share * duration * size * strain_rate[name]).ravel() for name in names]
+        )
+
+    def unpacked(values: Floats) -> Configuration:
+        parts = [
+            values[a:b].reshape(shape)
+            for a, b, shape in zip(ends[:-1], ends[1:], shapes, strict=True)
+        ]
+        moves = dict(zip(names, parts[: len(names)], strict=True))
+        strains = {n: p / size for n, p in zip(names, parts[len(names) :], strict=True)}
+        return begin.moved(moves, strains)
+
+    speed, changes = here.speed, [np.inf]
+    values = packed(here.velocity, here.strain_rate, distance / speed)
+    for _ in range(_ITERATIONS):
+        found, speed = walk.flow(Moment(begin, unpacked(values), distance / speed, share))
+        image = packed(found.velocity, found.strain_rate, distance / speed)
+        changes.append(float(np.abs(image - values).max()) / size)
+        stalled = len(changes) > _PATIENCE and min(changes[-_PATIENCE:]) > min(changes)
+        if changes[-1] <= _CLOSE or (stalled and changes[-1] <= _NOISE):
+            return found, speed
+        values = mixing.step(values, image)
+    raise PathEndError(Ending.NOT_ITERATED, Ending.NOT_ITERATED.value)
+
+
+def _scaled(fields: Fields, factor: float) -> dict[str, Floats]:
+    return {name: factor * values for name, values in fields.items()}
+
+
+def _change(walk: Walk, here: Here, found: Flow, distance: float, speed: float) -> float:
+    """Displacement by which the step differs from one like that before, half of it, per size."""
+    if here.velocity is None:
+        return float("nan")
+    changes = [
+        float(np.abs(values / speed - here.velocity[name] / here.speed).max())
+        for name, values in found.velocity.items()
+    ]
+    return distance * max(changes) / 2 / walk.size

@@ -1,0 +1,337 @@
+"""Sequential limit analysis: limit problems along a path of large deformation (T29-T31)."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.approach import gaps
+from lacore.assembly import discretise
+from lacore.control import Control, FootingTravel, Gauge
+from lacore.curved import jacobians
+from lacore.dofs import BodyDofs, number
+from lacore.errors import InputError, require_count, require_known, require_positive
+from lacore.interfaces import Interface
+from lacore.path import Ending, Event, Path, PathStep, Snapshot
+from lacore.problem import Problem
+from lacore.result import LimitState
+from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk
+from lacore.staging import Stage, staged
+
+_INVERTED = 1e-3  # least Jacobian of an element, per its mean
+_END = 1e-9  # of the travel: what is left is round-off
+_NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
+_SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps
+_COLUMNS = [entry.name for entry in fields(PathStep)]
+
+
+@dataclass(frozen=True)
+class AdaptiveSteps:
+    """Steps as long as their error allows.
+
+    Attributes:
+        tolerance: of the displacement by which the velocity may change within a step, per body
+            size; see `PathStep.error`.
+        first: length of the first step, of the travel.
+        smallest: of a step, of the travel; below it the path ends.
+    """
+
+    tolerance: float = 1e-3
+    first: float = 0.05
+    smallest: float = 1e-4
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "first", "smallest"):
+            require_positive(f"AdaptiveSteps.{name}", getattr(self, name))
+        if not self.smallest <= self.first <= 1:
+            raise InputError(
+                "AdaptiveSteps.first", self.first, "outside [smallest, 1]", "give e.g. 0.05"
+            )
+
+
+def sequential(
+    problem: Problem,
+    travel: float,
+    steps: int | AdaptiveSteps = 20,
+    scheme: str = "leapfrog",
+    control: Control | None = None,
+    *,
+    approaching: Sequence[Interface] = (),
+    backend: str = "clarabel",
+    coupling: str | None = None,
+    tolerance: float = 1e-6,
+    options: Mapping[str, Any] | None = None,
+    on_step: Callable[[PathStep], None] | None = None,
+) -> Path:
+    """Follow bodies through large deformation: a limit problem a step (T29).
+
+    Bodies move and harden, loads and footings act on their boundaries as they are, contact opens
+    and closes. Yang, Computers & Structures 33 (1989) 1171; Corradi & Panzeri, CMAME 193 (2004).
+
+    Args:
+        problem: at the beginning. Its bodies deform, in plane strain or axisymmetric. Elements
+            become curved, of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that
+            no load factor is a strict bound. `VonMises(hardening=...)` says how they harden.
+        travel: how far to go, in units of the control, > 0.
+        steps: how many equal ones, or `AdaptiveSteps`.
+        scheme: ``leapfrog`` (order 2, one solve a step), ``explicit`` (order 1, does not see
+            hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
+            ``implicit-euler`` (order 1, iterated); T30.
+        control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
+        approaching: interfaces with plane obstacles that bodies do not touch yet, or in part.
+        backend, coupling, tolerance, options: of each solve, see `lacore.solve`.
+        on_step: called after each step, for progress.
+
+    Raises:
+        InputError: bad arguments; bodies and contact that a path does not follow.
+        CapabilityError: the backend is missing, or takes no hardening.
+    """
+    require_positive("travel", travel)
+    require_known("scheme", scheme, SCHEMES)
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    if not isinstance(steps, AdaptiveSteps):
+        require_count("steps", steps)
+    stage = staged(problem, approaching)
+    gauge = (control or FootingTravel()).gauge(stage.problem)
+    settings = {
+        "backend": backend,
+        "coupling": coupling,
+        "tolerance": tolerance,
+        "options": options or {},
+    }
+    begin = Here(0, 0.0, stage.start, None, None, discretise(stage.problem).natural.velocity)
+    walk = Walk(stage, gauge, settings)
+    log = _Log(stage, gauge, on_step or (lambda _: None))
+    log.begin(begin)
+    pace = _Pace(steps, travel)
+    try:
+        here = begin
+        while (distance := pace.distance(here.travel)) > 0:
+            here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+    except PathEndError as stop:
+        return log.path(stop.ending, str(stop))
+    return log.path(Ending.REACHED, Ending.REACHED.value)
+
+
+def _step(
+    walk: Walk, scheme: Scheme, here: Here, distance: float, pace: "_Pace", log: "_Log"
+) -> Here:
+    """The next place, after as many attempts as the pace asks for."""
+    begin = time.perf_counter()
+    walk.solves = 0
+    stride = scheme(walk, here, distance)
+    while not pace.accepts(stride.error):
+        distance = pace.shorter(distance, stride.error)
+        stride = scheme(walk, here, distance)
+    pace.learn(distance, stride.error)
+    moves = {name: stride.duration * v for name, v in stride.flow.velocity.items()}
+    there = Here(
+        step=here.step + 1,
+        travel=here.travel + distance,
+        configuration=here.configuration.moved(moves, stride.strained),
+        velocity=stride.flow.velocity,
+        strain_rate=stride.flow.strain_rate,
+        speed=stride.speed,
+    )
+    jacobian = _least_jacobian(walk.stage, there, log)
+    volume = _volume(walk.stage, there)
+    log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
+    return there
+
+
+def _least_jacobian(stage: Stage, there: Here, log: "_Log") -> float:
+    """Least Jacobian of all elements, per mean of its element (T31).
+
+    Raises:
+        PathEndError: it is not positive: the step must not be taken.
+    """
+    least = np.inf
+    for name, mesh in stage.meshes_at(there.configuration).items():
+        values = jacobians(mesh)
+        each = values.min(axis=1) / values.mean(axis=1)
+        worst = int(np.argmin(each))
+        least = min(least, float(each[worst]))
+        if not each[worst] > _INVERTED:
+            x, y = mesh.p[:, mesh.t[:, worst]].mean(axis=1)
+            what = f"element {worst} of {name!r} near ({x:.4g}, {y:.4g})"
+            log.event("inversion predicted", there.step, there.travel, what)
+            raise PathEndError(Ending.INVERSION, f"{what}: {Ending.INVERSION.value}")
+    return least
+
+
+def _volume(stage: Stage, there: Here) -> float:
+    """Of all bodies, m^3.
+
+    Raises:
+        PathEndError: they are no bodies any more: elements overlap.
+    """
+    try:
+        numbered = number(stage.bodies_at(there.configuration))
+    except InputError as wrong:
+        raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
+    return sum(float(dofs.weights.sum()) for dofs in numbered.values())
+
+
+@dataclass
+class _Pace:
+    """Lengths of steps: equal, or as the error allows."""
+
+    steps: int | AdaptiveSteps
+    travel: float
+    _next: float = 0.0
+
+    def __post_init__(self) -> None:
+        first = self.steps.first if isinstance(self.steps, AdaptiveSteps) else 1 / self.steps
+        self._next = self.travel * first
+
+    def distance(self, done: float) -> float:
+        """Of the next step; 0 at the end."""
+        left = self.travel - done
+        return 0.0 if left <= _END * self.travel else min(self._next, left)
+
+    def accepts(self, error: float) -> bool:
+        """Whether a step with this error is taken; the first one has none."""
+        return not isinstance(self.steps, AdaptiveSteps) or not error > self.steps.tolerance
+
+    def shorter(self, distance: float, error: float) -> float:
+        """Another attempt.
+
+        Raises:
+            PathEndError: it would be too short.
+        """
+        shorter = distance * self._factor(error)
+        assert isinstance(self.steps, AdaptiveSteps)
+        if shorter < self.steps.smallest * self.travel:
+            message = f"{Ending.STEP_TOO_SMALL.value} (error {error:.3g})"
+            raise PathEndError(Ending.STEP_TOO_SMALL, message)
+        return shorter
+
+    def learn(self, distance: float, error: float) -> None:
+        """Set the next step by the error of the last: the error goes with its square."""
+        if isinstance(self.steps, AdaptiveSteps) and np.isfinite(error):
+            self._next = distance * self._factor(error)
+
+    def _factor(self, error: float) -> float:
+        assert isinstance(self.steps, AdaptiveSteps)
+        ratio = np.sqrt(self.steps.tolerance / max(error, 1e-300))
+        return float(np.clip(_SAFETY * ratio, *_CHANGE))
+
+
+@dataclass
+class _Log:
+    """What a path leaves behind, as it comes."""
+
+    stage: Stage
+    gauge: Gauge
+    on_step: Callable[[PathStep], None]
+    rows: list[PathStep] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    snapshots: list[Snapshot] = field(default_factory=list)
+    last: LimitState | None = None
+
+    @cached_property
+    def dofs(self) -> dict[str, BodyDofs]:
+        """Numbers of nodes, which do not change."""
+        return number(self.stage.bodies)
+
+    def begin(self, here: Here) -> None:
+        """The bodies at the beginning."""
+        still = {name: np.zeros_like(nodes) for name, nodes in here.configuration.nodes.items()}
+        self.snapshots.append(Snapshot(0, 0.0, here.configuration, still))
+
+    def event(self, kind: str, step: int, travel: float, what: str) -> None:
+        """Something happened."""
+        self.events.append(Event(kind, step, travel, what))
+
+    def step(
+        self,
+        here: Here,
+        there: Here,
+        stride: Stride,
+        jacobian: float,
+        volume: float,
+        solves: int,
+        seconds: float,
+    ) -> None:
+        """A step was taken."""
+        load, state = stride.load.load_factor, stride.load.state
+        assert state.point is not None
+        assert state.certificate is not None
+        d, u = state.discretisation, state.point.velocity
+        contact = d.full.contact
+        slip = np.sum(state.point.tangential_reaction * contact.slip(u), axis=1)
+        control, dead = self.gauge(d, u), float(d.full.dead_load @ u)
+        friction = -float(contact.weights @ slip)
+        row = PathStep(
+            step=there.step,
+            travel=stride.at,
+            load_factor=load,
+            force=load / control,
+            plastic=load + dead - friction,
+            friction=friction,
+            dead=dead,
+            max_strain=max(float(v.max()) for v in there.configuration.strain.values()),
+            min_jacobian=jacobian,
+            volume=volume,
+            error=stride.error,
+            solves=solves,
+            gap=state.certificate.gap,
+            end=there.travel,
+            seconds=seconds,
+        )
+        self.rows.append(row)
+        self.last = state
+        self.snapshots.append(
+            Snapshot(there.step, there.travel, there.configuration, stride.flow.velocity)
+        )
+        self._contacts(here, there)
+        self._peak()
+        self.on_step(row)
+
+    def _contacts(self, here: Here, there: Here) -> None:
+        """Points that came to an obstacle in the last step, and points that left one."""
+        for obstacle in self.stage.obstacles:
+            dofs = self.dofs[obstacle.body]
+            near = _NEAR * obstacle.size
+            before, after = (
+                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs) <= near
+                for own in (here, there)
+            )
+            for kind, count in (
+                ("contact closed", int(np.sum(after & ~before))),
+                ("contact opened", int(np.sum(before & ~after))),
+            ):
+                if count:
+                    what = f"{obstacle.name}: {count} of {after.size} points"
+                    self.event(kind, there.step, there.travel, what)
+
+    def _peak(self) -> None:
+        """The load passed a maximum: that of the parabola through the last three loads."""
+        if len(self.rows) < 3:
+            return
+        x = np.array([row.travel for row in self.rows[-3:]])
+        y = np.array([row.load_factor for row in self.rows[-3:]])
+        if y[1] > y[0] and y[1] >= y[2]:
+            curve = np.polynomial.Polynomial.fit(x, y, 2)
+            top = float(np.real(curve.deriv().roots()[0]))
+            what = f"load factor {float(curve(top)):.9g}"
+            self.event("peak load", self.rows[-2].step, top, what)
+
+    def path(self, ending: Ending, message: str) -> Path:
+        """The end."""
+        return Path(
+            status=ending,
+            message=f"{ending.label}: {message}",
+            history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
+            events=pd.DataFrame(
+                [asdict(event) for event in self.events], columns=[f.name for f in fields(Event)]
+            ),
+            snapshots=tuple(self.snapshots),
+            last=self.last,
+            stage=self.stage,
+        )

@@ -1,0 +1,255 @@
+"""A problem made ready for a path: curved meshes, names for all boundaries, plane obstacles.
+
+Boundaries are selected once, where the bodies are at the beginning; whatever stands or presses
+there goes with them.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from skfem import Mesh
+from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies import Body
+from lacore.boundaries import Where, boundary_facets, facet_geometry
+from lacore.configuration import Configuration
+from lacore.errors import InputError
+from lacore.interfaces import FrictionTerms, Interface, RigidObstacle
+from lacore.loads import BodyForce, Load, PointForce
+from lacore.problem import Problem, vertex_at
+from lacore.spaces import SPACES
+
+_TOUCH = 1e-9  # of the body size
+_STRAIGHT = 1e-9  # sine between edges of one plane
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A plane that does not move, and the part of a body that may come to it.
+
+    Attributes:
+        name: of the interface.
+        body: name.
+        facets: of its mesh.
+        point, normal: of the plane, shape (2,); the unit normal points towards the body.
+        law: friction.
+        size: of the body, m.
+    """
+
+    name: str
+    body: str
+    facets: Ints
+    point: Floats
+    normal: Floats
+    law: FrictionTerms
+    size: float
+
+    @property
+    def touch(self) -> float:
+        """Distance up to which a point counts as touching, m."""
+        return _TOUCH * self.size
+
+    def distance(self, places: Floats) -> Floats:
+        """Of places of shape (2, n) from the plane, m; negative behind it."""
+        return np.asarray(self.normal @ (places - self.point[:, None]))
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What does not change along a path.
+
+    Attributes:
+        problem: the first configuration; every `where` is a name, and there are no interfaces.
+        obstacles: of the interfaces, those that touch and those that bodies may come to.
+        grips: nodes of the point forces, in their order among all reference, then dead loads.
+    """
+
+    problem: Problem
+    obstacles: tuple[Obstacle, ...]
+    grips: tuple[int, ...]
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """The bodies where they are at the beginning."""
+        return {name: body for name, body in self.problem.bodies.items() if isinstance(body, Body)}
+
+    @property
+    def start(self) -> Configuration:
+        """The first configuration: nothing has strained."""
+        shapes = {
+            name: (body.mesh.nelements, SPACES[body.space].points.shape[1])
+            for name, body in self.bodies.items()
+        }
+        return Configuration(
+            nodes={name: body.mesh.doflocs for name, body in self.bodies.items()},
+            strain={name: np.zeros(shape) for name, shape in shapes.items()},
+        )
+
+    def meshes_at(self, configuration: Configuration) -> dict[str, Mesh]:
+        """The meshes on a configuration, by body, whatever they look like."""
+        return {
+            name: replace(body.mesh, doflocs=configuration.nodes[name])
+            for name, body in self.bodies.items()
+        }
+
+    def bodies_at(self, configuration: Configuration) -> dict[str, Body]:
+        """The bodies on a configuration, by name; see `at` for errors."""
+        meshes = self.meshes_at(configuration)
+        return {name: replace(body, mesh=meshes[name]) for name, body in self.bodies.items()}
+
+    def at(self, configuration: Configuration) -> Problem:
+        """The problem on a configuration.
+
+        Raises:
+            InputError: a mesh that is inverted or overlaps there.
+        """
+        bodies = self.bodies_at(configuration)
+        grips = iter(self.grips)
+
+        def gripped(load: Load) -> Load:
+            if not isinstance(load, PointForce):
+                return load
+            x, y = configuration.nodes[load.body][:, next(grips)].tolist()
+            return replace(load, at=(x, y))
+
+        return replace(
+            self.problem,
+            bodies=bodies,
+            reference_loads=[gripped(load) for load in self.problem.reference_loads],
+            dead_loads=[gripped(load) for load in self.problem.dead_loads],
+        )
+
+
+def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
+    """A problem made ready for a path.
+
+    Args:
+        problem: its bodies deform; they get curved elements, ``p2-gauss`` or ``q2``.
+        approaching: more interfaces with planes, which the bodies need not touch yet.
+
+    Raises:
+        InputError: bodies that do not deform, plane stress, contact of two bodies, obstacles that
+            are no planes, bodies that begin behind one.
+    """
+    bodies = {name: _curved(name, body) for name, body in problem.bodies.items()}
+    names = _Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
+
+    def renamed(part: Any) -> Any:
+        if isinstance(part, BodyForce | PointForce):
+            return part
+        kind = type(part).__name__
+        return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
+
+    reference = [renamed(load) for load in problem.reference_loads]
+    dead = [renamed(load) for load in problem.dead_loads]
+    supports = [renamed(support) for support in problem.supports]
+    for name, body in bodies.items():
+        mesh = body.mesh.with_boundaries(names.known[name])
+        bodies[name] = replace(body, mesh=mesh)
+    interfaces = [*problem.interfaces, *approaching]
+    grips = [
+        vertex_at(bodies[load.body], load.at, "PointForce.at")
+        for load in (*reference, *dead)
+        if isinstance(load, PointForce)
+    ]
+    return Stage(
+        problem=Problem(MappingProxyType(bodies), reference, supports, (), dead),
+        obstacles=tuple(_obstacle(interface, bodies) for interface in interfaces),
+        grips=tuple(grips),
+    )
+
+
+@dataclass
+class _Names:
+    """Boundaries by body and name; parts without one get one."""
+
+    known: dict[str, dict[str, Ints]]
+
+    def of(self, body: Body, owner: str, where: Where, kind: str) -> str:
+        if isinstance(where, str):
+            return where
+        facets = boundary_facets(body, where, f"{kind}.where")
+        name = f"part {len(self.known[owner])}"
+        self.known[owner][name] = facets
+        return name
+
+
+def _curved(name: str, body: object) -> Body:
+    if not isinstance(body, Body):
+        raise InputError(
+            f"Problem.bodies[{name!r}]",
+            type(body).__name__,
+            "a path follows bodies that deform",
+            "give a lacore.Body; rigid tools are a RigidFooting or a RigidObstacle",
+        )
+    if body.kinematics == "plane_stress":
+        raise InputError(
+            f"Problem.bodies[{name!r}].kinematics",
+            body.kinematics,
+            "the thickness would change from point to point, and is not followed",
+            "take 'plane_strain' or 'axisymmetric'",
+        )
+    if isinstance(body.mesh, MeshTri1):
+        return replace(body, mesh=_quadratic(body.mesh, MeshTri2), space="p2-gauss")
+    return replace(body, mesh=_quadratic(body.mesh, MeshQuad2), space="q2")
+
+
+def _quadratic(mesh: Mesh, kind: type[Mesh]) -> Mesh:
+    if isinstance(mesh, kind):
+        return mesh
+    curved = kind.from_mesh(mesh)
+    assert np.array_equal(curved.facets, mesh.facets)
+    return curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
+
+
+def _obstacle(interface: Interface, bodies: Mapping[str, Body]) -> Obstacle:
+    master, (name, where) = interface.master, interface.slave
+    if name not in bodies:
+        raise InputError("Interface.slave", name, "no such body", f"give one of {sorted(bodies)}")
+    if not isinstance(master, RigidObstacle):
+        raise InputError(
+            "Interface.master",
+            interface.name,
+            "along a path bodies touch plane obstacles, not each other",
+            "give a lacore.RigidObstacle(point=..., normal=...)",
+        )
+    body = bodies[name]
+    facets = boundary_facets(body, where, "Interface.slave")
+    if master.point is None or master.normal is None:
+        point, normal = _plane_along(interface, body, facets)
+    else:
+        point, normal = np.array(master.point, dtype=float), np.array(master.normal, dtype=float)
+        normal = normal / np.linalg.norm(normal)
+    found = Obstacle(interface.name, name, facets, point, normal, interface.law.terms(), body.size)
+    mesh = body.mesh
+    nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
+    deepest = float(found.distance(mesh.doflocs[:, nodes]).min())
+    if deepest < -found.touch:
+        raise InputError(
+            "Interface.slave",
+            interface.name,
+            f"begins {-deepest:.3g} m behind its obstacle",
+            "move the body or RigidObstacle.point, or turn RigidObstacle.normal around",
+        )
+    return found
+
+
+def _plane_along(interface: Interface, body: Body, facets: Ints) -> tuple[Floats, Floats]:
+    """The plane of a straight boundary: an obstacle without one has the shape of the body."""
+    start, _, outward = facet_geometry(body, facets)
+    normal = -outward[:, 0]
+    bent = np.abs(normal[0] * outward[1] - normal[1] * outward[0]).max() > _STRAIGHT
+    places = body.mesh.doflocs[:, body.mesh.nvertices + facets]
+    off = np.abs(normal @ (places - start[:, :1])).max() > _TOUCH * body.size
+    if bent or off:
+        raise InputError(
+            "Interface.master",
+            interface.name,
+            "the obstacle has the shape of a boundary that is not straight",
+            "give RigidObstacle(point=(x, y), normal=(nx, ny)), or an interface for each plane",
+        )
+    return start[:, 0], normal
