@@ -125,6 +125,7 @@ class ConicForm:
     Attributes:
         quadratic, matrix, cones: P, A and the cones.
         linear: whether it could be written as a linear program.
+        hardens: whether lengths of strain rates have a quadratic cost.
     """
 
     def __init__(
@@ -195,7 +196,12 @@ class ConicForm:
         diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
         own = np.flatnonzero(diagonal)
         self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
-        self.linear = penalty is None and all(norm.dim == 1 for norm in self._norms if norm.count)
+        self.hardens = program.hardens
+        self.linear = (
+            not self.hardens
+            and penalty is None
+            and all(norm.dim == 1 for norm in self._norms if norm.count)
+        )
 
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
