@@ -1,12 +1,14 @@
 """Isoparametric meshes: edges and elements that are curved, quadratic in their parameters (T31)."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
-from skfem import Mesh, MeshTri
-from skfem.mesh import MeshQuad2, MeshTri2
+from skfem import Mesh, MeshQuad, MeshTri
+from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
+from lacore.errors import InputError
 
 _SHARES = np.linspace(0.0, 1.0, 4)
 
@@ -14,6 +16,44 @@ _SHARES = np.linspace(0.0, 1.0, 4)
 def is_curved(mesh: Mesh) -> bool:
     """Whether a mesh has midside nodes, which may lie off the middle of straight edges."""
     return isinstance(mesh, MeshTri2 | MeshQuad2)
+
+
+def isoparametric(
+    mesh: MeshTri | MeshQuad, onto: Callable[[Floats], Floats] | None = None
+) -> MeshTri2 | MeshQuad2:
+    """The mesh with midside nodes, for curved boundaries; boundaries keep their names.
+
+    Of a rectangle of radii and angles a ring with round cells::
+
+        isoparametric(rectangle((a, b), (0, pi / 2), 4, 8), lambda x: x[0] * [cos(x[1]), sin(x[1])])
+
+    Args:
+        mesh: straight triangles or quadrilaterals.
+        onto: where nodes at coordinates (2, n) go, shape (2, n); None: they stay.
+
+    Raises:
+        InputError: another mesh, a function that does not return one place a node.
+    """
+    kinds = {MeshTri1: MeshTri2, MeshQuad1: MeshQuad2}
+    if type(mesh) not in kinds:
+        raise InputError(
+            "mesh",
+            type(mesh).__name__,
+            "not straight triangles or quadrilaterals",
+            "give a skfem.MeshTri or MeshQuad",
+        )
+    curved = replace(kinds[type(mesh)].from_mesh(mesh), _boundaries=mesh.boundaries)
+    if onto is None:
+        return curved
+    moved = np.asarray(onto(curved.p), dtype=np.float64)
+    if moved.shape != curved.p.shape:
+        raise InputError(
+            "onto",
+            moved.shape,
+            f"not one place for each node, {curved.p.shape}",
+            "return an array (2, n) for coordinates (2, n)",
+        )
+    return replace(curved, doflocs=np.ascontiguousarray(moved))
 
 
 def vertices(mesh: Mesh) -> Floats:

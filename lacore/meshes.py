@@ -1,4 +1,4 @@
-"""Mesh helpers on scikit-fem: rectangles, graded or turning around a point, a quarter ring, files.
+"""Mesh helpers on scikit-fem: rectangles, graded or turning, rings, curved meshes, files.
 
 Any `skfem.MeshTri` with named boundaries serves as well.
 """
@@ -12,6 +12,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Floats
+from lacore.curved import isoparametric as isoparametric
 from lacore.errors import InputError
 from lacore.mesh_checks import quality as quality
 from lacore.mesh_files import read as read

@@ -360,3 +360,14 @@ def test_no_mode_of_quadrilaterals_is_free(curved):
     # Half of sigma_rr + sigma_tt, with sigma_tt - sigma_rr = 2 k.
     wanted = -2 / np.sqrt(3) * np.log(2 / radius) + 1 / np.sqrt(3)
     np.testing.assert_allclose(mean, wanted, atol=0.01)  # bilinear in cells of size 1/8 and 1/5
+
+
+def test_isoparametric_keeps_names_and_moves_all_nodes():
+    mesh = la.meshes.isoparametric(rectangle("q2", 2, 2), lambda x: x + 1)
+    assert type(mesh) is MeshQuad2
+    assert mesh.boundaries.keys() == {"left", "right", "bottom", "top"}
+    assert mesh.p.min() == 1.0
+    with refused("onto", "one place for each node"):
+        la.meshes.isoparametric(rectangle("q2", 2, 2), lambda x: x[0])
+    with refused("mesh = 'MeshQuad2'", "MeshTri or MeshQuad"):
+        la.meshes.isoparametric(mesh)

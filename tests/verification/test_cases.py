@@ -30,6 +30,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-slide",
         "block-topple",
         "centre-crack",
+        "circular-footing",
         "deformable-block",
         "layer-rough",
         "notched-strip",
@@ -45,6 +46,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "stack-two",
         "symmetric-wedge",
         "thick-cylinder",
+        "thick-sphere",
         "vertical-cut",
         "wall-1",
         "wall-2",
@@ -127,7 +129,11 @@ def test_orders_are_expected_where_the_reference_is_good_enough():
         "platens-square:mu-0.5",
         "prandtl-punch:rough",
         "prandtl-punch:smooth",
+        "thick-cylinder-slice:crossed",
+        "thick-cylinder-slice:diagonal",
+        "thick-cylinder-slice:quadrilaterals",
         "thick-cylinder:burst",
+        "thick-sphere:quadrilaterals",
     }
 
 
@@ -163,4 +169,7 @@ def test_reactions_sum_to_the_loads(case, variant):
         dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
         held = state.support_reactions[["force_x", "force_y"]].to_numpy().sum(axis=0)
         size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
-        assert np.abs(outer[dofs].sum(axis=1) + held).max() <= 1e-8 * size, mesh
+        # Around an axis forces along r are carried by the hoop stress, and have no sum.
+        round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())
+        sums = (outer[dofs].sum(axis=1) + held)[1 if round_ones else 0 :]
+        assert np.abs(sums).max() <= 1e-8 * size, mesh

@@ -102,6 +102,7 @@ def test_cases_lists_tags_and_filters_by_them():
     listed = json.loads(run("cases", "--json", "--tag", "continuum,contact").stdout)
     assert {entry["id"] for entry in listed} == {
         "deformable-block",
+        "disc-upsetting",
         "platens-coulomb",
         "platens-square",
         "shear-patch",
