@@ -319,7 +319,7 @@ def wrong(**parameters):
 
 
 def test_a_reference_outside_its_bracket_is_exit_code_1(tmp_path, monkeypatch):
-    cases = {**catalogue(), STRIP.id: replace(STRIP, reference=wrong)}
+    cases = {**catalogue(), STRIP.id: replace(STRIP, reference=wrong, order=None)}
     known = Catalogue(cases, dict.fromkeys(cases, "lacore"))
     monkeypatch.setattr(plugins, "catalogue", lambda: known)
     command = ["verify", "opposed-punches:h-1", "--backends", "clarabel", "--meshes", "coarse"]

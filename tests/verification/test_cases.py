@@ -1,11 +1,14 @@
 """Every case builds, is told about, and holds for the exact backend; refinement behaves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lacore as la
 from lacore.state import contact_force
 from verification.assemblies import UNKNOWN
+from verification.bracketing import BRACKET
 from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
 from verification.harness import execute
@@ -95,7 +98,7 @@ def checked(questions):
 QUICK = [
     question
     for question in ask(backends=["clarabel"], meshes=["coarse"])
-    if question.check != "order"
+    if question.check != "order" and question.coupling != BRACKET
 ]
 
 
@@ -112,7 +115,23 @@ def test_exact_backend_passes_on_medium_and_fine(case, variant):
     """Beyond `pytest verification`: levels that a variant does not run by itself."""
     name = f"{case.id}:{variant.name}"
     questions = ask([name], ["clarabel"], ["medium", "fine"])
-    questions = [question for question in questions if question.check != "order"]
+    questions = [q for q in questions if q.check != "order" and q.coupling != BRACKET]
+    finished = checked(questions)
+    for question in questions:
+        found = answer(question, finished)
+        assert found.verdict == PASS, found.why
+
+
+BRACKETED = [
+    (question, replace(question, check="gap"))
+    for question in ask(backends=["clarabel"], meshes=["coarse"])
+    if question.check == "bracket"
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("questions", BRACKETED, ids=lambda questions: questions[0].name)
+def test_brackets_enclose_the_reference_and_their_gaps_add_up(questions):
     finished = checked(questions)
     for question in questions:
         found = answer(question, finished)
@@ -124,16 +143,24 @@ ORDERED = [(c, v, o) for c in CASES for v in c.variants if (o := c.order_of(v)) 
 
 def test_orders_are_expected_where_the_reference_is_good_enough():
     assert {f"{case.id}:{variant.name}" for case, variant, _ in ORDERED} == {
+        "centre-crack:plane-strain",
+        "centre-crack:plane-stress",
+        "notched-strip:half",
+        "opposed-punches:h-1",
+        "opposed-punches:h-2",
+        "opposed-punches:h-4",
         "platens-coulomb:mu-0.3",
         "platens-square:mu-0.1",
         "platens-square:mu-0.5",
         "prandtl-punch:rough",
         "prandtl-punch:smooth",
+        "rough-platens-2:sticking",
         "thick-cylinder-slice:crossed",
         "thick-cylinder-slice:diagonal",
         "thick-cylinder-slice:quadrilaterals",
         "thick-cylinder:burst",
         "thick-sphere:quadrilaterals",
+        "vertical-cut:cut",
     }
 
 
