@@ -11,6 +11,7 @@ from lacore.arrays import Floats, Ints
 from lacore.errors import InputError
 
 _SHARES = np.linspace(0.0, 1.0, 4)
+_DRAWN = 7  # points of a curved edge in pictures
 
 
 def is_curved(mesh: Mesh) -> bool:
@@ -101,6 +102,26 @@ class EdgeCurves:
     def between(self, first: Floats, last: Floats) -> "EdgeCurves":
         """The parts between two parameters, shape (k,) each."""
         return EdgeCurves(self.at(first), self.at((first + last) / 2), self.at(last))
+
+
+def edge_lines(mesh: Mesh, facets: Ints) -> list[Floats]:
+    """Edges as polylines, each of shape (points, 2): two points where all edges are straight."""
+    curves = edge_curves(mesh, facets)
+    shares = np.linspace(0.0, 1.0, _DRAWN if is_curved(mesh) else 2)
+    return list(np.stack([curves.at(s) for s in shares]).transpose(2, 0, 1))
+
+
+def outlines(mesh: Mesh) -> Floats:
+    """Polygons around elements, shape (elements, points, 2)."""
+    corners = len(mesh.t)
+    shares = np.linspace(0.0, 1.0, _DRAWN if is_curved(mesh) else 2)[:-1]
+    sides = []
+    for number in range(corners):  # in turn: scikit-fem has the last edge from 0 to the last corner
+        start, end = mesh.t[number], mesh.t[(number + 1) % corners]
+        curves = edge_curves(mesh, mesh.t2f[number].astype(np.int64))
+        own = EdgeCurves(mesh.p[:, start], curves.middle, mesh.p[:, end])
+        sides += [own.at(s) for s in shares]
+    return np.stack(sides).transpose(2, 0, 1)
 
 
 def edge_curves(mesh: Mesh, facets: Ints) -> EdgeCurves:

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
 from lacore.contact_segments import SegmentedContact, segmented_contacts
+from lacore.plotting_axis import draw_axis, label_coordinates
 from lacore.plotting_blocks import (
     FIXED,
     draw_blocks,
@@ -87,8 +88,10 @@ def plot_mechanism(state: LimitState) -> Figure:
         if len(contact.sides) == 1:
             draw_ground(axes, contact, _GROUND * size)
         draw_moved(axes, contact, state, stretch, width)
-    handles = [*_handles(state, [*interfaces, *joints]), *hinges]
+    bodies = list(state.discretisation.problem.bodies.values())
+    handles = [*_handles(state, [*interfaces, *joints]), *hinges, *draw_axis(axes, bodies)]
     _frame(axes, handles, layout.columns)
+    label_coordinates(axes, bodies)
     for picture in others:
         thickest = float(np.clip(_THRUST * layout.points * _block_size(state, extent), 2.0, 6.0))
         handles = [*draw_moments(picture, state), *draw_forces(picture, state, thickest)]
@@ -96,6 +99,7 @@ def plot_mechanism(state: LimitState) -> Figure:
             if len(contact.sides) == 1 and not contact.pointwise:
                 draw_ground(picture, contact, _GROUND * size)
         _frame(picture, handles, layout.columns)
+        label_coordinates(picture, bodies)
         if layout.columns > 1:
             picture.set_ylabel("")
     _fit(layout, colours)
@@ -234,8 +238,6 @@ def _handles(state: LimitState, contacts: Sequence[SegmentedContact]) -> list[Ar
 def _frame(axes: Axes, handles: Sequence[Artist], columns: int) -> None:
     axes.set_aspect("equal", anchor="SW")
     axes.autoscale_view()
-    axes.set_xlabel("x [m]", fontsize=9)
-    axes.set_ylabel("y [m]", fontsize=9)
     axes.tick_params(labelsize=8)
     axes.locator_params(axis="x", nbins=12 // columns)
     for side in ("top", "right"):

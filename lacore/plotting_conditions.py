@@ -12,6 +12,7 @@ from lacore.contact_geometry import AnyBody, boundary_edges, interface_segments
 from lacore.frames import Frame
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Friction, Interface, RigidObstacle
 from lacore.loads import Fix
+from lacore.plotting_axis import has_axis
 from lacore.plotting_contact import GROUND
 from lacore.plotting_sheet import Label, Sheet, middle, spaced
 from lacore.rigid import RigidDofs
@@ -34,6 +35,7 @@ _HOLDS = {
     "rotation": r"$\omega = 0$",
     "clamped": r"$u = 0$, $\omega = 0$",
 }
+_AROUND_AXIS = {"x": "$u_r = 0$", "y": "$u_z = 0$"}
 
 
 def held_blocks(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> Bools:
@@ -53,7 +55,8 @@ def draw_support(sheet: Sheet, support: Fix, body: AnyBody, whole: bool, gid: st
         whole: whether it holds whole blocks, which are drawn as held themselves.
         gid: of the artists.
     """
-    text = _HOLDS[support.components]
+    names = _HOLDS | _AROUND_AXIS if has_axis([body]) else _HOLDS
+    text = names[support.components]
     edges = boundary_edges(body, support.where, "Fix.where")[1]
     if isinstance(body, Frame):
         _draw_held_nodes(sheet, support, edges, text, gid)

@@ -10,7 +10,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from lacore.arrays import Floats
+from lacore.curved import edge_lines
 from lacore.dofs import BodyDofs, edge_shapes
+from lacore.plotting_axis import has_axis
 from lacore.result import LimitState
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
@@ -53,15 +55,15 @@ def draw_continua(figure: Figure, axes: Axes, state: LimitState, stretch: float)
         axes.set_title("no plastic dissipation: a rigid motion", fontsize=9, loc="right")
     elif picture is not None:
         bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
-        bar.set_label("dissipation density [W/m$^2$ per W of load]", fontsize=9)
+        power = 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
+        bar.set_label(f"dissipation density [W/m$^{power}$ per W of load]", fontsize=9)
         bar.ax.tick_params(labelsize=8)
     return norm is not None
 
 
 def boundary_lines(body: BodyDofs) -> list[Floats]:
-    """Edges of the boundary before collapse, each of shape (2, 2): ends, x and y."""
-    mesh = body.body.mesh
-    return list(mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(2, 1, 0))
+    """Edges of the boundary before collapse, each of shape (points, 2)."""
+    return edge_lines(body.body.mesh, body.body.mesh.boundary_facets())
 
 
 def _edge_curve(places: Floats) -> Floats:

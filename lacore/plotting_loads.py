@@ -8,8 +8,10 @@ from lacore.arrays import Floats
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.contact_geometry import AnyBody, boundary_edges
+from lacore.curved import outlines
 from lacore.frames import Frame
 from lacore.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.plotting_axis import has_axis
 from lacore.plotting_sheet import Label, Sheet, middle, spaced
 from lacore.touching import Edges
 
@@ -55,7 +57,7 @@ def _draw_point_force(
     place, block = _point(load, body)
     along = vector / size
     length = _SINGLE if block is None else _inner_length(sheet, place, along, block)
-    text = _worth(size, "N/m", live)
+    text = _worth(size, _force_unit(body), live)
     _draw_single(sheet, place, along, block is not None, length, text, colour, gid)
 
 
@@ -80,26 +82,30 @@ def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Pol
 def _draw_body_force(
     sheet: Sheet, load: BodyForce, body: AnyBody, colour: str, live: bool, gid: str
 ) -> None:
-    place, area = _centre(load, body)
+    place, volume = _centre(load, body)
     vector = np.asarray(load.vector, dtype=np.float64)
     size = float(np.linalg.norm(vector))
-    text = _worth(size * area, "N/m", live)
+    text = _worth(size * volume, _force_unit(body), live)
     _draw_single(sheet, place, vector / size, True, _OF_BODY, text, colour, gid)
     sheet.axes.scatter(place[0], place[1], s=14, color=colour, zorder=6, gid=gid)
 
 
 def _centre(load: BodyForce, body: AnyBody) -> tuple[Floats, float]:
-    """Centroid, m, and area, m^2, of what a body force acts on."""
+    """Centroid, m, and volume of what a body force acts on, m^3; m^2 per unit thickness."""
     if isinstance(body, Body):
-        parts = shapely.polygons(body.mesh.p[:, body.mesh.t].T)
-        area = shapely.area(parts)
+        parts = shapely.polygons(outlines(body.mesh))
         centroids = shapely.get_coordinates(shapely.centroid(parts)).T
+        area = shapely.area(parts) * body.thickness(centroids)
     else:
         assert isinstance(body, BlockAssembly)  # frames have no volume
         names = (load.where,) if isinstance(load.where, str) else load.where or body.names
         chosen = np.isin(body.names, names)
         area, centroids = body.area[chosen], body.centroid[:, chosen]
     return centroids @ area / area.sum(), float(area.sum())
+
+
+def _force_unit(body: AnyBody) -> str:
+    return "N" if has_axis([body]) else "N/m"
 
 
 def _draw_single(

@@ -11,7 +11,9 @@ from lacore.arrays import Bools, Floats
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.contact_geometry import AnyBody
+from lacore.curved import edge_lines, outlines
 from lacore.frames import Frame
+from lacore.plotting_axis import draw_axis, label_coordinates
 from lacore.plotting_blocks import FIXED, fill_blocks
 from lacore.plotting_conditions import (
     draw_interface,
@@ -69,7 +71,10 @@ def plot_problem(problem: Problem) -> Figure:
             draw_load(sheet, load, body, kind == "reference", f"{kind}-load-{index}")
     _name_parts(sheet, problem, held)
     sheet.place_labels()
+    for line in draw_axis(sheet.axes, problem.bodies.values()):
+        sheet.handles["axis"] = line
     _finish(figure, sheet)
+    label_coordinates(sheet.axes, problem.bodies.values())
     return figure
 
 
@@ -99,15 +104,15 @@ def _draw_body(sheet: Sheet, body: AnyBody, held: Bools | None) -> None:
 
 def _draw_continuum(sheet: Sheet, body: Body) -> None:
     mesh = body.mesh
-    corners = mesh.p[:, mesh.t].transpose(2, 1, 0)
+    corners = outlines(mesh)
     # Edges in the colour of the faces leave no hairlines between them.
     fill = PolyCollection(
         list(corners), facecolors=_SOIL, edgecolors=_SOIL, linewidths=0.5, zorder=1.5
     )
     sheet.axes.add_collection(fill)
-    outer = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(2, 1, 0)
+    outer = edge_lines(mesh, mesh.boundary_facets())
     sheet.axes.add_collection(
-        LineCollection(list(outer), colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
+        LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
     first = "" if body.criterion.hardening is None else "hardening, at first "
@@ -176,8 +181,6 @@ def _finish(figure: Figure, sheet: Sheet) -> None:
     axes.set_aspect("equal", anchor="SW")
     axes.set_xlim(low[0] - margin, high[0] + margin)
     axes.set_ylim(low[1] - margin, high[1] + margin)
-    axes.set_xlabel("x [m]", fontsize=9)
-    axes.set_ylabel("y [m]", fontsize=9)
     axes.tick_params(labelsize=8)
     axes.locator_params(nbins=7)
     for side in ("top", "right"):

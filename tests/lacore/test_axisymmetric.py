@@ -372,3 +372,23 @@ def test_pictures(kind):
     for figure in (state.plot(), state.discretisation.problem.plot()):
         figure.canvas.draw()
         plt.close(figure)
+
+
+def test_pictures_name_the_axis_and_forces_of_the_whole_ring():
+    force = la.PointForce("b", (0.0, 1.0), (0, -2.0))
+    figure = problem_with(reference_loads=[force, la.BodyForce("b", (0, -3.0))]).plot()
+    (axes,) = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("r [m]", "z [m]")
+    texts = [text.get_text() for text in axes.texts]
+    assert any("2$ N" in text and "N/m" not in text for text in texts)
+    assert any(f"{3 * np.pi:.4g}$ N" in text for text in texts)  # times the volume, pi
+    assert "axis" in [text.get_text() for text in axes.get_legend().get_texts()]
+    plt.close(figure)
+    far = cylinder("crossed", 1, 1.0)
+    body = far.bodies["tube"]
+    moved = replace(body, mesh=replace(body.mesh, doflocs=body.mesh.p + np.array([[1e3], [0.0]])))
+    figure = replace(far, bodies={"tube": moved}).plot()
+    names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert "axis" not in names
+    assert "$u_z = 0$" in names
+    plt.close(figure)

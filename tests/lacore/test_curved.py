@@ -5,13 +5,21 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from skfem import MeshQuad
 from skfem.mesh import MeshQuad2, MeshTri2
 
 import lacore as la
-from lacore.curved import EdgeCurves, edge_curves, jacobians, subdivided
+from lacore.curved import (
+    EdgeCurves,
+    edge_curves,
+    edge_lines,
+    jacobians,
+    outlines,
+    subdivided,
+)
 
 K = la.VonMises(shear_strength=1.0)
 SPACES = {"p2-gauss": MeshTri2, "q2": MeshQuad2}
@@ -371,3 +379,18 @@ def test_isoparametric_keeps_names_and_moves_all_nodes():
         la.meshes.isoparametric(rectangle("q2", 2, 2), lambda x: x[0])
     with refused("mesh = 'MeshQuad2'", "MeshTri or MeshQuad"):
         la.meshes.isoparametric(mesh)
+
+
+def test_outlines_follow_curves():
+    """Polygons of elements fill the area, to the sag of the chords that curves are drawn by."""
+    mesh = round_ring(2)
+    polygons = shapely.polygons(outlines(mesh))
+    # Six chords an edge of 22.5 degrees: 1 - sinc of 3.75 degrees, 7e-4, at most.
+    assert shapely.area(polygons).sum() == pytest.approx(3 * np.pi / 4, rel=1e-3)
+    assert shapely.area(shapely.union_all(polygons)) == pytest.approx(3 * np.pi / 4, rel=1e-3)
+    lines = edge_lines(mesh, mesh.boundaries["bore"])
+    assert {line.shape for line in lines} == {(7, 2)}
+    np.testing.assert_allclose([np.hypot(*line.T) for line in lines], 1.0, atol=2e-4)
+    straight = la.meshes.quadrilaterals((0, 1), (0, 1), 2, 1)
+    assert outlines(straight).shape == (2, 4, 2)
+    assert shapely.area(shapely.polygons(outlines(straight))) == pytest.approx([0.5, 0.5])
