@@ -49,11 +49,18 @@ class Flow:
         state: the limit state there, of the program with the hardening that chooses.
         moment: what it answers.
         load_factor: alpha, without that hardening; NaN where there is no state.
+        hardened: share of it that hardening within the step has, proportional to the duration.
     """
 
     state: LimitState
     moment: Moment
     load_factor: float
+    hardened: float
+
+    def lasting(self, duration: float) -> "Flow":
+        """The same flow with the load of another duration [s] of the step, to first order."""
+        more = (duration / self.moment.duration - 1) * self.hardened
+        return replace(self, load_factor=self.load_factor + more)
 
     @property
     def velocity(self) -> dict[str, Floats]:
@@ -106,12 +113,13 @@ def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
     d = replace(d, full=_hardening(d.full, laws), program=_hardening(d.program, laws))
     state = solve(d, **settings)
     if state.point is None:
-        return Flow(state, moment, np.nan)
-    chosen = 0.0
+        return Flow(state, moment, np.nan, 0.0)
+    chosen = hardened = 0.0
     for law, group in zip(laws, d.full.groups, strict=True):
-        squares = np.sum(group.cone_vectors(state.point.velocity) ** 2, axis=1)
-        chosen += float(group.weights @ (law.choosing * squares))
-    return Flow(state, moment, state.load_factor - chosen)
+        squares = group.weights * np.sum(group.cone_vectors(state.point.velocity) ** 2, axis=1)
+        chosen += float(law.choosing @ squares)
+        hardened += float(law.modulus @ squares)
+    return Flow(state, moment, state.load_factor - chosen, hardened)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Schemes of a path: at which configuration a step is solved, and how it moves the bodies (T30)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ _ITERATIONS = 60  # of an implicit step
 _SAME_DURATION = 0.2  # relative: closer guesses change a load at second order only
 _CLOSING_DURATION = 0.01  # where distances close: by that much of them bodies may overlap obstacles
 _GUESSES = 4  # of the duration of a step
+_BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
 _STILL = 1e-9  # of the largest velocity: a control that moves less stands still
 
 Fields = Mapping[str, Floats]
@@ -140,7 +141,12 @@ def explicit(walk: Walk, here: Here, distance: float) -> Stride:
 
 
 def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
-    """Solved half a step ahead, by the velocity of the step before."""
+    """Solved half a step ahead, by the velocity of the step before.
+
+    The strain there is that of the rate a quarter of a step ahead, between the rate before, of the
+    middle of a step or of the beginning of the path, and the one that is solved for.
+    """
+    before = _BEFORE if here.velocity is not None else _BEFORE_FIRST
     here = _started(walk, here, distance)
     assert here.velocity is not None
     assert here.strain_rate is not None
@@ -148,12 +154,18 @@ def leapfrog(walk: Walk, here: Here, distance: float) -> Stride:
     middle = here.configuration.moved(
         _scaled(here.velocity, ahead), _scaled(here.strain_rate, ahead)
     )
-    found, speed = walk.timed(here, middle, distance, 0.5, here.speed)
+    known = replace(
+        here,
+        configuration=here.configuration.moved(
+            _scaled(here.velocity, 0.0), _scaled(here.strain_rate, before * ahead)
+        ),
+    )
+    found, speed = walk.timed(known, middle, distance, (1 - before) / 2, here.speed)
     duration = distance / speed
     strained = _scaled(found.strain_rate, duration)
     error = _change(walk, here, found, distance, speed)
     at = here.travel + distance / 2
-    return Stride(found, found, at, duration, strained, speed, error)
+    return Stride(found, found.lasting(duration), at, duration, strained, speed, error)
 
 
 def implicit_midpoint(walk: Walk, here: Here, distance: float) -> Stride:
