@@ -8,6 +8,7 @@ import pandas as pd
 
 from lacore.arrays import Floats
 from lacore.configuration import Configuration
+from lacore.errors import InputError
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.staging import Stage
@@ -106,12 +107,15 @@ class Snapshot:
         configuration: where they are, and their strains.
         velocity: that led there, by body, shape (2, nodes), m/s at ``F0.u = 1``; zero at the
             beginning.
+        strain_rate: that went with it: equivalent, at the strain points by body, shape
+            (elements, q), 1/s.
     """
 
     step: int
     travel: float
     configuration: Configuration
     velocity: Mapping[str, Floats]
+    strain_rate: Mapping[str, Floats]
 
 
 @dataclass(frozen=True)
@@ -123,7 +127,7 @@ class Path:
         message: the status in words.
         history: one row a step, see `PathStep`.
         events: one row an event, see `Event`.
-        snapshots: the bodies at the beginning and at the end of the steps.
+        snapshots: the bodies at the beginning and at the end of the steps that were to be kept.
         last: limit state of the last step that was taken; None where there is none.
         stage: the problem as it was made ready.
     """
@@ -136,6 +140,24 @@ class Path:
     last: LimitState | None
     stage: Stage
 
+    def snapshot(self, step: int) -> Snapshot:
+        """The bodies at the end of a step; counted from the end of `snapshots` where negative.
+
+        Raises:
+            InputError: that step was not kept, or not taken.
+        """
+        kept = {own.step: own for own in self.snapshots}
+        if -len(self.snapshots) <= step < 0:
+            return self.snapshots[step]
+        if step not in kept:
+            given = ", ".join(map(str, kept))
+            raise InputError("step", step, "has no snapshot", f"give one of {given}")
+        return kept[step]
+
     def problem(self, step: int = -1) -> Problem:
-        """The problem on the bodies of a snapshot, without its interfaces: the last by default."""
-        return self.stage.at(self.snapshots[step].configuration)
+        """The problem on the bodies of a `snapshot`, without its interfaces: the last by default.
+
+        Raises:
+            InputError: see `snapshot`.
+        """
+        return self.stage.at(self.snapshot(step).configuration)

@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -11,10 +13,12 @@ import pandas as pd
 
 from lacore.approach import gaps
 from lacore.assembly import discretise
+from lacore.checkpoint import Checkpoint, Progress, identity
 from lacore.control import Control, FootingTravel, Gauge
 from lacore.curved import jacobians
 from lacore.dofs import BodyDofs, number
 from lacore.errors import InputError, require_count, require_known, require_positive
+from lacore.flow import Moment, flow
 from lacore.interfaces import Interface
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
 from lacore.problem import Problem
@@ -65,6 +69,8 @@ def sequential(
     coupling: str | None = None,
     tolerance: float = 1e-6,
     options: Mapping[str, Any] | None = None,
+    keep_every: int = 1,
+    checkpoint: str | PathLike[str] | None = None,
     on_step: Callable[[PathStep], None] | None = None,
 ) -> Path:
     """Follow bodies through large deformation: a limit problem a step (T29).
@@ -84,10 +90,16 @@ def sequential(
         control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
         approaching: interfaces with plane obstacles that bodies do not touch yet, or in part.
         backend, coupling, tolerance, options: of each solve, see `lacore.solve`.
-        on_step: called after each step, for progress.
+        keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
+        checkpoint: a file (npz) that keeps the path after each step. Called again with the same
+            arguments, it goes on from there, to the same path bit for bit but for
+            `PathStep.seconds`. Each step writes it anew, all snapshots included: `keep_every`
+            keeps it small.
+        on_step: called after each step that is taken now, when it is kept: for progress.
 
     Raises:
-        InputError: bad arguments; bodies and contact that a path does not follow.
+        InputError: bad arguments; bodies and contact that a path does not follow; a checkpoint
+            that is damaged, cannot be written, or is of another path: it stays as it is.
         CapabilityError: the backend is missing, or takes no hardening.
     """
     require_positive("travel", travel)
@@ -96,26 +108,47 @@ def sequential(
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     if not isinstance(steps, AdaptiveSteps):
         require_count("steps", steps)
+    require_count("keep_every", keep_every)
     stage = staged(problem, approaching)
-    gauge = (control or FootingTravel()).gauge(stage.problem)
+    control = control or FootingTravel()
+    gauge = control.gauge(stage.problem)
     settings = {
         "backend": backend,
         "coupling": coupling,
         "tolerance": tolerance,
         "options": options or {},
     }
-    begin = Here(0, 0.0, stage.start, None, None, discretise(stage.problem).natural.velocity)
-    walk = Walk(stage, gauge, settings)
-    log = _Log(stage, gauge, on_step or (lambda _: None))
-    log.begin(begin)
-    pace = _Pace(steps, travel)
-    try:
-        here = begin
-        while (distance := pace.distance(here.travel)) > 0:
-            here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
-    except PathEndError as stop:
-        return log.path(stop.ending, str(stop))
-    return log.path(Ending.REACHED, Ending.REACHED.value)
+    walk, pace = Walk(stage, gauge, settings), _Pace(steps, travel)
+    log = _Log(stage, gauge, keep_every)
+    with ExitStack() as opened:
+        kept, progress = None, None
+        if checkpoint is not None:
+            said = {
+                "travel": travel,
+                "steps": steps,
+                "scheme": scheme,
+                "control": control,
+                "keep_every": keep_every,
+            }
+            kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
+            progress = kept.load()
+        if progress is None:
+            here = Here(0, 0.0, stage.start, None, None, discretise(stage.problem).natural.velocity)
+            log.begin(here)
+        else:
+            here = progress.here
+            pace.resume(progress.step)
+            log.resume(progress)
+        try:
+            while (distance := pace.distance(here.travel)) > 0:
+                here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+                if kept is not None:
+                    kept.save(log.progress(here, pace.next))
+                if on_step is not None:
+                    on_step(log.rows[-1])
+        except PathEndError as stop:
+            return log.path(stop.ending, str(stop), settings)
+    return log.path(Ending.REACHED, Ending.REACHED.value, settings)
 
 
 def _step(
@@ -179,20 +212,24 @@ def _volume(stage: Stage, there: Here) -> float:
 
 @dataclass
 class _Pace:
-    """Lengths of steps: equal, or as the error allows."""
+    """Lengths of steps: equal, or as the error allows; `next` is that of the next one."""
 
     steps: int | AdaptiveSteps
     travel: float
-    _next: float = 0.0
+    next: float = 0.0
 
     def __post_init__(self) -> None:
         first = self.steps.first if isinstance(self.steps, AdaptiveSteps) else 1 / self.steps
-        self._next = self.travel * first
+        self.next = self.travel * first
+
+    def resume(self, step: float) -> None:
+        """Go on with a step of this length."""
+        self.next = step
 
     def distance(self, done: float) -> float:
         """Of the next step; 0 at the end."""
         left = self.travel - done
-        return 0.0 if left <= _END * self.travel else min(self._next, left)
+        return 0.0 if left <= _END * self.travel else min(self.next, left)
 
     def accepts(self, error: float) -> bool:
         """Whether a step with this error is taken; the first one has none."""
@@ -214,7 +251,7 @@ class _Pace:
     def learn(self, distance: float, error: float) -> None:
         """Set the next step by the error of the last: the error goes with its square."""
         if isinstance(self.steps, AdaptiveSteps) and np.isfinite(error):
-            self._next = distance * self._factor(error)
+            self.next = distance * self._factor(error)
 
     def _factor(self, error: float) -> float:
         assert isinstance(self.steps, AdaptiveSteps)
@@ -228,10 +265,11 @@ class _Log:
 
     stage: Stage
     gauge: Gauge
-    on_step: Callable[[PathStep], None]
+    keep_every: int
     rows: list[PathStep] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
+    moment: Moment | None = None
     last: LimitState | None = None
 
     @cached_property
@@ -242,7 +280,18 @@ class _Log:
     def begin(self, here: Here) -> None:
         """The bodies at the beginning."""
         still = {name: np.zeros_like(nodes) for name, nodes in here.configuration.nodes.items()}
-        self.snapshots.append(Snapshot(0, 0.0, here.configuration, still))
+        rigid = {name: np.zeros_like(own) for name, own in here.configuration.strain.items()}
+        self.snapshots.append(Snapshot(0, 0.0, here.configuration, still, rigid))
+
+    def resume(self, progress: Progress) -> None:
+        """Go on from a path so far."""
+        self.rows, self.events = list(progress.rows), list(progress.events)
+        self.snapshots, self.moment = list(progress.snapshots), progress.moment
+
+    def progress(self, here: Here, step: float) -> Progress:
+        """The path so far, to be resumed with a step of this length."""
+        assert self.moment is not None
+        return Progress(here, step, self.rows, self.events, self.snapshots, self.moment)
 
     def event(self, kind: str, step: int, travel: float, what: str) -> None:
         """Something happened."""
@@ -285,13 +334,17 @@ class _Log:
             seconds=seconds,
         )
         self.rows.append(row)
-        self.last = state
+        self.last, self.moment = state, stride.load.moment
+        if self.snapshots[-1].step % self.keep_every:
+            self.snapshots.pop()  # it was the last
+        moving = stride.flow
         self.snapshots.append(
-            Snapshot(there.step, there.travel, there.configuration, stride.flow.velocity)
+            Snapshot(
+                there.step, there.travel, there.configuration, moving.velocity, moving.strain_rate
+            )
         )
         self._contacts(here, there)
         self._peak()
-        self.on_step(row)
 
     def _contacts(self, here: Here, there: Here) -> None:
         """Points that came to an obstacle in the last step, and points that left one."""
@@ -322,8 +375,10 @@ class _Log:
             what = f"load factor {float(curve(top)):.9g}"
             self.event("peak load", self.rows[-2].step, top, what)
 
-    def path(self, ending: Ending, message: str) -> Path:
-        """The end."""
+    def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
+        """The end; settings are those of each solve."""
+        if self.last is None and self.moment is not None:  # of a path that was all kept
+            self.last = flow(self.stage, self.moment, settings).state
         return Path(
             status=ending,
             message=f"{ending.label}: {message}",

@@ -1,0 +1,272 @@
+"""A long path on the disk: all that its next step needs, after each step (npz with JSON inside).
+
+The file is replaced as a whole when a new one is complete and on the disk: whenever the process is
+killed, the last or the last but one is there. It holds arrays and text, nothing that is run.
+"""
+
+import io
+import json
+import os
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import version
+from pathlib import Path as File
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from filelock import FileLock, Timeout
+
+from lacore.arrays import Floats
+from lacore.backend import load_backend
+from lacore.configuration import Configuration
+from lacore.errors import InputError
+from lacore.fingerprint import fingerprint
+from lacore.flow import Moment
+from lacore.path import Event, PathStep, Snapshot
+from lacore.schemes import Here
+from lacore.staging import Stage
+
+_FORMAT = 1
+_UNREADABLE = (
+    *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
+    *(IndexError, AttributeError, RuntimeError, OverflowError),
+)
+"""What readers of zip, npy and JSON raise on files that are not as they were written."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A path so far.
+
+    Attributes:
+        here: where it is.
+        step: length of the next step, in units of the control.
+        rows, events, snapshots: what it leaves behind.
+        moment: of the limit problem whose load the last step has.
+    """
+
+    here: Here
+    step: float
+    rows: Sequence[PathStep]
+    events: Sequence[Event]
+    snapshots: Sequence[Snapshot]
+    moment: Moment
+
+
+def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, str]:
+    """Digests of what a path follows from.
+
+    Args:
+        stage: the problem.
+        settings: of each solve.
+        said: all other arguments.
+    """
+    problem, options = stage.problem, settings["options"]
+    solver = {"backend": [settings["backend"], load_backend(settings["backend"]).version()]}
+    parts = {
+        "bodies": stage.bodies,
+        "supports": problem.supports,
+        "loads": [problem.reference_loads, problem.dead_loads, stage.grips],
+        "interfaces": stage.obstacles,
+        **said,
+        **settings,
+        **solver,
+        "options": {name: options[name] for name in sorted(options)},
+        "version of lacore": version("lacore"),
+    }
+    return fingerprint(parts)
+
+
+class Checkpoint:
+    """The file of one path, open for writing; a context manager.
+
+    Args:
+        place: of the file; its folder is made where it is missing. A lock stands beside it.
+        identity: see `identity`.
+
+    Raises:
+        InputError: the file cannot be written, or another process writes it.
+    """
+
+    def __init__(self, place: str | os.PathLike[str], identity: Mapping[str, str]) -> None:
+        self._file, self._identity = File(os.fspath(place)), dict(identity)
+        with self._said():
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            self._lock = FileLock(f"{self._file}.lock", timeout=0)
+            self._lock.acquire()
+
+    def load(self) -> Progress | None:
+        """What is on the disk; None where nothing is.
+
+        Raises:
+            InputError: it is damaged, no checkpoint, or that of another path.
+        """
+        if not self._file.exists():
+            return None
+        with self._said():
+            data = self._file.read_bytes()
+        try:
+            with zipfile.ZipFile(io.BytesIO(data)) as archive:
+                broken = archive.testzip()  # checksums
+            if broken is not None:
+                raise ValueError(broken)
+            with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+                head = json.loads(arrays["head"].tobytes())
+                if head["format"] != _FORMAT:
+                    raise self._wrong(f"has format {head['format']}", "take the lacore it is of")
+                known = head["identity"]
+                names = [n for n, digest in self._identity.items() if known.get(n) != digest]
+                if not names:
+                    return _unpacked(head, arrays)
+        except _UNREADABLE as error:
+            if isinstance(error, InputError):
+                raise
+            raise self._wrong(
+                f"is damaged, or no checkpoint ({type(error).__name__})",
+                "restore a copy, or name another file",
+            ) from error
+        raise self._wrong(
+            f"is of another path: other {', '.join(names)}",
+            "give the same arguments as then, or name another file",
+        )
+
+    def save(self, progress: Progress) -> None:
+        """Keep a path so far: it is on the disk when this returns.
+
+        Raises:
+            InputError: it cannot be written; what was there before stays.
+        """
+        head, arrays = _packed(progress)
+        text = json.dumps({"format": _FORMAT, "identity": self._identity, **head}).encode()
+        part = self._file.with_name(f"{self._file.name}.part")
+        try:
+            with self._said():
+                with part.open("wb") as file:
+                    np.savez(file, head=np.frombuffer(text, dtype=np.uint8), **arrays)
+                    file.flush()
+                    os.fsync(file.fileno())
+                part.replace(self._file)
+                _settle(self._file.parent)
+        except BaseException:
+            with suppress(OSError):
+                part.unlink()
+            raise
+
+    def close(self) -> None:
+        """Let others write."""
+        self._lock.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _wrong(self, why: str, mend: str) -> InputError:
+        return InputError("checkpoint", str(self._file), why, mend)
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
+        """What goes wrong with the file, as a sentence with its mend."""
+        try:
+            yield
+        except Timeout as error:
+            raise self._wrong(
+                "is being written by another process", "wait, or name another file"
+            ) from error
+        except OSError as error:
+            raise self._wrong(
+                f"cannot be used ({error.strerror or error})",
+                "free space or name another file; the last step that was kept stays",
+            ) from error
+
+
+def _settle(folder: File) -> None:
+    """Make the new name of a file last, where folders can be told to."""
+    if os.name != "posix":
+        return
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Text and arrays; bodies by their number."""
+    here, moment = progress.here, progress.moment
+    names = list(here.configuration.nodes)
+    arrays: dict[str, Any] = {
+        f"row/{entry.name}": np.array([getattr(row, entry.name) for row in progress.rows])
+        for entry in fields(PathStep)
+    }
+
+    def pack(key: str, by_body: Mapping[str, Floats] | None) -> None:
+        for number, name in enumerate(names if by_body is not None else ()):
+            assert by_body is not None
+            arrays[f"{key}/{number}"] = by_body[name]
+
+    def pack_configuration(key: str, configuration: Configuration) -> None:
+        pack(f"{key}/nodes", configuration.nodes)
+        pack(f"{key}/strain", configuration.strain)
+
+    pack_configuration("here", here.configuration)
+    pack("here/velocity", here.velocity)
+    pack("here/strain_rate", here.strain_rate)
+    pack_configuration("begin", moment.begin)
+    pack_configuration("at", moment.at)
+    for place, snapshot in enumerate(progress.snapshots):
+        pack_configuration(f"snapshot/{place}", snapshot.configuration)
+        pack(f"snapshot/{place}/velocity", snapshot.velocity)
+        pack(f"snapshot/{place}/strain_rate", snapshot.strain_rate)
+    head = {
+        "bodies": names,
+        "here": {"step": here.step, "travel": here.travel, "speed": here.speed},
+        "moment": {"duration": moment.duration, "share": moment.share},
+        "step": progress.step,
+        "snapshots": [{"step": own.step, "travel": own.travel} for own in progress.snapshots],
+        "events": [asdict(event) for event in progress.events],
+    }
+    return head, arrays
+
+
+def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
+    names = head["bodies"]
+
+    def unpack(key: str) -> dict[str, Floats]:
+        return {name: arrays[f"{key}/{number}"] for number, name in enumerate(names)}
+
+    def configuration(key: str) -> Configuration:
+        return Configuration(unpack(f"{key}/nodes"), unpack(f"{key}/strain"))
+
+    columns = {entry.name: arrays[f"row/{entry.name}"].tolist() for entry in fields(PathStep)}
+    rows = zip(*columns.values(), strict=True)
+    return Progress(
+        here=Here(
+            **head["here"],
+            configuration=configuration("here"),
+            velocity=unpack("here/velocity"),
+            strain_rate=unpack("here/strain_rate"),
+        ),
+        step=head["step"],
+        rows=[PathStep(**dict(zip(columns, row, strict=True))) for row in rows],
+        events=[Event(**event) for event in head["events"]],
+        snapshots=[
+            Snapshot(
+                **own,
+                configuration=configuration(f"snapshot/{place}"),
+                velocity=unpack(f"snapshot/{place}/velocity"),
+                strain_rate=unpack(f"snapshot/{place}/strain_rate"),
+            )
+            for place, own in enumerate(head["snapshots"])
+        ],
+        moment=Moment(begin=configuration("begin"), at=configuration("at"), **head["moment"]),
+    )
