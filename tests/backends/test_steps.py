@@ -232,6 +232,39 @@ def looped(loop, name, **options):
     return loop(given, solver, regularised, CouplingOptions(), lambda _: None)
 
 
+@cache
+def path(name, **options):
+    """Two steps of an upset block."""
+    law = la.hardening.Linear(1.0, 2.0)
+    body = la.Body(
+        la.meshes.rectangle((0, 1), (0, 1), 3, 3), la.VonMises(hardening=law), space="p2-gauss"
+    )
+    problem = la.Problem(
+        {"block": body},
+        supports=[la.Fix("block", "left"), la.Fix("block", "bottom", "y")],
+        reference_loads=[la.RigidFooting("block", "right", (-1, 0), rough=True)],
+    )
+    return la.sequential(problem, 0.1, steps=2, backend=name, options=options)
+
+
+@pytest.mark.parametrize(
+    ("name", "r"), [("cvxpy", 0), ("clarabel-regularised", 1e-4), ("newton", 1e-4), ("ipopt", 1e-3)]
+)
+def test_paths_of_all_backends_are_one(name, r):
+    """Loads to 1e-6 by exact backends, and to a few r by those whose viscous share is r."""
+    expected = path("clarabel").history.load_factor.to_numpy()
+    found = path(name, **({"r": r} if r else {})).history.load_factor.to_numpy()
+    assert expected.size == 2
+    assert expected[1] > 1.02 * expected[0]  # it has hardened
+    assert found == pytest.approx(expected, rel=max(1e-6, 5 * r))
+
+
+@pytest.mark.parametrize("name", ["highs", "ipopt-static"])
+def test_no_path_without_the_capability(name):
+    with pytest.raises(la.CapabilityError, match=name):
+        path(name)
+
+
 # Backends that cannot.
 
 
