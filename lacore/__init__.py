@@ -1,11 +1,12 @@
 """lacore: plastic collapse loads of bodies in frictional contact, each with its own proof."""
 
 from lacore import hardening, masonry, meshes
-from lacore.adaptivity import Bracket, Ending, bracket
+from lacore.adaptivity import bracket
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import backend_names, find_backend
 from lacore.blocks import BlockAssembly, RigidBlock
 from lacore.bodies import Body
+from lacore.brackets import Bracket, Ending
 from lacore.certificate import Certificate
 from lacore.control import FootingTravel, PointTravel, Time
 from lacore.coulomb_range import CoulombRange, coulomb_range

@@ -2,10 +2,8 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from enum import Enum
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,24 +12,29 @@ from skfem import MeshTri
 from lacore.arrays import Floats
 from lacore.backend import find_backend
 from lacore.bodies import Body
-from lacore.errors import InputError, require_count, require_positive
+from lacore.brackets import Bracket, Ending, Step, proven, width
+from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.fans import fanned, sectors_for, singular_points
-from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.kinematic_bound import UpperBound, upper_bound
-from lacore.marking import doerfler, lower_shares, upper_shares
+from lacore.marking import lower_shares, shared_shares, upper_shares
 from lacore.mesh_checks import quality
+from lacore.meshes import split
 from lacore.problem import Problem
-from lacore.refinement import refined
+from lacore.refinement import grown
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
-from lacore.status import Rigor, Status
+from lacore.static_corners import CornerError
+from lacore.static_model import static_model
+from lacore.status import Status
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+Bound = LowerBound | UpperBound
 
-_SPACE = "p2-vertex"
-_THETA = 0.5  # Doerfler's part of all shares; 0.4 to 0.7 differ little
-_LOOSE = 1e-3  # tolerance of solvers per target width: costs a lower bound 20 times as much
+MESHES = ("separate", "shared")
+_SPACE = "p2-gauss"  # proven anew, closer than "p2-vertex" at the same cost
+_GROWTH = 2.0  # of a mesh from solve to solve
+_LEAST_GROWTH = 1.2
+_SPARE = 1.15  # elements, per those that the target needs if widths fall as elements rise
+_LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 _LOOSEST, _TIGHTEST = 2e-5, 1e-9
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
 _SLIVER = 0.01  # shape of a triangle; below it strain rates lose their digits
@@ -41,115 +44,6 @@ _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
 
 
-class Ending(Enum):
-    """Why a bracket is as wide as it is. The text says what to do."""
-
-    REACHED = "the target width is proven"
-    MAX_ELEMENTS = "not reached: the next mesh would have more elements than `max_elements`"
-    TIME_LIMIT = "not reached: the next solve would end after `time_limit`"
-    NO_PROGRESS = (
-        "not reached: refinement gains nothing more; at a singular point a lower bound needs more"
-        " sectors (`lower_mesh`, lacore.meshes.fan)"
-    )
-    NO_BOUND = "not reached: a bound could not be proven; see `failure`"
-
-    @property
-    def label(self) -> str:
-        """The name as shown in tables: ``max elements``."""
-        return self.name.lower().replace("_", " ")
-
-
-@dataclass(frozen=True)
-class Step:
-    """One solve on the way.
-
-    Attributes:
-        step: 0, 1, ...
-        bound: ``lower`` or ``upper``: which one was solved.
-        elements: of its mesh.
-        solved: what this mesh proves.
-        lower, upper: the best that is proven so far.
-        width: ``(upper - lower)`` per their mean; inf while there are not both.
-        quality: shape of the worst triangle, 1 for equilateral ones.
-        seconds: since the start, everything included.
-    """
-
-    step: int
-    bound: str
-    elements: int
-    solved: float
-    lower: float
-    upper: float
-    width: float
-    quality: float
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Bracket:
-    """A load factor between two proven ones.
-
-    Attributes:
-        status: whether the target was reached, and if not, why.
-        lower_bound, upper_bound: the best ones, with their states and meshes.
-        target_width: as asked for.
-        history: one row a solve, see `Step`.
-        failure: what the solver said where there is no bound, else empty.
-    """
-
-    status: Ending
-    lower_bound: LowerBound
-    upper_bound: UpperBound
-    target_width: float
-    history: pd.DataFrame
-    failure: str
-
-    @property
-    def lower(self) -> float:
-        """Load factor that is proven from below; -inf where none is."""
-        return _proven(self.lower_bound, -np.inf)
-
-    @property
-    def upper(self) -> float:
-        """Load factor that is proven from above; +inf where none is."""
-        return _proven(self.upper_bound, np.inf)
-
-    @property
-    def width(self) -> float:
-        """``(upper - lower)`` per their mean."""
-        return width(self.lower, self.upper)
-
-    @property
-    def strict(self) -> bool:
-        """Whether both are bounds of the continuum: exact geometry."""
-        rigors = (self.lower_bound.rigor, self.upper_bound.rigor)
-        return rigors == (Rigor.LOWER, Rigor.UPPER)
-
-    @cached_property
-    def gaps(self) -> GapIdentity:
-        """Shares of the elements of the upper bound's mesh in the gap to a lower bound there (T26).
-
-        From one more solve, on that mesh, which has no fan: its lower bound is a little worse.
-
-        Raises:
-            ValueError: there is no upper bound.
-        """
-        if self.upper_bound.status is not Status.SOLVED:
-            raise ValueError(f"there is no gap to look at: {self.status.label}: {self.failure}")
-        problem = self.upper_bound.discretisation.problem
-        below = self.lower_bound
-        options = {k: v for k, v in below.options.items() if k != "time_limit"}
-        return gap_identity(
-            self.upper_bound, lower_bound(problem, below.backend, options=options, throw=True)
-        )
-
-    def plot(self) -> "Figure":
-        """Both meshes and their shares: see `lacore.plotting_bracket.plot_bracket`."""
-        from lacore.plotting_bracket import plot_bracket
-
-        return plot_bracket(self)
-
-
 def bracket(
     problem: Problem,
     target_width: float = 0.01,
@@ -157,23 +51,28 @@ def bracket(
     time_limit: float = 600.0,
     backend: str = "clarabel",
     *,
+    meshes: str | None = None,
     lower_mesh: MeshTri | None = None,
     on_step: Callable[[Step], None] | None = None,
 ) -> Bracket:
     """A load factor between a strict lower and a strict upper bound, as narrow as asked for.
 
-    Each bound is refined on a mesh of its own by its own shares of the error, the one that gains
-    more per element first. All bounds on the way are proven too (projection, T26c), and the best
-    counts.
+    Meshes are refined by the shares of their elements in the error: a shared one by those in the
+    gap and in the error of the lower bound, separate ones each by its own, the one that gains more
+    per element first. All bounds on the way are proven too (projection, T26c), and the best counts.
+    Elements at corners that a lower bound cannot state are split first.
 
     Args:
-        problem: one deformable body in its velocity space ``p2-vertex``, whatever it says itself.
+        problem: one deformable body; its velocities are those of ``p2-gauss``, proven anew by
+            `upper_bound`, whatever it says itself.
         target_width: of ``(upper - lower)/mean`` to stop at.
         max_elements: of each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
-        lower_mesh: mesh to start the lower bound from. None: that of the problem, with fans at
-            its singular points, which refinement cannot make.
+        meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given. Where the
+            mesh of a problem knows nothing of its stresses, a shared one is the better choice.
+        lower_mesh: mesh to start the lower bound from, such as a `lacore.meshes.fan`. None: that of
+            the problem; where meshes are separate, with fans at its singular points.
         on_step: called after each solve, for progress.
 
     Raises:
@@ -187,64 +86,53 @@ def bracket(
     require_positive("time_limit", time_limit)
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
-    name, body = _only_body(problem)
-    problem = _on_mesh(problem, body.mesh)
-    _check_start("upper bound", body.mesh, max_elements)
-    if lower_mesh is None:
-        below, points = problem, singular_points(problem, name)
-        if points:
-            below = _on_mesh(problem, fanned(body.mesh, points, sectors_for(target_width)))
-    else:
-        below = _on_mesh(problem, lower_mesh)
-    _check_start("lower bound", _mesh(below), max_elements)
-    tolerance = float(np.clip(_LOOSE * target_width, _TIGHTEST, _LOOSEST))
-    run = _Run(name, backend, tolerance, target_width, begin + time_limit, max_elements)
-    rows: list[dict[str, Any]] = []
-    sides: dict[str, _Side] = {}
-    ending = None
-    for kind, stated in (("lower", below), ("upper", problem)):
-        sides[kind] = run.solved(_Side(kind, stated), stated)
-        rows.append(_told(sides, kind, len(rows), begin, on_step))
-    while ending is None:
-        ending = run.ending(sides)
-        if ending is not None:
-            break
-        side = _next([side for side in sides.values() if run.closed(side) is None])
-        finer = run.refined(side)
+    run = _Run(
+        _only_body(problem)[0],
+        backend,
+        target_width,
+        begin,
+        begin + time_limit,
+        max_elements,
+        on_step,
+    )
+    tracks = _starts(problem, run, meshes, lower_mesh)
+    for number, track in enumerate(tracks):
+        tracks[number] = run.solved(track, track.problem)
+    while (ending := run.ending(tracks)) is None:
+        number = _next([k for k, track in enumerate(tracks) if run.closed(track) is None], tracks)
+        finer = run.refined(tracks[number])
         if finer is None:
-            sides[side.kind] = replace(side, too_fine=True)
-            continue
-        if run.too_late(side, finer):
+            tracks[number] = replace(tracks[number], too_fine=True)
+        elif run.too_late(tracks[number], finer):
             ending = Ending.TIME_LIMIT
             break
-        sides[side.kind] = run.solved(side, finer)
-        rows.append(_told(sides, side.kind, len(rows), begin, on_step))
-    lower, upper = sides["lower"].best, sides["upper"].best
+        else:
+            tracks[number] = run.solved(tracks[number], finer)
+    lower, upper = run.best["lower"], run.best["upper"]
     assert isinstance(lower, LowerBound)
     assert isinstance(upper, UpperBound)
-    failed = [f"{side.kind} bound: {side.failure}" for side in sides.values() if side.failure]
-    return Bracket(ending, lower, upper, target_width, pd.DataFrame(rows), "; ".join(failed))
-
-
-def width(lower: float, upper: float) -> float:
-    """``(upper - lower)`` per their mean; inf where one is missing."""
-    if not (np.isfinite(lower) and np.isfinite(upper)):
-        return np.inf
-    mean = abs(lower + upper) / 2
-    return (upper - lower) / mean if mean > 0 else np.inf
+    failed = [f"{kind} bound: {why}" for kind, why in sorted(run.failures.items()) if why]
+    return Bracket(ending, lower, upper, target_width, pd.DataFrame(run.rows), "; ".join(failed))
 
 
 @dataclass(frozen=True)
-class _Side:
-    """One of the two bounds on its way: the last mesh, and the best of all."""
+class _Track:
+    """A mesh on its way, and the bounds that are solved on it.
 
-    kind: str
+    Attributes:
+        kinds: ``lower``, ``upper`` or both.
+        problem: on the mesh.
+        last: bounds on it, by kind.
+        gains: what the last refinements gained, in the unit of load factors.
+        seconds: of the last solves.
+        too_fine: whether the next mesh has too many elements.
+    """
+
+    kinds: tuple[str, ...]
     problem: Problem
-    last: LowerBound | UpperBound | None = None
-    best: LowerBound | UpperBound | None = None
+    last: Mapping[str, Bound] = field(default_factory=dict)
     gains: tuple[float, ...] = ()
     seconds: float = 0.0
-    failure: str = ""
     too_fine: bool = False
 
     @property
@@ -256,63 +144,93 @@ class _Side:
         return int(self.mesh.nelements)
 
     @property
-    def proven(self) -> bool:
-        return self.best is not None and self.best.status is Status.SOLVED
-
-    @property
     def rate(self) -> float:
         """Largest recent gain per element: bounds rise in steps. What is new goes first."""
         return max(self.gains[-_RECENT:], default=np.inf) / self.elements
 
 
-def _next(sides: Sequence[_Side]) -> _Side:
+def _next(open_: Sequence[int], tracks: Sequence[_Track]) -> int:
     """The one that promises more, or costs little."""
-    small = min(sides, key=lambda side: side.elements)
-    if small.elements < _SMALL * max(side.elements for side in sides):
+    small = min(open_, key=lambda number: tracks[number].elements)
+    if tracks[small].elements < _SMALL * max(tracks[number].elements for number in open_):
         return small
-    return max(sides, key=lambda side: side.rate)
+    return max(open_, key=lambda number: tracks[number].rate)
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Run:
-    """What does not change."""
+    """What was asked for, and what is proven so far."""
 
     body: str
     backend: str
-    tolerance: float
     target: float
+    begin: float
     deadline: float
     max_elements: int
+    on_step: Callable[[Step], None] | None
+    best: dict[str, Bound] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)
+    rows: list[dict[str, Any]] = field(default_factory=list)
 
-    def solved(self, side: _Side, problem: Problem) -> _Side:
+    @property
+    def lower(self) -> float:
+        return proven(self.best.get("lower"), -np.inf)
+
+    @property
+    def upper(self) -> float:
+        return proven(self.best.get("upper"), np.inf)
+
+    @property
+    def width(self) -> float:
+        return width(self.lower, self.upper)
+
+    @property
+    def growth(self) -> float:
+        """Of the next mesh: widths fall about as elements rise."""
+        return float(np.clip(_SPARE * self.width / self.target, _LEAST_GROWTH, _GROWTH))
+
+    def solved(self, track: _Track, problem: Problem) -> _Track:
+        """The track on a new mesh; what it proves is kept."""
         begin = time.perf_counter()
-        bound = self._bound(side.kind, problem, {"tolerance": self.tolerance})
-        if bound.status is Status.NOT_CERTIFIED:
-            bound = self._bound(side.kind, problem, {})
-        sign = 1.0 if side.kind == "lower" else -1.0
-        proven = bound.status is Status.SOLVED
-        better, gains = bound, side.gains
-        if side.best is not None and side.best.status is Status.SOLVED:
-            gain = sign * (bound.load_factor - side.best.load_factor) if proven else 0.0
-            better = bound if gain > 0 else side.best
-            gains = (*gains, max(gain, 0.0))
-        state = bound.state if isinstance(bound, UpperBound) else bound
-        # Elements that are too few to carry the dead loads, or to flow, are no failure.
-        few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
-        coarse = bound.status is few[side.kind]
+        last: dict[str, Bound] = {}
+        before = [proven(self.best.get(kind), np.nan) for kind in track.kinds]
+        for kind in track.kinds:
+            if last and self.width <= self.target:
+                break
+            last[kind] = self._solved(kind, problem)
+        after = [proven(self.best.get(kind), np.nan) for kind in track.kinds]
+        gain = float(np.abs(np.subtract(after, before)).sum())
         return replace(
-            side,
+            track,
             problem=problem,
-            last=bound,
-            best=better,
-            gains=gains,
+            last=last,
+            gains=(*track.gains, gain) if np.isfinite(gain) else track.gains,
             seconds=time.perf_counter() - begin,
-            failure="" if proven or coarse else state.message or bound.status.value,
         )
 
-    def _bound(
-        self, kind: str, problem: Problem, options: Mapping[str, Any]
-    ) -> LowerBound | UpperBound:
+    def _solved(self, kind: str, problem: Problem) -> Bound:
+        # What this mesh will about prove decides how close a solve must come.
+        width = max(self.width / self.growth if self.rows else np.inf, self.target)
+        tolerance = float(np.clip(_LOOSE * width, _TIGHTEST, _LOOSEST))
+        bound = self._bound(kind, problem, {"tolerance": tolerance})
+        if bound.status is Status.NOT_CERTIFIED:
+            bound = self._bound(kind, problem, {})
+        sign = 1.0 if kind == "lower" else -1.0
+        holds, best = bound.status is Status.SOLVED, self.best.get(kind, bound)
+        if best.status is not Status.SOLVED or (
+            holds and sign * (bound.load_factor - best.load_factor) > 0
+        ):
+            best = bound
+        self.best[kind] = best
+        # Elements that are too few to carry the dead loads, or to flow, are no failure.
+        few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
+        state = bound.state if isinstance(bound, UpperBound) else bound
+        fails = not (holds or bound.status is few[kind])
+        self.failures[kind] = (state.message or bound.status.value) if fails else ""
+        self._tell(kind, bound, _mesh(problem))
+        return bound
+
+    def _bound(self, kind: str, problem: Problem, options: Mapping[str, Any]) -> Bound:
         known = {field.name for field in fields(find_backend(self.backend).Options)}
         left = max(self.deadline - time.perf_counter(), 1.0)
         given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}
@@ -321,75 +239,102 @@ class _Run:
         state = solve(problem, self.backend, "associated", tolerance=_JUDGED, options=given)
         return upper_bound(state)
 
-    def ending(self, sides: Mapping[str, _Side]) -> Ending | None:
-        lower, upper = (_proven(sides[k].best, np.nan) for k in ("lower", "upper"))
-        if width(lower, upper) <= self.target:
+    def _tell(self, kind: str, bound: Bound, mesh: MeshTri) -> None:
+        step = Step(
+            step=len(self.rows),
+            bound=kind,
+            elements=int(mesh.nelements),
+            solved=proven(bound, np.nan),
+            lower=self.lower,
+            upper=self.upper,
+            width=self.width,
+            quality=float(quality(mesh).min()),
+            seconds=time.perf_counter() - self.begin,
+        )
+        if self.on_step is not None:
+            self.on_step(step)
+        self.rows.append(asdict(step))
+
+    def ending(self, tracks: Sequence[_Track]) -> Ending | None:
+        """Why it ends, if it does."""
+        if self.width <= self.target:
             return Ending.REACHED
-        if any(side.failure and not side.proven for side in sides.values()):
+        if any(
+            why and self.best[kind].status is not Status.SOLVED
+            for kind, why in self.failures.items()
+        ):
             return Ending.NO_BOUND
-        closed = [self.closed(side) for side in sides.values()]
+        closed = [self.closed(track) for track in tracks]
         if None in closed:
             return None
         return Ending.MAX_ELEMENTS if Ending.MAX_ELEMENTS in closed else Ending.NO_PROGRESS
 
-    def closed(self, side: _Side) -> Ending | None:
-        """Why a side is not refined any more."""
-        if side.too_fine:
+    def closed(self, track: _Track) -> Ending | None:
+        """Why a mesh is not refined any more."""
+        if track.too_fine:
             return Ending.MAX_ELEMENTS
-        last = side.gains[-_PATIENCE:]
-        least = _NOTHING * self.target * abs(_proven(side.best, np.inf))
+        last = track.gains[-_PATIENCE:]
+        least = _NOTHING * self.target * abs(self.upper)
         spent = len(last) == _PATIENCE and max(last) <= least
         return Ending.NO_PROGRESS if spent else None
 
-    def refined(self, side: _Side) -> Problem | None:
-        finer = refined(side.mesh, doerfler(self.shares(side), _THETA))
-        if finer.nelements > self.max_elements:
-            return None
-        return _on_mesh(side.problem, finer)
+    def refined(self, track: _Track) -> Problem | None:
+        """The problem on the next mesh, if that may be."""
+        finer = grown(track.mesh, self.shares(track), self.growth, self.max_elements)
+        return None if finer is None else _on_mesh(track.problem, finer)
 
-    def shares(self, side: _Side) -> Floats:
-        bound = side.last
-        if isinstance(bound, UpperBound) and np.all(np.isfinite(bound.velocity)):
-            return upper_shares(bound, self.body)
-        if isinstance(bound, LowerBound) and bound.point is not None:
-            return lower_shares(bound, self.body)
-        return np.ones(side.elements)
+    def shares(self, track: _Track) -> Floats:
+        """Of elements in the error of what was solved last; all the same where nothing was."""
+        lower, upper = track.last.get("lower"), track.last.get("upper")
+        if proven(lower, np.nan) <= proven(upper, np.nan):
+            assert isinstance(lower, LowerBound)
+            assert isinstance(upper, UpperBound)
+            return shared_shares(upper, lower, self.body)
+        if isinstance(upper, UpperBound) and np.all(np.isfinite(upper.velocity)):
+            return upper_shares(upper, self.body)
+        if isinstance(lower, LowerBound) and lower.point is not None:
+            return lower_shares(lower, self.body)
+        return np.ones(track.elements)
 
-    def too_late(self, side: _Side, finer: Problem) -> bool:
-        expected = side.seconds * float(_mesh(finer).nelements) / side.elements
+    def too_late(self, track: _Track, finer: Problem) -> bool:
+        """Whether the next solve is expected to end after the limit."""
+        expected = track.seconds * float(_mesh(finer).nelements) / track.elements
         return time.perf_counter() + expected > self.deadline
 
 
-def _proven(bound: LowerBound | UpperBound | None, otherwise: float) -> float:
-    if bound is None or bound.status is not Status.SOLVED:
-        return otherwise
-    return bound.load_factor
+def _starts(
+    problem: Problem, run: _Run, meshes: str | None, lower_mesh: MeshTri | None
+) -> list[_Track]:
+    """The first meshes."""
+    if meshes is not None:
+        require_known("meshes", meshes, MESHES)
+    if lower_mesh is not None and meshes == "shared":
+        raise InputError(
+            "lower_mesh", None, "there is one mesh only", "give it as that of the problem"
+        )
+    problem = _on_mesh(problem, _mesh(problem))
+    if meshes is None:
+        meshes = "shared" if lower_mesh is None else "separate"
+    if meshes == "shared":
+        both = _statable(problem)
+        _check_start("both bounds", _mesh(both), run.max_elements)
+        return [_Track(("lower", "upper"), both)]
+    _check_start("upper bound", _mesh(problem), run.max_elements)
+    if lower_mesh is None:
+        points = singular_points(problem, run.body)
+        lower_mesh = fanned(_mesh(problem), points, sectors_for(run.target))
+    below = _statable(_on_mesh(problem, lower_mesh))
+    _check_start("lower bound", _mesh(below), run.max_elements)
+    return [_Track(("lower",), below), _Track(("upper",), problem)]
 
 
-def _told(
-    sides: Mapping[str, _Side],
-    kind: str,
-    number: int,
-    begin: float,
-    on_step: Callable[[Step], None] | None,
-) -> dict[str, Any]:
-    side = sides[kind]
-    lower = _proven(sides["lower"].best, -np.inf)
-    upper = _proven(sides["upper"].best, np.inf) if "upper" in sides else np.inf
-    step = Step(
-        step=number,
-        bound=kind,
-        elements=side.elements,
-        solved=_proven(side.last, np.nan),
-        lower=lower,
-        upper=upper,
-        width=width(lower, upper),
-        quality=float(quality(side.mesh).min()),
-        seconds=time.perf_counter() - begin,
-    )
-    if on_step is not None:
-        on_step(step)
-    return asdict(step)
+def _statable(problem: Problem) -> Problem:
+    """With elements split at whose corners loads ask for two shear stresses in one place."""
+    try:
+        static_model(problem)
+    except CornerError as error:
+        return _on_mesh(problem, split(_mesh(problem), error.elements))
+    return problem
 
 
 def _only_body(problem: Problem) -> tuple[str, Body]:

@@ -3,8 +3,11 @@
 import numpy as np
 
 from lacore.arrays import Floats, Ints
+from lacore.gap_identity import gap_identity
 from lacore.kinematic_bound import UpperBound
 from lacore.static_bound import LowerBound
+
+_LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
 
 
 def doerfler(shares: Floats, theta: float) -> Ints:
@@ -52,3 +55,19 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
     whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
     varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
     return np.asarray(np.sqrt(whole * np.maximum(varying, 0.0)))
+
+
+def shared_shares(upper: UpperBound, lower: LowerBound, body: str) -> Floats:
+    """Shares in the gap (T26), with those of the lower bound itself: parts, shape (elements,).
+
+    Where the velocity of the upper bound has no strain the gap has no share, whatever stresses lack
+    there; the multipliers of the lower bound move there.
+    """
+    gap = np.maximum(gap_identity(upper, lower).elements[body], 0.0)
+    own = lower_shares(lower, body)
+    return np.asarray(_parts(gap) + _LOWER * _parts(own))
+
+
+def _parts(shares: Floats) -> Floats:
+    total = float(shares.sum())
+    return shares / total if total > 0 else shares

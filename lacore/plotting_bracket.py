@@ -8,8 +8,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from skfem import MeshTri
 
-from lacore.adaptivity import Bracket
 from lacore.arrays import Floats
+from lacore.brackets import Bracket
 from lacore.marking import lower_shares
 
 _PAGE = 9.0  # inches

@@ -3,32 +3,67 @@
 import numpy as np
 from skfem import MeshTri
 
-from lacore.arrays import Ints
+from lacore.arrays import Bools, Floats, Ints
+from lacore.marking import doerfler
+
+_THETA = 0.2  # Doerfler's part of all shares at a time; 0.1 to 0.3 differ little
 
 
-def refined(mesh: MeshTri, elements: Ints) -> MeshTri:
-    """The mesh with elements divided into four, and neighbours so that no node hangs.
+def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | None:
+    """The mesh refined until it has `growth` times as many elements, at most `most`.
 
-    Neighbours are divided across their longest edge first (red-green-blue), so that angles stay
+    Several times on end, by what shares are expected to become: where velocities jump, an error
+    falls as the size of elements does. So a solve pays for more than one refinement.
+
+    Args:
+        mesh: straight triangles.
+        shares: of an error, shape (elements,).
+        growth: above 1.
+        most: elements.
+
+    Returns:
+        None where that is less than a tenth more.
+    """
+    finer, left = mesh, np.maximum(shares, 0.0)
+    while finer.nelements < growth * mesh.nelements:
+        next_, parents = bisected(finer, doerfler(left, _THETA))
+        if next_.nelements > most:
+            break
+        parts = np.bincount(parents, minlength=finer.nelements)[parents]
+        finer, left = next_, left[parents] / parts**1.5  # of an area 1/parts, size 1/sqrt(parts)
+    return finer if 10 * finer.nelements >= 11 * mesh.nelements else None
+
+
+def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:
+    """The mesh with elements divided in two across their longest edge, and the parents of all.
+
+    Neighbours are divided too, so that no node hangs, across their longest edge first; angles stay
     above half of the smallest one. Named boundaries are carried over; named elements are not.
 
-    Source: Carstensen, An adaptive mesh-refining algorithm allowing for an H1 stable L2
-        projection, Constr. Approx. 20, 2004 (as in scikit-fem).
+    Source: Rivara, Algorithms for refining triangular grids suitable for adaptive and multigrid
+        techniques, IJNME 20, 1984; where all three edges are divided, into four similar triangles.
     """
-    finer: MeshTri = MeshTri(mesh.p, mesh.t).refined(np.asarray(elements))
-    if not mesh.boundaries:
-        return finer
-    first = mesh.p.shape[1]
-    middles = {place: first + k for k, place in enumerate(map(tuple, finer.p[:, first:].T))}
-    names = {}
-    for name, facets in mesh.boundaries.items():
-        ends = mesh.facets[:, np.asarray(facets, dtype=np.int64)]
-        places = 0.5 * (mesh.p[:, ends[0]] + mesh.p[:, ends[1]])
-        middle = np.array([middles.get(place, -1) for place in map(tuple, places.T)], dtype=int)
-        cut = middle >= 0
-        halves = [np.stack([end[cut], middle[cut]]) for end in ends]
-        names[name] = facets_between(finer, np.concatenate([ends[:, ~cut], *halves], axis=1))
-    return finer.with_boundaries(names)
+    corners = _longest_first(mesh)
+    facets = _facets_across(mesh, corners)
+    cut = np.zeros(mesh.nfacets, dtype=bool)
+    cut[facets[0, elements]] = True
+    while np.any(open_ := cut[facets].any(axis=0) & ~cut[facets[0]]):
+        cut[facets[0, open_]] = True
+    middle = np.full(mesh.nfacets, -1, dtype=np.int64)
+    middle[cut] = mesh.p.shape[1] + np.arange(int(cut.sum()))
+    places = mesh.p[:, mesh.facets[:, cut]].mean(axis=1)
+    triangles, parents = _parts(corners, middle[facets])
+    finer = MeshTri(np.concatenate([mesh.p, places], axis=1), triangles)
+    if mesh.boundaries:
+        names = {}
+        for name, own in mesh.boundaries.items():
+            numbers = np.asarray(own, dtype=np.int64)
+            whole, halved = numbers[~cut[numbers]], numbers[cut[numbers]]
+            ends = [mesh.facets[:, whole]]
+            ends += [np.stack([end, middle[halved]]) for end in mesh.facets[:, halved]]
+            names[name] = facets_between(finer, np.concatenate(ends, axis=1))
+        finer = finer.with_boundaries(names)
+    return finer, parents
 
 
 def facets_between(mesh: MeshTri, ends: Ints) -> Ints:
@@ -42,3 +77,42 @@ def facets_between(mesh: MeshTri, ends: Ints) -> Ints:
 def _keys(ends: Ints, count: int) -> Ints:
     low, high = np.sort(np.asarray(ends, dtype=np.int64), axis=0)
     return np.asarray(low * count + high)
+
+
+def _longest_first(mesh: MeshTri) -> Ints:
+    """Vertices of elements, the ends of the longest edge first; both sides agree on equal ones."""
+    along = mesh.p[:, mesh.facets[1]] - mesh.p[:, mesh.facets[0]]
+    rank = np.empty(mesh.nfacets, dtype=np.int64)
+    rank[np.argsort(np.sum(along**2, axis=0), kind="stable")] = np.arange(mesh.nfacets)
+    longest = np.argmax(rank[mesh.t2f], axis=0)  # local edge j joins vertices j and j + 1, or 2, 0
+    first = np.array([0, 1, 2])[longest]
+    return np.asarray(
+        np.take_along_axis(mesh.t.astype(np.int64), (first + np.arange(3)[:, None]) % 3, axis=0)
+    )
+
+
+def _facets_across(mesh: MeshTri, corners: Ints) -> Ints:
+    """Facets between vertices (0, 1), (1, 2) and (2, 0) of `corners`, shape (3, elements)."""
+    first = np.argmax(mesh.t == corners[0], axis=0)
+    return np.asarray(np.take_along_axis(mesh.t2f, (first + np.arange(3)[:, None]) % 3, axis=0))
+
+
+def _parts(corners: Ints, middles: Ints) -> tuple[Ints, Ints]:
+    """Triangles and their parents, from the middles of edges (0, 1), (1, 2), (2, 0); -1: whole."""
+    a, b, c = corners
+    ab, bc, ca = middles
+    one, two, three = middles >= 0
+    whole: list[tuple[Bools, list[tuple[Ints, Ints, Ints]]]] = [
+        (~one, [(a, b, c)]),
+        (one & ~two & ~three, [(a, ab, c), (ab, b, c)]),
+        (one & two & ~three, [(a, ab, c), (ab, b, bc), (ab, bc, c)]),
+        (one & ~two & three, [(a, ab, ca), (ca, ab, c), (ab, b, c)]),
+        (one & two & three, [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]),
+    ]
+    triangles, parents = [], []
+    for which, parts in whole:
+        for part in parts:
+            triangles.append(np.stack(part)[:, which])
+            parents.append(np.flatnonzero(which))
+    # In the order in which scikit-fem wants them in memory.
+    return np.ascontiguousarray(np.concatenate(triangles, axis=1)), np.concatenate(parents)

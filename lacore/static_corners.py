@@ -21,10 +21,27 @@ _PARALLEL = 1e-9  # sine
 _ROUND_OFF = 1e-9  # of the load on the facets at a vertex
 
 
+class CornerError(InputError):
+    """Loads that linear stresses cannot meet on this mesh, by the elements at fault."""
+
+    def __init__(self, field: str, elements: list[int]) -> None:
+        self.elements = elements
+        super().__init__(
+            field,
+            elements,
+            "the loads at a corner of these elements ask for two shear stresses in one place",
+            "split them, `lacore.meshes.split(mesh, elements)`, or take a crossed mesh",
+        )
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Pickle by the arguments."""
+        return CornerError, (self.field, self.elements)
+
+
 def check_corners(
     full: KinematicProgram, basis: Sparse, bodies: Mapping[str, EquilibriumDofs]
 ) -> None:
-    """Raise `InputError` where loads do power on a mode without strain at a vertex.
+    """Raise `CornerError` where loads do power on a mode without strain at a vertex.
 
     Args:
         full: the program for all multipliers.
@@ -43,12 +60,7 @@ def check_corners(
             if power > _ROUND_OFF * float(loaded @ np.abs(mode)):
                 wrong += np.flatnonzero((mesh.t == vertex).any(axis=0)).tolist()
         if wrong:
-            raise InputError(
-                f"Problem.bodies[{name!r}].mesh",
-                sorted(set(wrong)),
-                "the loads at a corner of these elements ask for two shear stresses in one place",
-                "split them, `lacore.meshes.split(mesh, elements)`, or take a crossed mesh",
-            )
+            raise CornerError(f"Problem.bodies[{name!r}].mesh", sorted(set(wrong)))
 
 
 def _loaded_vertices(dofs: EquilibriumDofs, loaded: Floats) -> Ints:

@@ -10,7 +10,7 @@ import lacore as la
 from lacore.fans import fanned, singular_points
 from lacore.marking import doerfler, lower_shares, upper_shares
 from lacore.mesh_checks import quality
-from lacore.refinement import refined
+from lacore.refinement import bisected, grown
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 
@@ -96,11 +96,35 @@ def test_punch_from_a_fan_by_hand():
     assert found.history.elements.max() < 500
 
 
-def test_cut():
-    found = proven(la.bracket(cut(), 0.05))
+@pytest.mark.parametrize("meshes", ["separate", "shared"])
+def test_cut(meshes):
+    found = proven(la.bracket(cut(), 0.02, meshes=meshes))
     assert found.status is la.Ending.REACHED
     assert found.lower < CUT[1]
     assert found.upper > CUT[0]
+    assert found.history.elements.max() < 1000
+
+
+def test_one_mesh_has_its_gap_already():
+    """A lower bound that comes last may find the target reached before the upper one starts."""
+    found = la.bracket(even_punch(), 0.1, meshes="shared")
+    assert found.one_mesh == (found.history.bound.iloc[-1] == "upper")
+    one, other = found.history.elements.iloc[-2:]
+    assert (one == other) == found.one_mesh
+
+
+def test_corners_that_stresses_cannot_fill_are_split():
+    """Tractions on both sides of a corner that one element fills."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2, crossed=False)
+    stated = la.Problem(
+        {"block": la.Body(mesh, CRITERION)},
+        [la.Traction("block", "right", (1, 0.5)), la.Traction("block", "top", (0, 1))],
+        [la.Fix("block", "left"), la.Fix("block", "bottom")],
+    )
+    with pytest.raises(la.InputError, match="two shear stresses in one place"):
+        la.lower_bound(stated)
+    found = proven(la.bracket(stated, 0.2))
+    assert found.status is la.Ending.REACHED
 
 
 @pytest.mark.parametrize("backend", ["cvxpy"])
@@ -172,6 +196,12 @@ def test_too_heavy_to_stand():
         (punch, {"target_width": np.nan}, "target_width"),
         (punch, {"time_limit": -1.0}, "time_limit"),
         (punch, {"max_elements": 20}, "starts with 96 elements"),
+        (punch, {"meshes": "one"}, "meshes = 'one'"),
+        (
+            punch,
+            {"meshes": "shared", "lower_mesh": la.meshes.rectangle((0, 4), (-2, 0), 2, 2)},
+            "one mesh only",
+        ),
         (lambda: "punch", {}, "give a lacore.Problem"),
         (lambda: deformable_block(0.3), {}, "not associated"),
     ],
@@ -218,8 +248,12 @@ def test_refinement_keeps_area_names_and_quality(seed):
     assert mesh.boundaries
     for _ in range(6):
         chosen = rng.choice(mesh.nelements, size=max(mesh.nelements // 5, 1), replace=False)
-        finer = refined(mesh, chosen)
-        assert finer.nelements >= mesh.nelements + 3 * chosen.size
+        finer, parents = bisected(mesh, chosen)
+        parts = np.bincount(parents, minlength=mesh.nelements)
+        assert parts.min() == 1
+        assert parts.max() <= 4
+        assert np.all(parts[chosen] > 1)
+        assert np.allclose(np.bincount(parents, _areas(finer)), _areas(mesh), rtol=1e-12, atol=0)
         mesh = finer
     la.Body(mesh, CRITERION)  # no hanging nodes, nothing inverted
     assert _area(mesh) == pytest.approx(_area(first), rel=1e-12)
@@ -230,6 +264,21 @@ def test_refinement_keeps_area_names_and_quality(seed):
         assert np.all(mesh.f2t[1, finer] < 0)
     # Halves of angles at worst.
     assert quality(mesh).min() > quality(first).min() / 4
+
+
+def test_growth_is_kept_to():
+    mesh, rng = la.meshes.rectangle((0, 1), (0, 1), 8, 8), np.random.default_rng(5)
+    shares = rng.random(mesh.nelements) ** 8
+    finer = grown(mesh, shares, 2.0, 10_000)
+    assert 2 * mesh.nelements <= finer.nelements < 2.6 * mesh.nelements
+    most = int(1.5 * mesh.nelements)
+    assert mesh.nelements < grown(mesh, shares, 2.0, most).nelements <= most
+    assert grown(mesh, shares, 2.0, mesh.nelements + 2) is None
+    # One element that holds all the error is divided evenly, not to nothing.
+    alone = np.zeros(mesh.nelements)
+    alone[0] = 1.0
+    parts = _areas(mesh)[0] / _areas(grown(mesh, alone, 2.0, 10_000)).min()
+    assert mesh.nelements / 2 < parts < 2 * mesh.nelements
 
 
 @pytest.mark.parametrize("at", [(1, 0), (0, 0), (2, -1)])
@@ -258,9 +307,13 @@ def test_singular_points_are_found():
 
 
 def _area(mesh):
+    return float(_areas(mesh).sum())
+
+
+def _areas(mesh):
     a, b, c = (mesh.p[:, corner] for corner in mesh.t)
     u, v = b - a, c - a
-    return float(np.abs(u[0] * v[1] - u[1] * v[0]).sum() / 2)
+    return np.abs(u[0] * v[1] - u[1] * v[0]) / 2
 
 
 def _length(mesh, facets):

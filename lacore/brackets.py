@@ -1,0 +1,149 @@
+"""Brackets: a load factor between two proven ones, and how it came about (T26)."""
+
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from lacore.gap_identity import GapIdentity, gap_identity
+from lacore.kinematic_bound import UpperBound
+from lacore.static_bound import LowerBound, lower_bound
+from lacore.status import Rigor, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Ending(Enum):
+    """Why a bracket is as wide as it is. The text says what to do."""
+
+    REACHED = "the target width is proven"
+    MAX_ELEMENTS = "not reached: the next mesh would have more elements than `max_elements`"
+    TIME_LIMIT = "not reached: the next solve would end after `time_limit`"
+    NO_PROGRESS = (
+        "not reached: refinement gains nothing more; at a singular point a lower bound needs more"
+        " sectors (`lower_mesh`, lacore.meshes.fan)"
+    )
+    NO_BOUND = "not reached: a bound could not be proven; see `failure`"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables: ``max elements``."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One solve on the way.
+
+    Attributes:
+        step: 0, 1, ...
+        bound: ``lower`` or ``upper``: which one was solved.
+        elements: of its mesh.
+        solved: what this mesh proves.
+        lower, upper: the best that is proven so far.
+        width: ``(upper - lower)`` per their mean; inf while there are not both.
+        quality: shape of the worst triangle, 1 for equilateral ones.
+        seconds: since the start, everything included.
+    """
+
+    step: int
+    bound: str
+    elements: int
+    solved: float
+    lower: float
+    upper: float
+    width: float
+    quality: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """A load factor between two proven ones.
+
+    Attributes:
+        status: whether the target was reached, and if not, why.
+        lower_bound, upper_bound: the best ones, with their states and meshes.
+        target_width: as asked for.
+        history: one row a solve, see `Step`.
+        failure: what the solver said where there is no bound, else empty.
+    """
+
+    status: Ending
+    lower_bound: LowerBound
+    upper_bound: UpperBound
+    target_width: float
+    history: pd.DataFrame
+    failure: str
+
+    @property
+    def lower(self) -> float:
+        """Load factor that is proven from below; -inf where none is."""
+        return proven(self.lower_bound, -np.inf)
+
+    @property
+    def upper(self) -> float:
+        """Load factor that is proven from above; +inf where none is."""
+        return proven(self.upper_bound, np.inf)
+
+    @property
+    def width(self) -> float:
+        """``(upper - lower)`` per their mean."""
+        return width(self.lower, self.upper)
+
+    @property
+    def strict(self) -> bool:
+        """Whether both are bounds of the continuum: exact geometry."""
+        rigors = (self.lower_bound.rigor, self.upper_bound.rigor)
+        return rigors == (Rigor.LOWER, Rigor.UPPER)
+
+    @cached_property
+    def gaps(self) -> GapIdentity:
+        """Shares of the elements of the upper bound's mesh in the gap to a lower bound there (T26).
+
+        Where the lower bound has a mesh of its own, from one more solve: without the fans of that
+        mesh its lower bound is a little worse.
+
+        Raises:
+            ValueError: there is no upper bound.
+        """
+        if self.upper_bound.status is not Status.SOLVED:
+            raise ValueError(f"there is no gap to look at: {self.status.label}: {self.failure}")
+        problem, below = self.upper_bound.discretisation.problem, self.lower_bound
+        if not self.one_mesh:
+            options = {k: v for k, v in below.options.items() if k != "time_limit"}
+            below = lower_bound(problem, below.backend, options=options, throw=True)
+        return gap_identity(self.upper_bound, below)
+
+    @property
+    def one_mesh(self) -> bool:
+        """Whether both bounds were found on the same mesh."""
+        (above,) = self.upper_bound.discretisation.bodies.values()
+        (below,) = self.lower_bound.model.bodies.values()
+        one, other = above.body.mesh, below.body.mesh
+        return np.array_equal(one.t, other.t) and np.array_equal(one.p, other.p)
+
+    def plot(self) -> "Figure":
+        """Both meshes and their shares: see `lacore.plotting_bracket.plot_bracket`."""
+        from lacore.plotting_bracket import plot_bracket
+
+        return plot_bracket(self)
+
+
+def width(lower: float, upper: float) -> float:
+    """``(upper - lower)`` per their mean; inf where one is missing."""
+    if not (np.isfinite(lower) and np.isfinite(upper)):
+        return np.inf
+    mean = abs(lower + upper) / 2
+    return (upper - lower) / mean if mean > 0 else np.inf
+
+
+def proven(bound: LowerBound | UpperBound | None, otherwise: float) -> float:
+    """Load factor of a bound that holds."""
+    if bound is None or bound.status is not Status.SOLVED:
+        return otherwise
+    return bound.load_factor

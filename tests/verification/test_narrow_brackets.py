@@ -1,0 +1,71 @@
+"""Brackets of half a per cent on few elements: cases that must become as narrow."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import lacore as la
+from verification.cases.plate_hole import RADIUS
+from verification.catalogue import find
+
+WIDTH, ELEMENTS = 0.005, 6000
+NARROW = (
+    "centre-crack",
+    "notched-strip",
+    "plate-hole",
+    "prandtl-punch",
+    "rough-platens-2",
+    "vertical-cut",
+)
+RUNS = [
+    (case, variant) for case, variants in map(find, NARROW) for variant in variants
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: f"{run[0].id}:{run[1].name}")
+def test_bracket(run):
+    case, variant = run
+    reference = case.reference_of(variant)
+    found = la.bracket(
+        case.problem(variant, case.levels(variant)[0]), WIDTH, max_elements=ELEMENTS
+    )
+    assert found.status is la.Ending.REACHED
+    assert found.history.elements.max() <= ELEMENTS
+    gaps = found.gaps
+    assert gaps.total == pytest.approx(gaps.upper - gaps.lower, rel=1e-5)
+    assert gaps.least >= -1e-9
+    assert found.strict or case.id == "plate-hole"  # whose mesh is that of a polygon
+    assert found.lower <= reference.high
+    assert found.upper >= reference.low
+
+
+@pytest.mark.slow
+def test_plate_with_a_round_hole_is_bounded_strictly():
+    """Less material carries less, and more carries more: a polygon around the hole, one in it."""
+    case, (variant,) = find("plate-hole")
+    level = {"n_radial": 4, "n_angular": 16, "ratio": 4.0}
+    stated = case.build(**level)
+    (body,) = stated.bodies.values()
+    mesh = body.mesh
+    # Further out by the secant of half the angle of a side, as much less as vertices are outside.
+    reach = np.abs(mesh.p).max(axis=0)
+    beyond = RADIUS * (1 / np.cos(pi / 4 / level["n_angular"]) - 1)
+    radius = np.linalg.norm(mesh.p, axis=0)
+    share = (1 - reach) / (1 - RADIUS * reach / radius)
+    around = mesh.p * (1 + share * beyond / radius)
+    exact = {"plate": replace(body, geometry="exact")}  # of its polygon
+    found = la.bracket(
+        replace(stated, bodies=exact),
+        WIDTH,
+        max_elements=ELEMENTS,
+        lower_mesh=replace(mesh, doflocs=around),
+    )
+    assert found.status is la.Ending.REACHED
+    assert found.strict
+    assert found.lower >= 0.797
+    assert found.upper <= 0.803
+    assert found.lower <= case.reference_of(variant).high
+    assert found.upper >= case.reference_of(variant).low
