@@ -30,7 +30,7 @@ from lacore.status import Status
 Bound = LowerBound | UpperBound
 
 MESHES = ("separate", "shared")
-_SPACE = "p2-gauss"  # proven anew, closer than "p2-vertex" at the same cost
+_SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique
 _GROWTH = 2.0  # of a mesh from solve to solve
 _LEAST_GROWTH = 1.2
 _SPARE = 1.15  # elements, per those that the target needs if widths fall as elements rise
@@ -63,8 +63,7 @@ def bracket(
     Elements at corners that a lower bound cannot state are split first.
 
     Args:
-        problem: one deformable body; its velocities are those of ``p2-gauss``, proven anew by
-            `upper_bound`, whatever it says itself.
+        problem: one deformable body in its velocity space ``p2-vertex``, whatever it says itself.
         target_width: of ``(upper - lower)/mean`` to stop at.
         max_elements: of each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.

@@ -1,7 +1,7 @@
 """Projection of velocities onto exact kinematic admissibility (T26c).
 
 The nearest velocity without divergence, penetration and forbidden slip, ``min ||du||`` subject to
-``A du = missing``, is one sparse solve with ``A A^T``. Rows that depend on each other (theta around
+``A (u + du) = 0``, is one sparse solve with ``A A^T``. Rows that depend on each other (theta around
 a crossing of edges) get a shift, which refinement undoes.
 """
 
@@ -25,17 +25,16 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
         program: dimensionless.
         velocity: almost admissible, shape (n,).
     """
-    rows, wanted = _conditions(program, velocity)
+    rows = _conditions(program, velocity)
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length) @ rows)
-    wanted = wanted / length
     matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
     matrix.sort_indices()
     solver = SuperLU()
     try:
         if rows.shape[0]:
             solver.factorise(matrix)
-            velocity = _projected(rows, wanted, velocity, solver)
+            velocity = _projected(rows, velocity, solver)
     except SingularError:
         pass  # what is left tells
     finally:
@@ -43,42 +42,39 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
     return velocity / float(program.reference_load @ velocity)
 
 
-def _projected(rows: Sparse, wanted: Floats, velocity: Floats, solver: SuperLU) -> Floats:
-    missing = wanted - rows @ velocity
+def _projected(rows: Sparse, velocity: Floats, solver: SuperLU) -> Floats:
+    wrong = rows @ velocity
     for _ in range(_REFINEMENTS):
-        moved = velocity + rows.T @ solver.solve(missing)
-        left = wanted - rows @ moved
-        if not np.abs(left).max() < np.abs(missing).max():
+        moved = velocity - rows.T @ solver.solve(wrong)
+        left = rows @ moved
+        if not np.abs(left).max() < np.abs(wrong).max():
             break
-        done = np.abs(left).max() > _FINISHED * np.abs(missing).max()
-        velocity, missing = moved, left
+        done = np.abs(left).max() > _FINISHED * np.abs(wrong).max()
+        velocity, wrong = moved, left
         if done:
             break
     return velocity
 
 
-def _conditions(program: KinematicProgram, velocity: Floats) -> tuple[Sparse, Floats]:
-    """Rows and what they must be: no divergence, no slip that sticks, no penetration.
+def _conditions(program: KinematicProgram, velocity: Floats) -> Sparse:
+    """Rows that must be zero: no divergence, no slip that sticks, no penetration.
 
-    Contact that is open by far plays no part. Where dilatant points slip, the cone of their law is
-    one of its faces; where they hardly do, slip stays as it is, so that the face stays the same.
+    Contact that is open by far plays no part; where it hardly is, it is closed: rows that depend
+    on each other, of a body that is held all around, contradict unless all ask for zero. Where
+    dilatant points slip, the cone of their law is one of its faces; where they hardly do, they
+    stick.
     """
     contact = program.contact
     opening, slip = contact.opening(velocity), contact.slip(velocity)[:, 0]
     fastest = float(np.abs(velocity).max())
     stick = np.isinf(contact.limit)
-    beyond = opening - contact.dilatancy * np.abs(slip)
-    close = beyond < _CLOSE * fastest
+    close = opening - contact.dilatancy * np.abs(slip) < _CLOSE * fastest
     slow = close & (contact.dilatancy > 0) & (np.abs(slip) < _CLOSE * fastest)
     face = diags_array(contact.dilatancy * np.sign(slip)) @ contact.tangential
-    lifted = csr_matrix(contact.normal - face)
     parts = [
-        *((group.volumetric, np.zeros(group.weights.size)) for group in program.groups),
-        (contact.tangential[stick], np.zeros(int(stick.sum()))),
-        (lifted[close], np.maximum(beyond[close], 0.0)),
-        (contact.tangential[slow & ~stick], slip[slow & ~stick]),
+        *(group.volumetric for group in program.groups),
+        contact.tangential[stick | slow],
+        csr_matrix(contact.normal - face)[close],
     ]
-    rows = csr_matrix(vstack([part[0] for part in parts], format="csr"))
-    wanted = np.concatenate([part[1] for part in parts])
-    filled = np.asarray(abs(rows).sum(axis=1)).ravel() > 0
-    return csr_matrix(rows[filled]), wanted[filled]
+    rows = csr_matrix(vstack(parts, format="csr"))
+    return csr_matrix(rows[np.asarray(abs(rows).sum(axis=1)).ravel() > 0])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from skfem import MeshTri
 
-from lacore.refinement import refined
+from lacore.refinement import bisected
 
 _PART = 3  # one in so many elements is divided
 _MOVE = 0.25  # of the least height around a vertex: no element can turn over
@@ -15,7 +15,7 @@ def irregular(mesh: MeshTri, seed: int = 0) -> MeshTri:
     """Elements divided at random, inner vertices moved at random; boundaries stay."""
     rng = np.random.default_rng(seed)
     count = mesh.nelements
-    finer = refined(mesh, np.sort(rng.permutation(count)[: -(-count // _PART)]))
+    finer, _ = bisected(mesh, np.sort(rng.permutation(count)[: -(-count // _PART)]))
     corner = finer.p[:, finer.t]
     edges = np.roll(corner, -1, axis=1) - corner
     twice = np.abs(edges[0, 0] * edges[1, 1] - edges[1, 0] * edges[0, 1])

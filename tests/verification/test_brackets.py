@@ -183,7 +183,7 @@ def planted(value, half_width=0.0):
     [
         (planted(2.02), FAIL),
         (planted(1.99), FAIL),
-        (planted(2.02, half_width=0.01), PASS),
+        (planted(2.02, half_width=0.015), PASS),
         (planted(1.99, half_width=0.01), PASS),
         (planted(nan), PASS),
     ],

@@ -19,9 +19,7 @@ NARROW = (
     "rough-platens-2",
     "vertical-cut",
 )
-RUNS = [
-    (case, variant) for case, variants in map(find, NARROW) for variant in variants
-]
+RUNS = [(case, variant) for case, variants in map(find, NARROW) for variant in variants]
 
 
 @pytest.mark.slow
@@ -29,9 +27,7 @@ RUNS = [
 def test_bracket(run):
     case, variant = run
     reference = case.reference_of(variant)
-    found = la.bracket(
-        case.problem(variant, case.levels(variant)[0]), WIDTH, max_elements=ELEMENTS
-    )
+    found = la.bracket(case.problem(variant, case.levels(variant)[0]), WIDTH, max_elements=ELEMENTS)
     assert found.status is la.Ending.REACHED
     assert found.history.elements.max() <= ELEMENTS
     gaps = found.gaps
