@@ -392,3 +392,48 @@ def test_pictures_name_the_axis_and_forces_of_the_whole_ring():
     assert "axis" not in names
     assert "$u_z = 0$" in names
     plt.close(figure)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, la.STICK], ids=["smooth", "Coulomb", "stick"])
+def test_two_discs_on_each_other(friction):
+    """Meshes that do not match; both spread alike, so that what is between them does not matter."""
+    lower = section("crossed", (0, 1), (0, 0.4), 3, 2)
+    upper = section("quadrilaterals", (0, 1), (0.4, 1.0), 4, 2)
+    sides = [("lower", "top"), ("upper", "bottom")]
+    values = []
+    for slave, master in (sides, sides[::-1]):
+        problem = la.Problem(
+            {"lower": lower, "upper": upper},
+            [la.RigidFooting("upper", "top", (0, -1), rough=False)],
+            supports=[la.Fix("lower", "bottom", "y")],
+            interfaces=[la.Interface(slave, master, friction)],
+        )
+        state = la.solve(problem, throw=True)
+        values.append(state.load_factor)
+        table = state.reactions
+        # The common refinement of thirds and quarters covers the area of the disc.
+        assert table["length"].sum() == pytest.approx(np.pi, rel=1e-12)
+        assert (table["length"] * table["t_n"]).sum() == pytest.approx(np.pi, rel=CERTIFIED)
+    assert values == pytest.approx([1.0, 1.0], rel=CERTIFIED)
+
+
+def test_friction_between_two_discs():
+    """A weak disc between strong ones of friction mu is the disc between platens."""
+    half = disc("crossed", 0.2)
+    strong = section("crossed", (0, 2), (0.4, 1.4), 8, 3, criterion=la.VonMises(yield_stress=100.0))
+    problem = replace(
+        half,
+        bodies={**half.bodies, "anvil": strong},
+        supports=[la.Fix("anvil", "top")],
+        interfaces=[la.Interface(("disc", "top"), ("anvil", "bottom"), 0.2)],
+    )
+    state = la.solve(problem, throw=True)
+    # Control values stand on the common refinement here, on whole edges there: some 1e-4.
+    rigid = la.solve(half, throw=True).load_factor
+    assert state.load_factor == pytest.approx(rigid, rel=1e-3)
+    slipping = state.reactions[state.reactions["state"] == "slip"]
+    assert not slipping.empty
+    # Where it slips friction is that of the pressure, against the slip.
+    np.testing.assert_allclose(
+        slipping["t_t"], -0.2 * slipping["t_n"] * np.sign(slipping["u_t"]), atol=1e-3
+    )
