@@ -75,7 +75,7 @@ class Flow:
         rates = {}
         for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True):
             lengths = np.linalg.norm(group.cone_vectors(self.state.point.velocity), axis=1)
-            rates[name] = _per_length(dofs) * lengths.reshape(dofs.weights.shape)
+            rates[name] = strain_per_length(dofs) * lengths.reshape(dofs.weights.shape)
         return rates
 
     def hencky_strain(self, duration: float) -> dict[str, Floats]:
@@ -138,7 +138,7 @@ class _Law:
 
 
 def _law(name: str, dofs: BodyDofs, moment: Moment) -> _Law:
-    law, factor = dofs.body.criterion.law, _per_length(dofs)
+    law, factor = dofs.body.criterion.law, strain_per_length(dofs)
     begin, now = moment.begin.strain[name].ravel(), moment.at.strain[name].ravel()
     slope, stress = law.modulus(now), law.stress(now)
     rate = factor**2 * moment.share * moment.duration
@@ -162,7 +162,7 @@ def _hardened(group: DissipationGroup, law: _Law) -> DissipationGroup:
     return replace(group, bound=law.bound, modulus=modulus if np.any(modulus > 0) else None)
 
 
-def _per_length(dofs: BodyDofs) -> float:
+def strain_per_length(dofs: BodyDofs) -> float:
     """Equivalent strain rate per length of a cone vector: both dissipate the same."""
     criterion = dofs.body.criterion
     return float(criterion.conic_form(dofs.body.kinematics).bound / (np.sqrt(3) * criterion.k))

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from os import PathLike
+from pathlib import Path as File
 
 import pandas as pd
 
@@ -161,3 +163,9 @@ class Path:
             InputError: see `snapshot`.
         """
         return self.stage.at(self.snapshot(step).configuration)
+
+    def to_vtu(self, folder: str | PathLike[str]) -> File:
+        """Files for ParaView: see `lacore.export.write_path`."""
+        from lacore.export import write_path
+
+        return write_path(self, folder)

@@ -18,7 +18,6 @@ from lacore.plotting_blocks import (
     FIXED,
     draw_blocks,
     held_blocks,
-    vertex_velocity,
 )
 from lacore.plotting_contact import (
     COLOURS,
@@ -167,7 +166,7 @@ def _outline(state: LimitState) -> tuple[Floats, Floats]:
     places += [dofs.body.edges.start for dofs in d.assemblies.values()]
     places += [dofs.body.position for dofs in d.frames.values()]
     moves = [velocity[name] for name in d.bodies]
-    moves += [vertex_velocity(dofs, velocity[name]) for name, dofs in d.assemblies.items()]
+    moves += [dofs.vertex_velocity(velocity[name]) for name, dofs in d.assemblies.items()]
     moves += [velocity[name][:2] for name in d.frames]
     return np.concatenate(places, axis=1), np.concatenate(moves, axis=1)
 

@@ -15,14 +15,6 @@ _AT_REST = 1e-3  # of the largest velocity
 _MANY = 150  # blocks, that thin lines keep apart
 
 
-def vertex_velocity(dofs: RigidDofs, motion: Floats) -> Floats:
-    """Velocity at the starts of all outline edges, m/s, shape (2, n)."""
-    edges = dofs.body.edges
-    u_x, u_y, omega = motion[:, edges.block]
-    x, y = edges.start - dofs.body.centroid[:, edges.block]
-    return np.stack([u_x - omega * y, u_y + omega * x])
-
-
 def held_blocks(state: LimitState, dofs: RigidDofs) -> Bools:
     """Which blocks supports leave no velocity, shape (blocks,)."""
     basis = state.discretisation.free_basis[dofs.offset : dofs.offset + dofs.count]
@@ -37,7 +29,7 @@ def draw_blocks(axes: Axes, state: LimitState, stretch: float, fastest: float) -
     by half the square of their rotation for it.
     """
     for name, dofs in state.discretisation.assemblies.items():
-        velocity = vertex_velocity(dofs, state.velocity[name])
+        velocity = dofs.vertex_velocity(state.velocity[name])
         held, edges = held_blocks(state, dofs), dofs.body.edges
         moves = np.zeros(held.size, dtype=bool)
         moves[edges.block[np.linalg.norm(velocity, axis=0) > _AT_REST * fastest]] = True

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -242,3 +243,9 @@ class LimitState:
         from lacore.plotting import plot_mechanism
 
         return plot_mechanism(self)
+
+    def to_vtu(self, path: str | PathLike[str]) -> None:
+        """A file for ParaView: see `lacore.export.write_state`."""
+        from lacore.export import write_state
+
+        write_state(self, path)

@@ -89,6 +89,13 @@ class RigidDofs:
         own[2] /= self.body.radius
         return own
 
+    def vertex_velocity(self, motion: Floats) -> Floats:
+        """Velocity at the starts of all outline edges by a `motion`, m/s, shape (2, n)."""
+        edges = self.body.edges
+        u_x, u_y, omega = motion[:, edges.block]
+        x, y = edges.start - self.body.centroid[:, edges.block]
+        return np.stack([u_x - omega * y, u_y + omega * x])
+
     def force(self, load: Traction | Pressure | BodyForce | PointForce | RigidFooting) -> Floats:
         """Forces of a load on the blocks' unknowns, shape (count,), N/m."""
         body, total = self.body, np.zeros((len(self.body.names), 3))

@@ -4,6 +4,7 @@
 """
 
 import sys
+from dataclasses import replace
 
 import lacore as la
 
@@ -21,6 +22,14 @@ def billet(n=2, crossed=False, law=None):
         interfaces=[la.Interface(("billet", "top"), PLATEN, 0.2)],
     )
     return problem, [la.Interface(("billet", "right"), PLATEN, 0.2)]
+
+
+def quad_billet():
+    """The same of quadrilaterals."""
+    problem, approaching = billet()
+    body = problem.bodies["billet"]
+    mesh = la.meshes.quadrilaterals(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    return replace(problem, bodies={"billet": replace(body, mesh=mesh, space="q2")}), approaching
 
 
 def pressed(steps=4, travel=0.2, billet=billet, **more):

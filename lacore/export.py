@@ -1,0 +1,213 @@
+"""Limit states and paths as files of ParaView: VTU, and a PVD of a series."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path as File
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.dofs import BodyDofs, number
+from lacore.errors import InputError
+from lacore.flow import strain_per_length
+from lacore.nodal import element_means, node_means
+from lacore.path import Path, Snapshot
+from lacore.program import DissipationGroup
+from lacore.result import LimitState
+from lacore.rigid import RigidDofs
+
+SERIES = "path.pvd"
+_CELLS = {3: "triangle", 6: "triangle6", 9: "quad9"}
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Cells of one kind.
+
+    Attributes:
+        kind: of meshio.
+        cells: points of each, shape (cells, a).
+        points: shape (2, n), m.
+        at_points, at_cells: values by name, the last axis that of points or cells.
+    """
+
+    kind: str
+    cells: Ints
+    points: Floats
+    at_points: Mapping[str, Floats]
+    at_cells: Mapping[str, Floats] = field(default_factory=dict)
+
+
+def write_state(state: LimitState, place: str | os.PathLike[str]) -> None:
+    """A limit state as a VTU file.
+
+    At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
+    continua means over each element of `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see
+    `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
+    tensors of ParaView; of axisymmetric bodies rr zz tt rz). Blocks are polygons, members lines,
+    and have NaN there.
+
+    Raises:
+        InputError: another ending than .vtu, a place that cannot be written.
+        ValueError: there is no state to show.
+    """
+    d, velocity = state.discretisation, state.velocity
+    assert state.point is not None
+    numbers = {name: place for place, name in enumerate(d.problem.bodies)}
+    parts = [
+        _flowing(state, name, group, numbers[name])
+        for name, group in zip(d.bodies, d.full.groups, strict=False)
+    ]
+    for name, blocks in d.assemblies.items():
+        parts += _rigid(blocks, velocity[name], numbers[name])
+    for name, frame in d.frames.items():
+        cells, moves = frame.body.pieces.nodes, {"velocity": _spatial(velocity[name][:2])}
+        body = {"body": np.full(len(cells), numbers[name])}
+        parts.append(_Part("line", cells, frame.body.position, moves, body))
+    _write(File(os.fspath(place)), parts)
+
+
+def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int) -> _Part:
+    """A continuum of a limit state."""
+    assert state.point is not None
+    dofs = state.discretisation.bodies[name]
+    factor, shape = strain_per_length(dofs), dofs.weights.shape
+    lengths = np.linalg.norm(group.cone_vectors(state.point.velocity), axis=1)
+    fields = {"equivalent_strain_rate": factor * lengths, "yield_stress": group.bound / factor}
+    means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
+    xx, yy, zz, xy = (element_means(dofs, own) for own in state.stress[name].transpose(2, 0, 1))
+    stress = np.stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
+    at_cells = means | {"dissipation": state.dissipation[name], "stress": stress}
+    return _continuum(dofs, number, {"velocity": _spatial(state.velocity[name])}, at_cells)
+
+
+def _rigid(dofs: RigidDofs, motion: Floats, number: int) -> Iterator[_Part]:
+    """Blocks, a part for each number of corners."""
+    edges, moves = dofs.body.edges, _spatial(dofs.vertex_velocity(motion))
+    first = np.flatnonzero(np.diff(edges.block, prepend=-1))
+    corners = np.diff(first, append=edges.block.size)
+    for count in np.unique(corners).tolist():
+        used = first[corners == count, None] + np.arange(count)
+        points = used.ravel()
+        yield _Part(
+            "polygon",
+            np.arange(points.size).reshape(used.shape),
+            edges.start[:, points],
+            {"velocity": moves[:, points]},
+            {"body": np.full(len(used), number)},
+        )
+
+
+def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
+    """The snapshots of a path as VTU files, and a PVD file of them with the travel as time.
+
+    At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m,
+    from the beginning), `equivalent_strain` (means around vertices, see
+    `lacore.nodal.vertex_means`, linear between). At cells means over the strain points by their
+    volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
+    at that strain), `dissipation` (W/m^3: yield stress times strain rate); and `body`, its number
+    in the problem.
+
+    Returns:
+        the PVD file, to be opened.
+
+    Raises:
+        InputError: a folder that cannot be written.
+    """
+    place = File(os.fspath(folder))
+    collection = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    series = ElementTree.SubElement(collection, "Collection")
+    digits = len(str(path.snapshots[-1].step))
+    with _said("folder", place):
+        place.mkdir(parents=True, exist_ok=True)
+    for snapshot in path.snapshots:
+        name = f"step-{snapshot.step:0{digits}d}.vtu"
+        _write(place / name, _snapshot(path, snapshot))
+        ElementTree.SubElement(
+            series, "DataSet", timestep=repr(snapshot.travel), group="", part="0", file=name
+        )
+    with _said("folder", place):
+        ElementTree.indent(collection)
+        ElementTree.ElementTree(collection).write(place / SERIES, "utf-8", xml_declaration=True)
+    return place / SERIES
+
+
+def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
+    start = path.stage.start.nodes
+    bodies = number(path.stage.bodies_at(snapshot.configuration))
+    for place, (name, dofs) in enumerate(bodies.items()):
+        strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
+        stress = dofs.body.criterion.law.stress(strain)
+        at_points = {
+            "velocity": _spatial(snapshot.velocity[name]),
+            "displacement": _spatial(snapshot.configuration.nodes[name] - start[name]),
+            "equivalent_strain": node_means(dofs, strain),
+        }
+        fields = {
+            "equivalent_strain": strain,
+            "equivalent_strain_rate": rate,
+            "yield_stress": stress,
+            "dissipation": stress * rate,
+        }
+        at_cells = {key: element_means(dofs, values) for key, values in fields.items()}
+        yield _continuum(dofs, place, at_points, at_cells)
+
+
+def _continuum(
+    dofs: BodyDofs, body: int, at_points: Mapping[str, Floats], at_cells: Mapping[str, Floats]
+) -> _Part:
+    # Nodes of an element stand in the order of VTK: vertices, edges from the first on, the centre.
+    cells = dofs.element_nodes.T
+    numbered = {"body": np.full(len(cells), body), **at_cells}
+    return _Part(_CELLS[cells.shape[1]], cells, dofs.nodes, at_points, numbered)
+
+
+def _spatial(vectors: Floats) -> Floats:
+    """With a third component, shape (3, n)."""
+    return np.concatenate([vectors, np.zeros((1, vectors.shape[1]))])
+
+
+def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:
+    import meshio  # here: it imports the writers of forty formats
+
+    if place.suffix.lower() != ".vtu":
+        raise InputError("path", str(place), "not the name of a VTU file", "let it end in .vtu")
+    parts = list(parts)
+    first = np.cumsum([0, *(part.points.shape[1] for part in parts)])
+    points = np.concatenate([_spatial(part.points) for part in parts], axis=1).T
+    cells = [(part.kind, part.cells + at) for part, at in zip(parts, first[:-1], strict=True)]
+    at_points = {
+        name: np.ascontiguousarray(
+            np.concatenate([part.at_points[name] for part in parts], axis=-1).T
+        )
+        for name in parts[0].at_points
+    }
+    shapes = {name: own.shape[:-1] for part in parts for name, own in part.at_cells.items()}
+    at_cells = {name: [_values(part, name, own) for part in parts] for name, own in shapes.items()}
+    mesh = meshio.Mesh(points, cells, point_data=at_points, cell_data=at_cells)
+    with _said("path", place):
+        mesh.write(place, file_format="vtu")
+
+
+def _values(part: _Part, name: str, shape: tuple[int, ...]) -> Any:
+    """Values at cells, cells first; NaN where there are none."""
+    found = part.at_cells.get(name, np.full((*shape, len(part.cells)), np.nan))
+    return np.ascontiguousarray(found.T)
+
+
+@contextmanager
+def _said(what: str, place: File) -> Iterator[None]:
+    """What goes wrong with a file, as a sentence with its mend."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            what,
+            str(place),
+            f"cannot be written ({error.strerror or error})",
+            "free space, or name another place",
+        ) from error
