@@ -137,6 +137,12 @@ def jacobians(mesh: Mesh) -> Floats:
     det J lies between their least and their largest: an element whose coefficients are all
     positive is not inverted anywhere (T31). Of either orientation the larger part is positive.
     """
+    values = signed_jacobians(mesh)
+    return np.asarray(values * np.sign(values.sum(axis=1, keepdims=True)))
+
+
+def signed_jacobians(mesh: Mesh) -> Floats:
+    """As `jacobians`, positive where an element turns anticlockwise from node to node."""
     if len(mesh.t) == 3:  # quadratic: vertices, and by a, b and the middle m of them 2 m - (a+b)/2
         places = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
         change = np.eye(6)
@@ -147,8 +153,7 @@ def jacobians(mesh: Mesh) -> Floats:
         s = _SHARES[:, None]
         cubic = np.array([1, 3, 3, 1]) * s ** np.arange(4) * (1 - s) ** np.arange(3, -1, -1)
         change = np.kron(np.linalg.inv(cubic), np.linalg.inv(cubic))
-    values = np.asarray(mesh.mapping().detDF(places)) @ change.T
-    return np.asarray(values * np.sign(values.sum(axis=1, keepdims=True)))
+    return np.asarray(np.asarray(mesh.mapping().detDF(places)) @ change.T)
 
 
 def subdivided(mesh: Mesh) -> MeshTri:

@@ -29,6 +29,10 @@ class Ending(Enum):
         "the control does not move in its direction: turn its direction around, or follow another"
         " point or a footing"
     )
+    LOCKED = (
+        "obstacles enclose the bodies: no flow at constant volume makes the next step, or one under"
+        " a load without bound"
+    )
     NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
     NOT_ITERATED = (
         "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"

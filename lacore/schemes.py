@@ -10,6 +10,7 @@ from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.configuration import Configuration
 from lacore.control import Gauge
+from lacore.curved import signed_jacobians
 from lacore.errors import InputError
 from lacore.flow import Flow, Moment, flow
 from lacore.path import Ending
@@ -24,6 +25,8 @@ _SAME_DURATION = 0.2  # relative: closer guesses change a load at second order o
 _CLOSING_DURATION = 0.01  # where distances close: by that much of them bodies may overlap obstacles
 _GUESSES = 4  # of the duration of a step
 _BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
+_LOCKED = 1e4  # of a yield stress over the whole body: no load of a flow is that large
+_INVERTED = 1e-3  # least Jacobian of an element, per its mean at the beginning of the path
 _STILL = 1e-9  # of the largest velocity: a control that moves less stands still
 
 Fields = Mapping[str, Floats]
@@ -99,12 +102,17 @@ class Walk:
         Raises:
             PathEndError: there is no certified answer, no mesh, or the control stands still.
         """
+        require_upright(self.stage, moment.at)
         try:
             found = flow(self.stage, moment, self.settings)
         except InputError as wrong:
             raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
         state = found.state
         self.solves += state.outer_iterations
+        natural = state.discretisation.natural.load_factor
+        if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
+            text = f"{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
+            raise PathEndError(Ending.LOCKED, text)
         if state.status is not Status.SOLVED or state.point is None:
             raise PathEndError(Ending.NOT_SOLVED, state.message)
         speed = self.gauge(state.discretisation, state.point.velocity)
@@ -199,6 +207,25 @@ SCHEMES: Mapping[str, Scheme] = {
     "implicit-midpoint": implicit_midpoint,
     "implicit-euler": implicit_euler,
 }
+
+
+def require_upright(stage: Stage, configuration: Configuration) -> float:
+    """Least Jacobian of all elements, per mean of its element (T31).
+
+    Raises:
+        PathEndError: it is not positive: an element is, or may be, inside out.
+    """
+    least = np.inf
+    for name, mesh in stage.meshes_at(configuration).items():
+        values = signed_jacobians(mesh) * stage.turns[name][:, None]
+        each = values.min(axis=1) / np.abs(values.mean(axis=1))
+        worst = int(np.argmin(each))
+        least = min(least, float(each[worst]))
+        if not each[worst] > _INVERTED:
+            x, y = mesh.p[:, mesh.t[:, worst]].mean(axis=1)
+            what = f"element {worst} of {name!r} near ({x:.4g}, {y:.4g})"
+            raise PathEndError(Ending.INVERSION, f"{what}: {Ending.INVERSION.value}")
+    return least
 
 
 def _started(walk: Walk, here: Here, distance: float) -> Here:

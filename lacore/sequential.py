@@ -15,7 +15,6 @@ from lacore.approach import gaps
 from lacore.assembly import discretise
 from lacore.checkpoint import Checkpoint, Progress, identity
 from lacore.control import Control, FootingTravel, Gauge
-from lacore.curved import jacobians
 from lacore.dofs import BodyDofs, number
 from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.flow import Moment, flow
@@ -23,10 +22,9 @@ from lacore.interfaces import Interface
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
 from lacore.problem import Problem
 from lacore.result import LimitState
-from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk
+from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
 from lacore.staging import Stage, staged
 
-_INVERTED = 1e-3  # least Jacobian of an element, per its mean
 _END = 1e-9  # of the travel: what is left is round-off
 _NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
 _SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps
@@ -147,6 +145,9 @@ def sequential(
                 if on_step is not None:
                     on_step(log.rows[-1])
         except PathEndError as stop:
+            if stop.ending is Ending.INVERSION:
+                element = str(stop).partition(":")[0]
+                log.event("inversion predicted", here.step + 1, here.travel, element)
             return log.path(stop.ending, str(stop), settings)
     return log.path(Ending.REACHED, Ending.REACHED.value, settings)
 
@@ -171,30 +172,10 @@ def _step(
         strain_rate=stride.flow.strain_rate,
         speed=stride.speed,
     )
-    jacobian = _least_jacobian(walk.stage, there, log)
+    jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     return there
-
-
-def _least_jacobian(stage: Stage, there: Here, log: "_Log") -> float:
-    """Least Jacobian of all elements, per mean of its element (T31).
-
-    Raises:
-        PathEndError: it is not positive: the step must not be taken.
-    """
-    least = np.inf
-    for name, mesh in stage.meshes_at(there.configuration).items():
-        values = jacobians(mesh)
-        each = values.min(axis=1) / values.mean(axis=1)
-        worst = int(np.argmin(each))
-        least = min(least, float(each[worst]))
-        if not each[worst] > _INVERTED:
-            x, y = mesh.p[:, mesh.t[:, worst]].mean(axis=1)
-            what = f"element {worst} of {name!r} near ({x:.4g}, {y:.4g})"
-            log.event("inversion predicted", there.step, there.travel, what)
-            raise PathEndError(Ending.INVERSION, f"{what}: {Ending.INVERSION.value}")
-    return least
 
 
 def _volume(stage: Stage, there: Here) -> float:

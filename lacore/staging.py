@@ -6,6 +6,7 @@ there goes with them.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -17,6 +18,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies import Body
 from lacore.boundaries import Where, boundary_facets, facet_geometry
 from lacore.configuration import Configuration
+from lacore.curved import signed_jacobians
 from lacore.errors import InputError
 from lacore.interfaces import FrictionTerms, Interface, RigidObstacle
 from lacore.loads import BodyForce, Load, PointForce
@@ -76,6 +78,14 @@ class Stage:
     def bodies(self) -> dict[str, Body]:
         """The bodies where they are at the beginning."""
         return {name: body for name, body in self.problem.bodies.items() if isinstance(body, Body)}
+
+    @cached_property
+    def turns(self) -> dict[str, Floats]:
+        """+1 of elements that turn anticlockwise at the beginning, else -1, by body."""
+        return {
+            name: np.sign(signed_jacobians(body.mesh).sum(axis=1))
+            for name, body in self.bodies.items()
+        }
 
     @property
     def start(self) -> Configuration:
