@@ -47,9 +47,14 @@ def certified_loop(
     regularised: bool,
     options: CouplingOptions,
     on_iterate: OnIterate,
+    prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
 ) -> Coupled:
-    """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13)."""
-    run = Run(program, solver, regularised, options, on_iterate)
+    """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
+
+    Where strain rates harden, S-steps take the yield stresses of the K-step before, in a program of
+    their own that `prepare` gets a solver for: two velocities would not harden alike.
+    """
+    run = Run(program, solver, regularised, options, on_iterate, prepare)
     rows = program.contact
     if not rows.coulomb.any():
         return run.judged(run.solve("single", frictionless_contact(rows)))
@@ -149,7 +154,8 @@ def _k_step(run: Run, reaction: Floats, static: ProgramState, kind: str) -> Iter
 def _s_step(run: Run, kinematic: ProgramState) -> Iterate:
     """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
     contact = shift_contact(run.program.contact, slip_rate(run.program, kinematic))
-    return run.solve("S", contact, partner=lambda s: paired(kinematic, s))
+    velocity = kinematic.velocity
+    return run.solve("S", contact, partner=lambda s: paired(kinematic, s), hardened_by=velocity)
 
 
 def _ends(run: Run, iterate: Iterate) -> bool:

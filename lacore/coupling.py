@@ -7,6 +7,7 @@ the friction bounds that they were given are those of the reactions that they re
 """
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from numbers import Integral
 from typing import Any
@@ -150,6 +151,7 @@ class Run:
     regularised: bool
     options: CouplingOptions
     on_iterate: Callable[[Iterate], None]
+    prepare: Callable[[KinematicProgram], PreparedSolver] | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
     _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
@@ -160,12 +162,19 @@ class Run:
         contact: FrozenContact,
         laws: FrozenContact | None = None,
         partner: Callable[[ProgramState], ProgramState] | None = None,
+        hardened_by: Floats | None = None,
     ) -> Iterate:
         """Solve for a frozen contact and judge the answer by `laws` (None: the true ones).
 
         With `partner`, judge the pair that it makes of the answer, unless the answer itself holds.
+        With `hardened_by`, a velocity, yield stresses are those that it makes (T29).
         """
-        inner = checked_answer(self.program, self.regularised, self.solver.solve(contact))
+        if hardened_by is None or self.prepare is None or not self.program.hardens:
+            answer = self.solver.solve(contact)
+        else:
+            with closing(self.prepare(self.program.hardened(hardened_by))) as solver:
+                answer = solver.solve(contact)
+        inner = checked_answer(self.program, self.regularised, answer)
         state, certificate, mismatch = inner.point, None, np.nan
         if state is not None:
             certificate = certify(self.program, state, laws)

@@ -50,6 +50,7 @@ class Here:
         configuration: of the bodies.
         velocity, strain_rate: of the last step, by body; None at the beginning.
         speed: of the control in the last step; a guess at the beginning.
+        growth: of the speed from the step before to the last.
     """
 
     step: int
@@ -58,6 +59,7 @@ class Here:
     velocity: Fields | None
     strain_rate: Fields | None
     speed: float
+    growth: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,7 @@ class Walk:
         self, here: Here, at: Configuration, distance: float, share: float, speed: float
     ) -> tuple[Flow, float]:
         """The flow of a step that covers a distance, from a first guess of the speed."""
+        speed = speed * min(max(here.growth, 0.5), 2.0)
         found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
         for _ in range(_GUESSES):
             program = found.state.discretisation.program

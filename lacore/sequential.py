@@ -171,6 +171,7 @@ def _step(
         velocity=stride.flow.velocity,
         strain_rate=stride.flow.strain_rate,
         speed=stride.speed,
+        growth=1.0 if here.velocity is None else stride.speed / here.speed,
     )
     jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -120,7 +121,12 @@ def solve(
             solver = isolated = process.prepare(engine, program, engine_options)
             built += isolated.load_time  # no part of the solve
         stack.callback(solver.close)
-        coupled = COUPLINGS[coupling](
+        couple = COUPLINGS[coupling]
+        if couple is certified_loop and process is None:
+            couple = partial(
+                certified_loop, prepare=partial(engine.prepare, options=engine_options)
+            )
+        coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
     if coupled.status is Status.LOCKED and not regularised:
