@@ -229,7 +229,12 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         pack(f"snapshot/{place}/strain_rate", snapshot.strain_rate)
     head = {
         "bodies": names,
-        "here": {"step": here.step, "travel": here.travel, "speed": here.speed},
+        "here": {
+            "step": here.step,
+            "travel": here.travel,
+            "speed": here.speed,
+            "growth": here.growth,
+        },
         "moment": {"duration": moment.duration, "share": moment.share},
         "step": progress.step,
         "snapshots": [{"step": own.step, "travel": own.travel} for own in progress.snapshots],

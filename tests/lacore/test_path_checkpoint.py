@@ -262,7 +262,7 @@ def test_two_at_once(tmp_path):
 def test_all_that_a_step_needs_is_kept():
     """Who adds a field to one of these adds it to the file, and raises its format."""
     known = {
-        Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed"],
+        Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed", "growth"],
         Moment: ["begin", "at", "duration", "share"],
         Configuration: ["nodes", "strain"],
         Snapshot: ["step", "travel", "configuration", "velocity", "strain_rate"],
