@@ -52,6 +52,7 @@ class ChildProcess:
         self._worker = worker
         self._environment = dict(environment or {})
         self._process: subprocess.Popen[bytes] | None = None
+        self._killed = False
 
     @property
     def running(self) -> bool:
@@ -109,6 +110,8 @@ class ChildProcess:
             env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
             start_new_session=True,  # what it starts ends with it; Ctrl-C reaches the caller only
         )
+        if self._killed:  # while it started
+            _kill(self._process)
         self.ask(START, "")
 
     def _lost(self, late: bool, limit: float) -> LostError:
@@ -130,7 +133,8 @@ class ChildProcess:
         return LostError(Status.FAILED, "process ended", f"its process ended by itself ({how})")
 
     def kill(self) -> None:
-        """Stop the process, from any thread: the one that waits for an answer learns of it."""
+        """Stop for good, from any thread: the one that waits for an answer learns of it."""
+        self._killed = True
         process = self._process
         if process is not None:
             _kill(process)

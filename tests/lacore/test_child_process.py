@@ -1,12 +1,13 @@
 """A process of its own: answers belong to their questions."""
 
 import os
+import subprocess
 import sys
 import time
 
 import pytest
 
-from lacore.child_process import ChildProcess
+from lacore.child_process import ChildProcess, LostError
 from tests.processes import alive, marked, wait_for
 
 
@@ -44,3 +45,18 @@ def test_an_environment_of_its_own(child):
     child.close()
     assert not child.running
     assert child.ask(60.0, "echo", "again") == "again"
+
+
+def test_killed_while_it_starts(monkeypatch):
+    """Another thread may give up at the very moment in which there is no process yet."""
+    child = ChildProcess(f"{__name__}:Worker")
+    start = subprocess.Popen
+
+    def slow(*args, **kwargs):
+        process = start(*args, **kwargs)
+        child.kill()
+        return process
+
+    monkeypatch.setattr(subprocess, "Popen", slow)
+    with child, pytest.raises(LostError):
+        child.ask(60.0, "echo", 1)
