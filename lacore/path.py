@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 from os import PathLike
 from pathlib import Path as File
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -14,6 +15,9 @@ from lacore.errors import InputError
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.staging import Stage
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Ending(Enum):
@@ -173,3 +177,15 @@ class Path:
         from lacore.export import write_path
 
         return write_path(self, folder)
+
+    def plot(self) -> "Figure":
+        """The bodies at the end, and the load: see `lacore.plotting_path.plot_path`."""
+        from lacore.plotting_path import plot_path
+
+        return plot_path(self)
+
+    def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
+        """A GIF or MP4: see `lacore.animation.animate_path`."""
+        from lacore.animation import animate_path
+
+        animate_path(self, file, fps, dpi)

@@ -1,0 +1,73 @@
+"""Paths as moving pictures: the bodies as they deform, and the load as it comes."""
+
+import os
+from pathlib import Path as File
+
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+
+from lacore.errors import InputError, require_positive
+from lacore.path import Path
+from lacore.plotting_path import draw_bodies, draw_load, page, strain_scale
+
+_HOLD = 1.0  # s: the last picture stays
+
+
+def animate_path(
+    path: Path, place: str | os.PathLike[str], fps: float = 8.0, dpi: float = 90.0
+) -> None:
+    """A GIF or MP4 of a path, a picture a snapshot; see `lacore.plotting_path.plot_path`.
+
+    Args:
+        path: with at least one step.
+        place: of the file: .gif, or .mp4 where the program ffmpeg is installed.
+        fps: snapshots a second.
+        dpi: pixels an inch; a picture is about ten inches wide.
+
+    Raises:
+        InputError: another ending, ffmpeg is missing, a file that cannot be written, a path
+            without steps.
+    """
+    require_positive("fps", fps)
+    require_positive("dpi", dpi)
+    file = File(os.fspath(place))
+    writer = _writer(file, fps)
+    if path.history.empty:
+        raise InputError("path", path.message, "has no step to show", "see why it ended")
+    figure, bodies, load = page(path)
+    scale = strain_scale(path)
+    draw_bodies(bodies, path, path.snapshots[-1], scale)
+    draw_load(load, path)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # nothing jumps from picture to picture
+    try:
+        with writer.saving(figure, str(file), dpi):
+            for snapshot in path.snapshots:
+                for axes in (bodies, load):
+                    axes.clear()
+                draw_bodies(bodies, path, snapshot, scale)
+                draw_load(load, path, snapshot.travel)
+                writer.grab_frame()
+            for _ in range(round(_HOLD * fps)):
+                writer.grab_frame()
+    except OSError as error:
+        raise InputError(
+            "file",
+            str(file),
+            f"cannot be written ({error.strerror or error})",
+            "free space, or name another place",
+        ) from error
+
+
+def _writer(file: File, fps: float) -> AbstractMovieWriter:
+    ending = file.suffix.lower()
+    if ending not in (".gif", ".mp4"):
+        raise InputError("file", str(file), "neither GIF nor MP4", "let it end in .gif or .mp4")
+    if not file.parent.is_dir():
+        raise InputError("file", str(file), "its folder does not exist", "make it")
+    if ending == ".gif":
+        return PillowWriter(fps=fps)  # type: ignore[arg-type]  # any number is fine
+    if not FFMpegWriter.isAvailable():
+        raise InputError(
+            "file", str(file), "MP4 needs the program ffmpeg, which is missing", "write a .gif"
+        )
+    return FFMpegWriter(fps=fps)  # type: ignore[arg-type]

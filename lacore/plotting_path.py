@@ -1,0 +1,289 @@
+"""Pictures of paths: bodies coloured by their strain, and the load over the travel."""
+
+from collections.abc import Iterable, Sequence
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.tri import Triangulation
+from skfem import Mesh
+
+from lacore.arrays import Floats, Ints
+from lacore.curved import edge_lines, outlines
+from lacore.dofs import number
+from lacore.loads import RigidFooting
+from lacore.nodal import corner_shapes, vertex_means
+from lacore.path import Path, Snapshot
+from lacore.plotting_axis import draw_axis, label_coordinates
+from lacore.plotting_contact import GROUND
+from lacore.plotting_continua import BEFORE
+from lacore.staging import Obstacle
+
+_PAGE = 10.0  # inches
+_TALLEST = 6.0
+_CURVE = 3.4  # inches: width, and where it stands below, height
+_WIDE = 0.45  # height over width of bodies: below it the load stands below them
+_MARGIN, _DEPTH = 0.04, 0.03  # beside bodies, and of obstacles, per size
+_FINE = 4  # parts that an edge is cut into to be coloured
+_MANY = 2000  # elements, whose edges would cover the colours
+_FEW = 60  # steps, that have a dot each
+_NOTHING = 1e-6  # of the load: friction that has no line
+_MAP = "YlOrRd"
+_EVENTS = {
+    "peak load": "#b2182b",
+    "contact closed": "#0072b2",
+    "contact opened": "#e69f00",
+    "remeshed": "#5e3c99",
+    "inversion predicted": "#000000",
+}
+_LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
+
+
+def plot_path(path: Path) -> Figure:
+    """The bodies at the end of a path, and the load over the travel.
+
+    Bodies are coloured by their equivalent strain: means around vertices
+    (`lacore.nodal.vertex_means`), linear between. Element edges are the curves that they are. Peaks
+    of the load are marked at their step, other events at the bottom.
+    """
+    figure, bodies, load = page(path)
+    draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
+    draw_load(load, path)
+    figure.draw_without_rendering()  # the layout needs the scales to find the margins
+    return figure
+
+
+def page(path: Path) -> tuple[Figure, Axes, Axes]:
+    """A figure with the axes of the bodies, their bar of colours, and the axes of the load."""
+    low, high = _box(path)
+    extent = high - low
+    aspect = float(extent[1] / extent[0])
+    beside = aspect > _WIDE
+    bodies = np.array([_PAGE - _CURVE - 1.6, 0.0]) if beside else np.array([_PAGE - 1.6, 0.0])
+    bodies[1] = min(bodies[0] * aspect, _TALLEST - 1.4)
+    if beside:
+        width = max(bodies[1] / aspect, 2.6)
+        size, ratios = (width + _CURVE + 1.9, max(bodies[1] + 1.4, 3.4)), [width + 0.9, _CURVE]
+        figure = Figure(figsize=size, layout="constrained")
+        grid = figure.add_gridspec(1, 2, width_ratios=ratios)
+    else:
+        size, ratios = (_PAGE, bodies[1] + _CURVE + 1.4), [bodies[1] + 0.6, _CURVE - 0.6]
+        figure = Figure(figsize=size, layout="constrained")
+        grid = figure.add_gridspec(2, 1, height_ratios=ratios)
+    figure.set_facecolor("white")
+    figure.suptitle(_title(path), fontsize=11, x=0.01, ha="left")
+    left, right = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
+    bar = figure.colorbar(
+        ScalarMappable(strain_scale(path), matplotlib.colormaps[_MAP]),
+        ax=left,
+        shrink=0.85,
+        pad=0.01,
+        aspect=25,
+    )
+    bar.set_label("equivalent strain", fontsize=9)
+    bar.ax.tick_params(labelsize=8)
+    return figure, left, right
+
+
+def strain_scale(path: Path) -> Normalize:
+    """Of all snapshots: from 0 to the largest mean around a vertex."""
+    highest = max(
+        float(values.max()) for own in path.snapshots for _, values in _coloured(path, own)
+    )
+    return Normalize(0.0, highest or 1.0)
+
+
+def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) -> None:
+    """Bodies and obstacles; the limits are those of the whole path."""
+    stage = path.stage
+    for body in stage.bodies.values():
+        lines = edge_lines(body.mesh, body.mesh.boundary_facets())
+        axes.add_collection(LineCollection(lines, **BEFORE, zorder=1))
+    for mesh, values in _coloured(path, snapshot):
+        places, colours, triangles = _lattice(mesh, values)
+        shape = Triangulation(places[0], places[1], triangles)
+        colour = axes.tripcolor(shape, colours, shading="gouraud", norm=scale, cmap=_MAP)
+        colour.set_zorder(2)
+        colour.set_rasterized(True)
+        width = 0.35 if mesh.nelements < _MANY else 0.12
+        axes.add_collection(
+            PolyCollection(
+                list(outlines(mesh)),
+                facecolors="none",
+                edgecolors=(0, 0, 0, 0.3),
+                linewidths=width,
+                zorder=3,
+            )
+        )
+        lines = edge_lines(mesh, mesh.boundary_facets())
+        axes.add_collection(LineCollection(lines, colors="#222222", linewidths=1.0, zorder=4))
+    before = Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="before")
+    axis = draw_axis(axes, stage.bodies.values())
+    handles: list[Artist] = [before, *axis]
+    handles += _draw_tools(axes, path, snapshot)
+    low, high = _box(path)
+    for obstacle in stage.obstacles:
+        _draw_plane(axes, obstacle, low, high)
+    if stage.obstacles:
+        handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
+    axes.set_xlim(min(low[0], 0.0) if axis else low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal", anchor="SW")
+    axes.tick_params(labelsize=8)
+    label_coordinates(axes, stage.bodies.values())
+    _finish(axes, handles)
+
+
+def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
+    """Load factor, its parts and events over the travel; what is beyond `until` is faint."""
+    table = path.history
+    handles: list[Artist] = []
+    parts = [("load_factor", _LOAD, 1.6, "load factor")]
+    if (table["friction"].abs() > _NOTHING * table["load_factor"].abs()).any():
+        parts.append(("plastic", _PLASTIC, 1.0, "plastic power"))
+        parts.append(("friction", _FRICTION, 1.0, "friction"))
+    for name, colour, width, label in parts:
+        axes.plot(table["travel"], table[name], color=colour, lw=width, alpha=0.25)
+        past = table[table["travel"] <= until]
+        (line,) = axes.plot(past["travel"], past[name], color=colour, lw=width, label=label)
+        handles.append(line)
+        if name == "load_factor" and len(table) <= _FEW:
+            axes.plot(past["travel"], past[name], ".", color=colour, ms=5)
+        if name == "load_factor" and not past.empty and np.isfinite(until):
+            axes.plot(past["travel"].iloc[-1], past[name].iloc[-1], "o", color=colour, ms=6)
+    handles += _draw_events(axes, path, until)
+    axes.set_xlabel("travel", fontsize=9)
+    axes.set_ylabel("load factor", fontsize=9)
+    axes.set_xlim(0, path.snapshots[-1].travel or 1.0)
+    if not table.empty:
+        axes.set_ylim(bottom=min(0.0, *(float(table[name].min()) for name, *_ in parts)))
+    axes.tick_params(labelsize=8)
+    _finish(axes, handles)
+
+
+def _draw_events(axes: Axes, path: Path, until: float) -> list[Artist]:
+    handles: list[Artist] = []
+    for kind, colour in _EVENTS.items():
+        own = path.events[(path.events["kind"] == kind) & (path.events["travel"] <= until)]
+        if not (path.events["kind"] == kind).any():
+            continue
+        if kind == "peak load":
+            rows = path.history.set_index("step").loc[own["step"]]
+            axes.plot(rows["travel"], rows["load_factor"], "v", color=colour, ms=7, zorder=5)
+            handles.append(Line2D([], [], color=colour, marker="v", lw=0, label=kind))
+            continue
+        _rug(axes, own["travel"], colour)
+        handles.append(Line2D([], [], color=colour, marker="|", mew=1.6, lw=0, label=kind))
+    return handles
+
+
+def _rug(axes: Axes, travels: "pd.Series[float]", colour: str) -> None:
+    """Ticks on the axis below."""
+    at = np.unique(travels)
+    axes.vlines(at, 0, 0.045, colors=colour, lw=1.4, transform=axes.get_xaxis_transform())
+
+
+def _finish(axes: Axes, handles: Sequence[Artist]) -> None:
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0, 1.0),
+        ncols=3,
+        frameon=False,
+        fontsize=8,
+        handlelength=1.6,
+        columnspacing=1.2,
+        borderaxespad=0.2,
+    )
+
+
+def _title(path: Path) -> str:
+    count = len(path.history)
+    second = f"{count} step{'s' if count != 1 else ''}, status: {path.status.label}"
+    if not count:
+        return f"no step was taken\n{second}"
+    highest = path.history.iloc[int(path.history["load_factor"].argmax())]
+    peak = (path.events["kind"] == "peak load").any()
+    what = "peak" if peak else "largest"
+    return (
+        f"{what} load factor {highest['load_factor']:.6g} at a travel of {highest['travel']:.4g}"
+        f"\n{second}"
+    )
+
+
+def _box(path: Path) -> tuple[Floats, Floats]:
+    """Corners of all that bodies come to, with a margin, m."""
+    nodes = [own for snap in path.snapshots for own in snap.configuration.nodes.values()]
+    low = np.min([own.min(axis=1) for own in nodes], axis=0)
+    high = np.max([own.max(axis=1) for own in nodes], axis=0)
+    margin = (_MARGIN + (_DEPTH if path.stage.obstacles else 0)) * float(np.linalg.norm(high - low))
+    return low - margin, high + margin
+
+
+def _coloured(path: Path, snapshot: Snapshot) -> Iterable[tuple[Mesh, Floats]]:
+    """Meshes of a snapshot, and the equivalent strain at their vertices."""
+    for name, dofs in number(path.stage.bodies_at(snapshot.configuration)).items():
+        yield dofs.body.mesh, vertex_means(dofs, snapshot.configuration.strain[name])
+
+
+def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
+    """Places (2, n) and values (n,) on a fine lattice in each element, and its triangles (m, 3)."""
+    corners, steps = len(mesh.t), np.linspace(0.0, 1.0, _FINE + 1)
+    x, y = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    at = np.arange(x.size).reshape(_FINE + 1, -1)
+    a, b, c, d = (own.ravel() for own in (at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
+    if corners == 3:
+        inside = x + y <= 1 + 0.5 / _FINE
+        triangles = triangles[inside[triangles].all(axis=1)]
+        new = np.cumsum(inside) - 1
+        x, y, triangles = x[inside], y[inside], new[triangles]
+    points = np.stack([x, y])
+    places = np.asarray(mesh.mapping().F(points))
+    colours = np.einsum("ce,cp->ep", values[mesh.t], corner_shapes(points, corners))
+    shift = x.size * np.arange(mesh.nelements)[:, None, None]
+    return places.reshape(2, -1), colours.ravel(), (triangles + shift).reshape(-1, 3)
+
+
+def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
+    """Rigid footings, where they are."""
+    meshes, drawn = path.stage.meshes_at(snapshot.configuration), False
+    for load in path.stage.problem.reference_loads:
+        if isinstance(load, RigidFooting):
+            mesh = meshes[load.body]
+            lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(load.where)]))
+            axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
+            drawn = True
+    return [Line2D([], [], color=_PLASTIC, lw=3.0, label="rigid footing")] if drawn else []
+
+
+def _draw_plane(axes: Axes, obstacle: Obstacle, low: Floats, high: Floats) -> None:
+    """A line through the picture, hatched behind."""
+    size = float(np.linalg.norm(high - low))
+    along = np.array([-obstacle.normal[1], obstacle.normal[0]])
+    middle = (low + high) / 2
+    foot = middle - obstacle.normal * (obstacle.normal @ (middle - obstacle.point))
+    ends = np.stack([foot - size * along, foot + size * along])
+    depth = _DEPTH * size * obstacle.normal
+    strip = np.concatenate([ends, ends[::-1] - depth])
+    axes.add_collection(
+        PolyCollection(
+            [strip],
+            facecolors="white",
+            edgecolors=GROUND,
+            hatch="//////",
+            linewidths=0,
+            zorder=1.4,
+        )
+    )
+    axes.add_collection(LineCollection([ends], colors="#222222", linewidths=1.2, zorder=1.5))
