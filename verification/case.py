@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import lacore as la
 from lacore.errors import require_known
 from verification.bracketing import Bracketing
+from verification.following import Following
 from verification.guard import guarded
 
 if TYPE_CHECKING:
@@ -247,6 +248,9 @@ class Case:
             expected, or known.
         bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
             have none in any case.
+        path: how a variant is followed through large deformation, from its parameters, which are
+            then to have those of `verification.following.STEPPING`; None: one limit problem.
+            `reference` and `band` are those of the last load, the band of all others, too.
         sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
             lines of a mechanism, say; called with the axes and the problem.
     """
@@ -267,6 +271,7 @@ class Case:
     on_demand: bool = False
     order: Callable[..., Order | None] | None = None
     bracket: Bracketing | None = field(default_factory=Bracketing)
+    path: Callable[..., Following] | None = None
     sketch: "Callable[[Axes, la.Problem], None] | None" = None
 
     @property
@@ -317,6 +322,11 @@ class Case:
         """Mesh level that a bracket starts from."""
         named = "" if self.bracket is None else self.bracket.mesh
         return named or next(iter(self.meshes))
+
+    def following_of(self, variant: Variant) -> Following:
+        """How a variant of a path is followed."""
+        assert self.path is not None
+        return self.path(**variant.parameters)
 
     def order_of(self, variant: Variant) -> Order | None:
         """What refinement must show of a variant; None where nothing is expected."""

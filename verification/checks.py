@@ -9,9 +9,17 @@ from numbers import Real
 from typing import Any
 
 import lacore as la
-from lacore.errors import InputError, is_number, require_count, suggest
+from lacore.errors import (
+    InputError,
+    is_number,
+    require_count,
+    require_known,
+    require_positive,
+    suggest,
+)
 from verification.bracketing import Bracketing
 from verification.case import Band, Case, Order, Reference, Variant
+from verification.following import ORDERS, STEPPING, Following
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
 _TEXTS = ("title", "unit", "explanation", "hand_calculation")
@@ -36,7 +44,7 @@ def check(case: Case) -> None:
     _check_meshes(case.meshes)
     for field in ("build", "reference", "band"):
         _check_callable(f"Case.{field}", getattr(case, field))
-    for field in ("valid", "order", "sketch"):
+    for field in ("valid", "order", "path", "sketch"):
         if getattr(case, field) is not None:
             _check_callable(f"Case.{field}", getattr(case, field))
     _check_bracket(case)
@@ -48,6 +56,8 @@ def check(case: Case) -> None:
         _check_band(variant, _called(case.band, "band", variant, _ELEMENTS))
         if case.order is not None:
             _check_order(case, variant, _called(case.order, "order", variant))
+        if case.path is not None:
+            _check_following(variant, _called(case.path, "path", variant))
     if case.sweep:
         _check_sweep(case)
 
@@ -128,7 +138,7 @@ def _check_bracket(case: Case) -> None:
 
 def _check_picklable(case: Case) -> None:
     """Runs go to other processes, functions by their names."""
-    for field in ("build", "reference", "band", "valid", "order", "sketch"):
+    for field in ("build", "reference", "band", "valid", "order", "path", "sketch"):
         try:
             pickle.dumps(getattr(case, field))
         except (pickle.PicklingError, AttributeError, TypeError) as error:
@@ -192,7 +202,7 @@ def _check_signatures(case: Case, variant: Variant) -> None:
         _check_takes(case.build, "build", variant, **size, **parameters)
     _check_takes(case.reference, "reference", variant, **parameters)
     _check_takes(case.band, "band", variant, _ELEMENTS, **parameters)
-    for name in ("valid", "order"):
+    for name in ("valid", "order", "path"):
         function = getattr(case, name)
         if function is not None:
             _check_takes(function, name, variant, **parameters)
@@ -294,6 +304,30 @@ def _check_band(variant: Variant, band: object) -> None:
                 f"{where}, {field}", value, "not a size of an error", "give a finite number >= 0"
             )
     _check_text(f"{where}, reason", band.reason)
+
+
+def _check_following(variant: Variant, stated: object) -> None:
+    where = f"Case.path, variant {variant.name!r}"
+    if not isinstance(stated, Following):
+        raise InputError(where, type(stated).__name__, "no Following", "return a Following")
+    for name in STEPPING:
+        if variant.parameters.get(name) != getattr(stated, name):
+            raise InputError(
+                f"{where}, {name}",
+                getattr(stated, name),
+                f"is not the parameter {name!r} of the variant, so that no sweep could vary it",
+                f"give the variant {name!r}, and take it from there",
+            )
+    require_positive(f"{where}, travel", stated.travel)
+    require_count(f"{where}, steps", stated.steps)
+    require_known(f"{where}, scheme", stated.scheme, ORDERS)
+    if stated.ladder and (len(stated.ladder) < _LADDER or stated.exact is None):
+        raise InputError(
+            f"{where}, ladder",
+            stated.ladder,
+            "no order can be measured",
+            f"give {_LADDER} numbers of steps or more, and the exact loads",
+        )
 
 
 def _check_order(case: Case, variant: Variant, order: object) -> None:

@@ -24,6 +24,9 @@ from verification.store import Store
 ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
 """Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
 
+PATHS = ("clarabel", "newton")
+"""Backends that paths are compared with: each is tens of solves."""
+
 LINEAR = ("highs",)
 """Those of them that rigid bodies are compared with."""
 
@@ -115,9 +118,10 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 def default_backends(case: Case, variant: Variant) -> list[str]:
     """Backends that a comparison runs when none is named."""
     linear = () if case.meshed else LINEAR
+    names = PATHS if case.path is not None else la.backend_names()
     return [
         name
-        for name in la.backend_names()
+        for name in names
         if (name not in ON_DEMAND or name in linear) and not _unfit(variant, name)
     ]
 

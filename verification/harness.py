@@ -13,6 +13,7 @@ from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
 from verification.evidence import evidence_of
 from verification.judging import FAIL, SKIPPED, about, distance, judge
+from verification.path_run import run_path
 from verification.run import Outcome, Row, Run
 
 _RAW = {"damping": 1.0, "anderson": 0}
@@ -85,6 +86,8 @@ def perform(
             return _skipped(run, names, run.skip)
         if run.coupling == BRACKET:
             return run_bracket(run, names, discretisation.problem, time_limit, memory)
+        if run.case.path is not None:
+            return run_path(run, names, discretisation, reference, band, time_limit, memory)
         coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
         limit = {} if time_limit is None else {"time_limit": time_limit}
         state = la.solve(

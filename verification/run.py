@@ -125,6 +125,10 @@ class Row:
         lower, upper: proven bounds: of a bracket, or the load factor again, where rigor proves it
             to be one.
         width: of a bracket, per its mean.
+        ending: of a path; `load_factor` is that of its last step, `outer_iterations` and the gap
+            are of all.
+        path_error: largest relative error of the loads of a path, as far as they are known.
+        volume_change: largest of a step of a path, of the volume.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
@@ -173,6 +177,9 @@ class Row:
     claimed: bool = False
     n_elements_lower: float = nan
     width: float = nan
+    ending: str = ""
+    path_error: float = nan
+    volume_change: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""

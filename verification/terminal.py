@@ -117,6 +117,11 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
         if isfinite(row.width):
             between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
             print_line(console, f"         {between}, {100 * row.width:.2g} % wide", "dim")
+        if row.ending:
+            worst = (
+                f", error {100 * row.path_error:.2g} % at most" if isfinite(row.path_error) else ""
+            )
+            print_line(console, f"         path: {row.ending}{worst}", "dim")
     skipped: dict[tuple[str, str, str], list[str]] = {}
     for row in (outcome.row for outcome in outcomes):
         if row.verdict == SKIPPED:

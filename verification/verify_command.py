@@ -68,8 +68,9 @@ def verify(
     Of each with each backend: is the value (or the status) right, do strict bounds lie on their
     side, do the residuals hold when computed afresh from the stored states, does the error fall
     under refinement as it must; and of deformable bodies, does a proven bracket enclose the
-    reference, and do the shares of elements add up to its gap. `pytest verification` makes the same
-    checks, one test each.
+    reference, and do the shares of elements add up to its gap. Of paths: does each end as it must,
+    are all loads on the way right, does the error fall with the steps as it must. `pytest
+    verification` makes the same checks, one test each.
 
     \b
     Examples:
@@ -117,7 +118,10 @@ def verify(
 
 
 def _show(console: Console, findings: Sequence[Finding]) -> None:
-    """A line a variant, backend and coupling, all its checks in it; then what failed, and why."""
+    """A line a variant, backend and coupling, all its checks in it; then what failed, and why.
+
+    Of a path the value is the largest error on the way, and the order that of its steps.
+    """
     line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6} {:>7} {:>7}  {}".format
     head = (
         *("backend", "coupling", "meshes", "value %", "side", "residuals", "order"),
@@ -136,10 +140,12 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
         failed = [check for check, found in checks.items() if found.verdict == FAIL]
         meshes = next(found.meshes for found in checks.values())
         cells = (
-            _cell(checks, "status", "") or _cell(checks, "value", "+.4f", 100),
+            _cell(checks, "status", "")
+            or _cell(checks, "value", "+.4f", 100)
+            or _cell(checks, "path", ".4f", 100),
             _cell(checks, "side", "+.1e"),
             _cell(checks, "residuals", ".1e"),
-            _cell(checks, "order", ".2f"),
+            _cell(checks, "order", ".2f") or _cell(checks, "steps", ".2f"),
             _cell(checks, "bracket", ".2f", 100),
             _cell(checks, "gap", ".0e"),
         )

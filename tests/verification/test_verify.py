@@ -77,7 +77,7 @@ def test_names_tell_case_variant_backend_and_check():
         "prandtl-punch:smooth-clarabel-bracket-gap",
     } <= set(names)
     assert {question.check for question in questions} == {
-        "value", "status", "side", "residuals", "order", "bracket", "gap",
+        "value", "status", "side", "residuals", "order", "bracket", "gap", "path", "steps",
     }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from verification.run import Outcome, Row, Run
 from verification.verify.brackets import bracket, gap
 from verification.verify.finding import Answer, Finding
 from verification.verify.order import order
+from verification.verify.paths import path, steps
 from verification.verify.questions import Question
 from verification.verify.residuals import Rechecked, residuals
 from verification.verify.values import lambda_below_exact, upper_from_above, value
@@ -92,6 +93,8 @@ def answer(question: Question, finished: Finished) -> Finding:
 def _meshes(question: Question, rows: Sequence[Row]) -> str:
     if question.check == "order":
         return ", ".join(f"{row.n_elements:g}" for row in rows)
+    if question.check == "steps":
+        return rows[0].mesh
     if question.coupling == BRACKET:
         return ", ".join(f"{row.n_elements_lower:g} + {row.n_elements:g}" for row in rows)
     return ", ".join(row.mesh for row in rows)
@@ -112,6 +115,8 @@ _BY_CHECK: Mapping[str, _Check] = {
     "side": _side,
     "residuals": lambda _, outcomes, finished: residuals(outcomes, finished.rechecked),
     "order": lambda question, outcomes, _: order(question, outcomes),
+    "path": lambda _, outcomes, __: path(outcomes),
+    "steps": lambda question, outcomes, _: steps(question, outcomes),
     "bracket": lambda question, outcomes, _: bracket(outcomes, question.reference),
     "gap": lambda _, outcomes, __: gap(outcomes),
 }

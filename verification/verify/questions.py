@@ -1,7 +1,7 @@
 """What is asked of which case with which backend, and the runs that it takes."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan
 
 import lacore as la
@@ -20,6 +20,8 @@ CHECKS: Mapping[str, str] = {
     "residuals": "the residuals, computed afresh from the stored state, prove it",
     "order": "the error falls under refinement as the case says",
     "bracket": "a proven lower and a proven upper bound enclose the reference, closely enough",
+    "path": "a path ends as it must, and all of its loads lie in the band of the exact ones",
+    "steps": "the error of a path falls with its steps as the scheme says",
     "gap": "shares of elements add up to the gap between both bounds, and none is below 0",
 }
 """What a check asks, by name."""
@@ -118,6 +120,9 @@ def _quick(runs: Sequence[Run]) -> list[Run]:
 def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
     """Questions on a variant; `each`: whether each exact backend is asked for the order."""
     case, variant = runs[0].case, runs[0].variant
+    if case.path is not None:
+        yield from _of_path(runs)
+        return
     nature = nature_of(case, variant, runs[0].mesh)
     solvers: dict[tuple[str, str | None], list[Run]] = {}
     for run in runs:
@@ -140,6 +145,30 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
             yield from _bracket(group[0], not nature.normal)
         if coupling is None and (first or (each and not is_regularised(backend))):
             yield from _ladder(group[0])
+
+
+def _of_path(runs: Sequence[Run]) -> Iterator[Question]:
+    """One on each path; the steps are varied with the first exact backend."""
+    for backend in dict.fromkeys(run.backend for run in runs):
+        yield Question("path", tuple(run for run in runs if run.backend == backend))
+    exact = next((run for run in runs if not is_regularised(run.backend)), None)
+    if exact is None:
+        return
+    ladder = exact.case.following_of(exact.variant).ladder
+    stepped = [_stepped(exact, steps) for steps in ladder]
+    if stepped:  # that of the variant first: the question is one on it
+        yield Question("steps", tuple(sorted(stepped, key=lambda run: run.key != exact.key)))
+
+
+def _stepped(run: Run, steps: int) -> Run:
+    """A run with another number of steps."""
+    variant = run.variant
+    if variant.parameters["steps"] == steps:
+        return run
+    named = f"{variant.name}-steps-{steps}"
+    return replace(
+        run, variant=replace(variant, name=named, parameters={**variant.parameters, "steps": steps})
+    )
 
 
 def _beside(group: Sequence[Run], exact: Sequence[Run]) -> Iterator[Question]:

@@ -1,0 +1,60 @@
+"""How a case is followed along a path of large deformation (T29), and what must come of it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import lacore as la
+from lacore.control import Control
+from lacore.path import Ending
+
+ORDERS: Mapping[str, float] = {
+    "explicit": 1.0,
+    "leapfrog": 2.0,
+    "implicit-euler": 1.0,
+    "implicit-midpoint": 2.0,
+}
+"""p of ``error ~ steps**-p`` by scheme (T30)."""
+ORDER_TOLERANCE = 0.15
+"""On p, either way: what steps of a tenth of the body size leave of terms of higher order."""
+STEPPING = ("steps", "scheme")
+"""Parameters that each variant of a path has: number of steps, and name of the scheme."""
+_LAST = {"explicit": 1.0, "leapfrog": 0.5}
+
+
+@dataclass(frozen=True)
+class Following:
+    """How a variant is followed.
+
+    Attributes:
+        travel: how far.
+        steps: how many.
+        scheme: of the steps.
+        control: what the travel is of.
+        exact: the load factor at a travel; None where it is not known.
+        approaching: interfaces with planes that bodies do not touch yet.
+        ending: how the path must end.
+        volume: largest change of volume of a step, of the volume, that is allowed.
+        ladder: numbers of steps over which the error must fall with the order of the scheme, at
+            least four; none where nothing is asked.
+    """
+
+    travel: float
+    steps: int
+    scheme: str
+    control: Control
+    exact: Callable[[float], float] | None = None
+    approaching: Sequence[la.Interface] = ()
+    ending: Ending = Ending.REACHED
+    volume: float = inf
+    ladder: tuple[int, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Travel for which the last load is."""
+        return last_load(self.travel, self.steps, self.scheme)
+
+
+def last_load(travel: float, steps: int, scheme: str) -> float:
+    """Travel for which the load of the last of equal steps is."""
+    return travel * (1 - _LAST.get(scheme, 0.0) / steps)

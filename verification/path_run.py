@@ -1,0 +1,150 @@
+"""Follow a case along its path: one row, with the worst that happened on the way."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, replace
+from math import isfinite, isnan, nan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import lacore as la
+from lacore.arrays import Floats
+from lacore.errors import InputError
+from verification.case import Band, Reference, allowed_values
+from verification.evidence import records
+from verification.following import Following
+from verification.judging import FAIL, NO_RESULT, PASS, distance
+from verification.run import Evidence, Outcome, Row, Run
+
+_TAKEN = ("tolerance",)  # settings of `lacore.solve` that `lacore.sequential` takes
+
+
+def run_path(
+    run: Run,
+    names: Mapping[str, Any],
+    discretisation: la.Discretisation,
+    reference: Reference,
+    band: Band,
+    time_limit: float | None,
+    memory: Callable[[], float],
+) -> Outcome:
+    """The row of a path: its load factor is that of the last step.
+
+    Args:
+        run: to be done.
+        names: columns that are known already.
+        discretisation: of the problem where the path begins.
+        reference, band: of the load factor.
+        time_limit: s, of each inner solve, as far as its backend keeps it.
+        memory: peak memory of this process, MB.
+
+    Raises:
+        InputError: what no path can be made of.
+        CapabilityError: the backend takes no hardening.
+    """
+    stated = run.case.following_of(run.variant)
+    for name in run.settings:
+        if name not in _TAKEN:
+            raise InputError(f"setting {name}", None, "paths do not take it", "leave it out")
+    begin = time.perf_counter()
+    path = la.sequential(
+        discretisation.problem,
+        stated.travel,
+        stated.steps,
+        stated.scheme,
+        stated.control,
+        approaching=stated.approaching,
+        backend=run.backend,
+        coupling=run.coupling,
+        options={**({} if time_limit is None else {"time_limit": time_limit}), **run.options},
+        **run.settings,
+    )
+    seconds = time.perf_counter() - begin
+    history = path.history
+    load = float(history["load_factor"].iloc[-1]) if len(history) else nan
+    exact = exact_loads(stated, _numbers(history, "travel"))
+    state = path.last
+    solved = la.Status.SOLVED if state is not None else la.Status.NOT_CERTIFIED
+    row = Row(
+        **{**names, "coupling": run.coupling or (state.coupling if state else "")},
+        load_factor=load,
+        error=distance(load, reference, band),
+        rigor=(la.Rigor.DISCRETE if state else la.Rigor.NOT_CERTIFIED).label,
+        status=solved.label,
+        outer_iterations=int(history["solves"].sum()),
+        gap=float(history["gap"].max()),
+        solve_time=seconds,
+        peak_memory_mb=memory(),
+        message=path.message,
+        energy=state.regularised.energy if state is not None and state.regularised else nan,
+        ending=path.status.label,
+        path_error=_largest(_numbers(history, "load_factor") / exact - 1),
+        volume_change=_volume_change(path),
+    )
+    verdict, why = judge_path(row, stated, reference, band, run.insist)
+    row = replace(row, verdict=verdict, why=why)
+    residuals = asdict(state.certificate) if state is not None and state.certificate else {}
+    return Outcome(run, row, Evidence(residuals, records(history.assign(exact=exact)), b""))
+
+
+def exact_loads(stated: Following, travel: Floats) -> Floats:
+    """Exact load factors at travels; NaN where they are not known."""
+    if stated.exact is None:
+        return np.full(travel.shape, nan)
+    return np.array([stated.exact(float(at)) for at in travel])
+
+
+def judge_path(
+    row: Row, stated: Following, reference: Reference, band: Band, insist: bool = True
+) -> tuple[str, str]:
+    """Verdict on a path, and why: its end, its last load, its worst load, its volume.
+
+    Loads of regularised backends may be off by their energy C (T19) on top, to either side: their
+    bodies have strained a little more or less on the way. They keep volumes to their penalties.
+    """
+    if row.ending != stated.ending.label:
+        wanted = f"not '{stated.ending.label}' as it must"
+        return FAIL if insist else NO_RESULT, f"the path ends {wanted}: {row.message}"
+    regularised = not isnan(row.energy)
+    if regularised:
+        more = max(row.energy, 0.0) / abs(row.load_factor)
+        band = replace(band, below=band.below + more, above=band.above + more)
+    allowed, largest = allowed_values(reference, band), max(band.below, band.above)
+    found: list[str] = [row.ending]
+    wrong: list[str] = []
+    if not isnan(reference.value):
+        inside = allowed.holds(row.load_factor)
+        (found if inside else wrong).append(
+            f"last load {row.load_factor:.7g} {'in' if inside else 'not in'} {allowed}"
+        )
+    if isfinite(row.path_error):
+        text = f"largest error on the way {row.path_error:.3g}, {largest:.3g} allowed"
+        (found if row.path_error <= largest else wrong).append(text)
+    if isfinite(stated.volume) and not regularised:
+        text = f"volume changes by {row.volume_change:.2g} a step, {stated.volume:g} allowed"
+        (found if row.volume_change <= stated.volume else wrong).append(text)
+    return (FAIL, "; ".join(wrong)) if wrong else (PASS, "; ".join(found))
+
+
+def _largest(errors: Floats) -> float:
+    """Of those that are known; NaN without any."""
+    known = np.abs(errors[np.isfinite(errors)])
+    return float(known.max()) if known.size else nan
+
+
+def _volume_change(path: la.Path) -> float:
+    """Largest change of volume of a step, of the volume before."""
+    volumes = _numbers(path.history, "volume")
+    start = sum(
+        float(dofs.weights.sum())
+        for dofs in la.discretise(path.stage.at(path.stage.start)).bodies.values()
+    )
+    before = np.concatenate([[start], volumes])[:-1]
+    return float(np.abs(volumes / before - 1).max()) if volumes.size else nan
+
+
+def _numbers(history: pd.DataFrame, name: str) -> Floats:
+    """A column; of no rows it would be one of objects."""
+    return history[name].to_numpy(dtype=float)

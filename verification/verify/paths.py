@@ -1,0 +1,63 @@
+"""Checks of paths: that all loads are right, and that errors fall with the steps (T30)."""
+
+from collections.abc import Sequence
+from math import isnan, nan
+
+import numpy as np
+
+import lacore as la
+from verification.case import SOLVER
+from verification.following import ORDER_TOLERANCE, ORDERS
+from verification.judging import FAIL, PASS, SKIPPED
+from verification.path_run import judge_path
+from verification.run import Outcome
+from verification.verify.finding import Answer
+from verification.verify.questions import Question
+
+
+def path(outcomes: Sequence[Outcome]) -> Answer:
+    """Whether paths end as they must, with loads in their bands all the way.
+
+    Judged afresh: the row of a store may be older than the reference.
+    """
+    answers = [_path(outcome) for outcome in outcomes]
+    failed = [one for one in answers if one.verdict == FAIL]
+    return failed[0] if failed else max(answers, key=lambda one: np.nan_to_num(one.measured))
+
+
+def _path(outcome: Outcome) -> Answer:
+    run, row = outcome.run, outcome.row
+    if not row.ending:  # nothing was solved
+        return Answer(FAIL, f"{run.label}: {row.why}")
+    band = run.case.band_of(run.variant, int(row.n_elements))
+    reference = run.case.reference_of(run.variant)
+    verdict, why = judge_path(row, run.case.following_of(run.variant), reference, band)
+    allowed = "" if isnan(row.path_error) else f"<= {max(band.below, band.above):.3g}"
+    return Answer(verdict, f"{run.label}: {why}", row.path_error, allowed)
+
+
+def steps(question: Question, outcomes: Sequence[Outcome]) -> Answer:
+    """Whether the largest error of a path falls as ``steps**-p`` with the p of the scheme."""
+    # Here, because it takes most of a second that other commands need not wait for.
+    from verification.analysis.slopes import fit_slope
+
+    stated = question.case.following_of(question.variant)
+    expected = ORDERS[stated.scheme]
+    allowed = f"{expected:g} ± {ORDER_TOLERANCE:g}"
+    name = f"{question.case.id}:{question.variant.name} with {question.backend}, {stated.scheme}"
+    if len(outcomes) < len(question.runs):
+        why = f"{name}: {len(outcomes)} of {len(question.runs)} paths could be run"
+        return Answer(SKIPPED, why, nan, allowed)
+    for outcome in outcomes:
+        if outcome.row.status != la.Status.SOLVED.label or isnan(outcome.row.path_error):
+            why = f"{outcome.run.label}: {outcome.row.why}: there is no ladder without it"
+            return Answer(FAIL, why, nan, allowed)
+    counts = np.array([float(outcome.run.parameters["steps"]) for outcome in outcomes])
+    errors = np.array([outcome.row.path_error for outcome in outcomes])
+    fit = fit_slope(counts, errors, SOLVER, fewest=len(outcomes))
+    over = f"over {counts.min():g} to {counts.max():g} steps"
+    if fit.reason:
+        return Answer(FAIL, f"{name}: no order {over}: {fit.reason}", nan, allowed)
+    holds = abs(-fit.slope - expected) <= ORDER_TOLERANCE
+    why = f"{name}: the error falls as steps^-{-fit.slope:.3f} {over}, expected {allowed}"
+    return Answer(PASS if holds else FAIL, why, -fit.slope, allowed)
