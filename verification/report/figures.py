@@ -6,10 +6,7 @@ from math import isfinite, nan
 
 import numpy as np
 from matplotlib.figure import Figure
-from skfem import MeshTri
 
-from lacore.plotting_bracket import heading, plot_shares
-from verification.bracket_evidence import unpacked_shares
 from verification.case import Case, Variant
 from verification.judging import FINDS_NONE
 from verification.report.charts import figure_axes, labelled, legend
@@ -23,26 +20,6 @@ def png(figure: Figure, dpi: int = 110) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi)
     return buffer.getvalue()
-
-
-def drawn_bracket(outcome: Outcome) -> Figure:
-    """Meshes of a stored bracket, and the shares of their elements.
-
-    Raises:
-        ValueError: what is stored is no bracket.
-    """
-    row = outcome.row
-    found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
-    if not {"upper", "lower"} <= set(found):
-        raise ValueError("one of the meshes is missing")
-    above, below = found["upper"], found["lower"]
-    return plot_shares(
-        heading(row.lower, row.upper, row.width, row.message),
-        MeshTri(above.points, above.elements),
-        above.shares,
-        MeshTri(below.points, below.elements),
-        below.marks,
-    )
 
 
 def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:

@@ -178,6 +178,13 @@ def _meshes(case: Case) -> list[Block]:
         if order is not None:
             text = f"error ~ elements^-({order.expected:g} ± {order.tolerance:g}). {order.reason}"
             blocks.append(Text(text, lead=f"Order under refinement, {variant.name}"))
+    stated = case.bracket
+    if stated is not None:
+        text = (
+            f"At most {100 * stated.target_width:g} % wide, with at most {stated.max_elements}"
+            f" elements a mesh, from the {case.bracketed_from} one. {stated.reason}"
+        )
+        blocks.append(Text(text.rstrip(), lead="Bracket"))
     return blocks
 
 

@@ -34,12 +34,12 @@ from verification.report.blocks import (
     Text,
     slug,
 )
+from verification.report.brackets import bracket_drawings, brackets_table
 from verification.report.description import counted, description, lead
-from verification.report.figures import drawn_bracket, finest_exact, png, sweep_chart
+from verification.report.figures import finest_exact, png, sweep_chart
 from verification.report.studies import studies
 from verification.report.tables import (
     RUN,
-    brackets_table,
     certificates_table,
     reasons_table,
     results_table,
@@ -182,8 +182,8 @@ def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
         blocks.append(Details(title, [certificates]))
-    drawn = [*_mechanisms(outcomes), *_brackets(outcomes)]
-    pictures = [item for item in drawn if isinstance(item, Picture)]
+    drawn = [*_mechanisms(outcomes), *bracket_drawings(outcomes)]
+    pictures = [item for item in drawn if not isinstance(item, Text)]
     missing = [item for item in drawn if isinstance(item, Text)]
     return [*blocks, Gallery([*_charts(case, outcomes), *pictures]), *missing]
 
@@ -205,19 +205,6 @@ def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
             state = restored(outcome.run, outcome.row, outcome.evidence)
             yield Picture(file, caption, png(state.plot(), dpi=90))
         except Exception as error:  # of a case that was changed since, or whatever others wrote
-            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
-
-
-def _brackets(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
-    """Pictures of meshes and gaps of brackets; those that failed come first."""
-    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
-    for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:MECHANISMS]:
-        name = outcome.run.variant.name
-        caption = f"Bracket of {name}: where the rest of the gap is"
-        file = f"{slug(outcome.run.case.id)}-{slug(name)}-bracket"
-        try:
-            yield Picture(file, caption, png(drawn_bracket(outcome), dpi=90))
-        except Exception as error:  # whatever bytes are in the store
             yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
 
 

@@ -40,26 +40,7 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("build_time", "build s", ".2f"),
         Column("solve_time", "solve s", ".2f"),
     )
-    return Table(columns, _proven(results).assign(outcome=outcome), anchor=RUN)
-
-
-def brackets_table(results: pd.DataFrame) -> Table:
-    """Proven load factors beside the reference between them."""
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
-        Column("variant"),
-        Column("backend"),
-        Column("lower", "lower bound", ".7f", link=CERTIFICATE),
-        Column("expected", "reference", "g", order="reference"),
-        Column("upper", "upper bound", ".7f"),
-        Column("width", "width %", ".2f", scale=100),
-        Column("rigor"),
-        Column("n_elements_lower", "elements below", ".0f"),
-        Column("n_elements", "elements above", ".0f"),
-        Column("outer_iterations", "solves", ".0f"),
-        Column("solve_time", "solve s", ".2f"),
-    )
-    return Table(columns, _proven(results), anchor=RUN, caption="Proven from both sides")
+    return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
@@ -70,7 +51,7 @@ def reasons_table(results: pd.DataFrame) -> Table:
 
 def certificates_table(results: pd.DataFrame) -> Table:
     """Residuals of the runs that have any; each load factor links back to its run."""
-    proven = _proven(results)
+    proven = with_certificates(results)
     proven = proven[proven[CERTIFICATE.column].notna()]
     columns = (
         *_NAMES,
@@ -99,7 +80,7 @@ def _residuals(results: pd.DataFrame) -> list[str]:
     return [str(name) for name in results.columns if str(name).startswith(_RESIDUAL)]
 
 
-def _proven(results: pd.DataFrame) -> pd.DataFrame:
+def with_certificates(results: pd.DataFrame) -> pd.DataFrame:
     """With a column ``certificate``: the run where it has residuals, else nothing."""
     has = results[_residuals(results)].notna().any(axis=1)
     return results.assign(certificate=results["run"].where(has))

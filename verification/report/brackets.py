@@ -1,0 +1,123 @@
+"""Brackets on a page: both bounds beside the reference, how they closed in, where the gap is."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from skfem import MeshTri
+
+from lacore.plotting_bracket import heading, plot_shares
+from verification.analysis import fit_slope
+from verification.bracket_evidence import unpacked_shares
+from verification.bracketing import BRACKET
+from verification.checks import said
+from verification.judging import FAIL
+from verification.report.blocks import Column, Drawing, Picture, Table, Text, slug
+from verification.report.charts import ELEMENTS, Axis, fitted
+from verification.report.figures import png
+from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
+from verification.run import Outcome
+
+PICTURES = 4
+"""Of a case; variants that failed come first."""
+_WIDTH = Axis("width", "(upper − lower)/mean")
+_CLOSE = 0.05  # widths above it say nothing of the order yet
+_FEWEST = 5  # widths that an order is fitted to
+_ANY = 100.0  # bounds close in by steps: their local slopes are anything
+
+
+def brackets_table(results: pd.DataFrame) -> Table:
+    """Proven load factors beside the reference between them."""
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        Column("variant"),
+        Column("backend"),
+        Column("lower", "lower bound", ".7f", link=CERTIFICATE),
+        Column("expected", "reference", "g", order="reference"),
+        Column("upper", "upper bound", ".7f"),
+        Column("width", "width %", ".2f", scale=100),
+        Column("rigor"),
+        Column("n_elements_lower", "elements below", ".0f"),
+        Column("n_elements", "elements above", ".0f"),
+        Column("outer_iterations", "solves", ".0f"),
+        Column("solve_time", "solve s", ".2f"),
+    )
+    return Table(columns, with_certificates(results), anchor=RUN, caption="Proven from both sides")
+
+
+def bracket_drawings(outcomes: Sequence[Outcome]) -> Iterator[Drawing | Picture | Text]:
+    """Widths under refinement, then meshes; of what cannot be drawn, why not."""
+    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
+    if not found:
+        return
+    chart = _widths(found)
+    if chart is not None:
+        yield chart
+    for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:PICTURES]:
+        name = outcome.run.variant.name
+        caption = f"Bracket of {name}: where the rest of the gap is"
+        file = f"{slug(outcome.run.case.id)}-{slug(name)}-bracket"
+        try:
+            yield Picture(file, caption, png(drawn_bracket(outcome), dpi=90))
+        except Exception as error:  # whatever bytes are in the store
+            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
+
+
+def drawn_bracket(outcome: Outcome) -> Figure:
+    """Meshes of a stored bracket, and the shares of their elements.
+
+    Raises:
+        ValueError: what is stored is no bracket.
+    """
+    row = outcome.row
+    found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
+    if not {"upper", "lower"} <= set(found):
+        raise ValueError("one of the meshes is missing")
+    above, below = found["upper"], found["lower"]
+    return plot_shares(
+        heading(row.lower, row.upper, row.width, row.message),
+        MeshTri(above.points, above.elements),
+        above.shares,
+        MeshTri(below.points, below.elements),
+        below.marks,
+    )
+
+
+def widths(outcome: Outcome) -> pd.DataFrame:
+    """Width and elements of both meshes together, a row a solve, from when there are both."""
+    rows, last = [], {"lower": 0, "upper": 0}
+    for step in outcome.evidence.history:
+        last[step["bound"]] = step["elements"]
+        rows.append({"n_elements": sum(last.values()), "width": step["width"]})
+    frame = pd.DataFrame(rows, columns=["n_elements", "width"])
+    frame["line"] = outcome.run.variant.name
+    known: pd.DataFrame = frame[np.isfinite(frame["width"])]
+    return known
+
+
+def _widths(outcomes: Sequence[Outcome]) -> Drawing | None:
+    """Width against elements, with its order where there are enough narrow ones."""
+    frames, fits = [], []
+    for outcome in {one.run.variant.name: one for one in outcomes}.values():
+        frame = widths(outcome)
+        close = frame[frame["width"] < _CLOSE]
+        if len(close) < _FEWEST:
+            continue
+        frames.append(frame)
+        fit = fit_slope(
+            close["n_elements"].to_numpy(dtype=float),
+            close["width"].to_numpy(dtype=float),
+            fewest=_FEWEST,
+            agreement=_ANY,
+        )
+        fits.append({"line": outcome.run.variant.name, **asdict(fit)})
+    if not frames:
+        return None
+    chart = fitted(pd.concat(frames), pd.DataFrame(fits), ELEMENTS, _WIDTH, by="line")
+    return Drawing(
+        f"{outcomes[0].run.case.id}-widths",
+        "Width of the bracket against the elements of both meshes (uniform refinement: about −0.5)",
+        chart,
+    )
