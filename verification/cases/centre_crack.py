@@ -30,6 +30,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 if TYPE_CHECKING:
@@ -143,6 +144,7 @@ plane stress: s0 in place of 2 k, from below as before; from
     reference=reference,
     band=band,
     order=order,
+    bracket=Bracketing(target_width=0.005),
     sketch=sketch,
     variants=(
         Variant("plane-strain", {"kinematics": "plane_strain"}),

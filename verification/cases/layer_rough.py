@@ -20,7 +20,6 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Reference, Variant
 
 WIDTH = 2.0  # of the footing
@@ -106,7 +105,6 @@ thin layer:      two rough planes: dp/dx = 2 k/H, which adds
     build=build,
     reference=reference,
     band=band,
-    bracket=Bracketing(target_width=0.015),
     variants=(
         Variant("B-H-2", {"slenderness": 2.0}),
         Variant("B-H-4", {"slenderness": 4.0}),

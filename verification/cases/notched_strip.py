@@ -107,6 +107,6 @@ a = 1/2:     2 k (1/2) (1 + ln(0.75/0.5))
     reference=reference,
     band=band,
     order=order,
-    bracket=Bracketing(target_width=0.02),
+    bracket=Bracketing(target_width=0.005),
     variants=(Variant("half", {}),),
 )

@@ -23,6 +23,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 _NETS = {1.0: 2.0, 2.0: 2.427658, 4.0: 3.505757}  # by h
@@ -108,6 +109,7 @@ h >= 8.7115:        (2 + pi) k (Prandtl)
     reference=reference,
     band=band,
     order=order,
+    bracket=Bracketing(target_width=0.005),
     variants=tuple(Variant(f"h-{h:g}", {"h": h}) for h in _NETS),
     sweep="h",
 )

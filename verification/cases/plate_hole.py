@@ -99,6 +99,7 @@ def _bracketing(mesh: str) -> Bracketing:
     turn = pi / 2 / _MESHES[mesh]["n_angular"]
     off = RADIUS * (1 - cos(turn / 2)) / (1 - RADIUS)
     return Bracketing(
+        target_width=0.005,
         mesh=mesh,
         above=off,
         reason="the polygon lies between circles of r and r cos(turn/2), turn the angle of an"

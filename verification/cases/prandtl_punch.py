@@ -28,6 +28,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 if TYPE_CHECKING:
@@ -138,6 +139,7 @@ active wedge 1:   sigma_y = -(p1 + k)
     reference=reference,
     band=band,
     order=order,
+    bracket=Bracketing(target_width=0.005),
     sketch=sketch,
     variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
 )

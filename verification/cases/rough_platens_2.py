@@ -16,6 +16,7 @@ has the same block with friction instead.
 """
 
 import lacore as la
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
@@ -87,5 +88,6 @@ net:         alpha = 2.427658
     reference=reference,
     band=band,
     order=order,
+    bracket=Bracketing(target_width=0.005),
     variants=(Variant("sticking", {}),),
 )

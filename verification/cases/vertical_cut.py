@@ -21,6 +21,7 @@ The toe is a singular point: meshes are graded towards it.
 import numpy as np
 
 import lacore as la
+from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 _ERROR = Convergence(2.671, 0.707, "32 to 4744 elements: 22.7, 6.50, 3.00, 1.39, 0.64 % above")
@@ -95,5 +96,6 @@ a curved cut: 3.83 (Fellenius)
     reference=reference,
     band=band,
     order=order,
+    bracket=Bracketing(target_width=0.005),
     variants=(Variant("cut", {}),),
 )

@@ -86,11 +86,11 @@ def drawn_bracket(outcome: Outcome) -> Figure:
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:
-    """Width and elements of both meshes together, a row a solve, from when there are both."""
+    """Width and mean number of elements of both meshes, a row a solve, from when there are both."""
     rows, last = [], {"lower": 0, "upper": 0}
     for step in outcome.evidence.history:
         last[step["bound"]] = step["elements"]
-        rows.append({"n_elements": sum(last.values()), "width": step["width"]})
+        rows.append({"n_elements": sum(last.values()) / 2, "width": step["width"]})
     frame = pd.DataFrame(rows, columns=["n_elements", "width"])
     frame["line"] = outcome.run.variant.name
     known: pd.DataFrame = frame[np.isfinite(frame["width"])]
@@ -118,6 +118,6 @@ def _widths(outcomes: Sequence[Outcome]) -> Drawing | None:
     chart = fitted(pd.concat(frames), pd.DataFrame(fits), ELEMENTS, _WIDTH, by="line")
     return Drawing(
         f"{outcomes[0].run.case.id}-widths",
-        "Width of the bracket against the elements of both meshes (uniform refinement: about −0.5)",
+        "Width of the bracket against elements, mean of both meshes (uniform refinement: −0.5)",
         chart,
     )
