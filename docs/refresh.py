@@ -3,10 +3,12 @@
 Numbers there are computed, never typed.
 """
 
+import contextlib
 import re
 import tempfile
 from math import isnan
 from pathlib import Path
+from typing import Any
 
 import lacore as la
 from verification.catalogue import find
@@ -46,6 +48,17 @@ def _percent(error: float) -> str:
     return "" if isnan(error) else f"{100 * error:+.4f} %"
 
 
+def picture_of_path(text: str) -> None:
+    """That of the code of the README."""
+    (code,) = [
+        own for own in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "path =" in own
+    ]
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        names: dict[str, Any] = {"la": la}
+        exec(code, names)
+    names["path"].plot().savefig(ROOT / "docs" / "billet.png", dpi=80)
+
+
 def main() -> None:
     """Solve, draw, and replace what stands between the marks."""
     with tempfile.TemporaryDirectory() as folder:
@@ -65,6 +78,7 @@ def main() -> None:
         mesh = "medium" if case.meshed else next(iter(case.meshes))
         state = la.solve(case.problem(variant, mesh), throw=True)
         state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
+    picture_of_path(text)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import lacore as la
 from verification import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-FIRST, FILE, BOUNDS, WALL, MORE, RESULTS = re.findall(
+FIRST, FILE, BOUNDS, PATH, WALL, MORE, RESULTS = re.findall(
     r"```python\n(.*?)```", README, flags=re.DOTALL
 )
 
@@ -48,6 +48,21 @@ def test_bounds(problem, capsys):
     assert "strict lower bound" in capsys.readouterr().out
     gap = names["upper"].load_factor - names["lower"].load_factor
     assert names["gaps"].total == pytest.approx(gap, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_path(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {"la": la}
+    exec(PATH, names)
+    printed = capsys.readouterr().out
+    assert "reached" in printed
+    assert "contact closed" in printed
+    for made in ("billet.npz", "billet.png", "billet.gif", "billet/path.pvd"):
+        assert (tmp_path / made).stat().st_size > 0
+    # The load of a smooth billet, twice the shear stress, from below: friction adds to it.
+    path = names["path"]
+    assert path.history["load_factor"].iloc[0] > 2 / 3**0.5
 
 
 def test_results_are_a_table(tmp_path, monkeypatch, capsys):
