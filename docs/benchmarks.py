@@ -41,7 +41,9 @@ _BRACKETS = {  # of their table
     "above": ("triangles_upper", "{:.0f}"),
     "solves": ("solves", "{:.0f}"),
     "seconds": ("seconds", ""),
+    "aim, s": ("aim", "{:g}"),
     "elastic solve, s": ("elastic_seconds", ""),
+    "elastic solves": ("elastic_solves", "{:.0f}"),
 }
 _COLUMNS = {  # of the table: field of a record, and its format; none: two digits
     "backend": ("label", "{}"),
@@ -64,6 +66,18 @@ def condensed(raw: dict[str, Any]) -> dict[str, Any]:
             for run in raw["benchmarks"]
         ],
     }
+
+
+def joined(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
+    """Kinds of benchmarks that were not run again stay, if they were measured with the same."""
+    names = ("machine", "python", "packages", "direct_solver")
+    if any(before["measured"][name] != now["measured"][name] for name in names):
+        return now
+    anew = {record["kind"] for record in now["records"]}
+    old = [record for record in before["records"] if record["kind"] not in anew]
+    first = before["measured"]["date"].partition(" to ")[0]
+    date = f"{first} to {now['measured']['date']}" if old else now["measured"]["date"]
+    return {"measured": now["measured"] | {"date": date}, "records": [*old, *now["records"]]}
 
 
 def records(kept: dict[str, Any]) -> pd.DataFrame:
@@ -143,13 +157,15 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
         )
     if (frame["kind"] == "bracket").any():
         paragraphs.append(
-            "**Brackets with proof**, from the start to the certificate, wall clock, with one"
-            f" elastic solve of the last mesh of the upper bound:\n\n{brackets(frame)}"
+            "**Brackets with proof**, from the start to the certificate, all solves and refinements"
+            " included, with one elastic solve of the last mesh of the upper bound:"
+            f"\n\n{brackets(frame)}"
         )
     for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
         paragraphs.append(
-            "The width of the punch's bracket goes with the number of triangles to the power of"
-            f" {order['even']:.2f} on even meshes and {order['adaptive']:.2f} on adapted ones."
+            f"The width of the bracket of the {order['what']} goes with the number of triangles to"
+            f" the power of {order['even']:.2f} on even meshes and {order['adaptive']:.2f} on"
+            " adapted ones."
         )
     measured, analysis = kept["measured"], ""
     unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time
@@ -179,6 +195,8 @@ def main() -> None:
     kept = condensed(json.loads(given.json.read_text(encoding="utf-8")))
     sys.stdout.write(shown(kept))
     if given.page:
+        if KEPT.exists():
+            kept = joined(json.loads(KEPT.read_text(encoding="utf-8")), kept)
         lines = ",\n".join(json.dumps(record) for record in kept["records"])
         measured = json.dumps(kept["measured"], indent=1)
         KEPT.write_text(f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n', "utf-8")

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
+from math import ceil, log
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,6 @@ MESHES = ("separate", "shared")
 _SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique
 _GROWTH = 2.0  # of a mesh from solve to solve
 _LEAST_GROWTH = 1.2
-_SPARE = 1.15  # elements, per those that the target needs if widths fall as elements rise
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 _LOOSEST, _TIGHTEST = 2e-5, 1e-9
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
@@ -185,8 +185,12 @@ class _Run:
 
     @property
     def growth(self) -> float:
-        """Of the next mesh: widths fall about as elements rise."""
-        return float(np.clip(_SPARE * self.width / self.target, _LEAST_GROWTH, _GROWTH))
+        """Of the next mesh, in even steps to the target: widths fall about as elements rise."""
+        missing = self.width / self.target
+        if not np.isfinite(missing):
+            return _GROWTH
+        steps = ceil(log(max(missing, 1.0)) / log(_GROWTH))
+        return max(float(missing ** (1 / max(steps, 1))), _LEAST_GROWTH)
 
     def solved(self, track: _Track, problem: Problem) -> _Track:
         """The track on a new mesh; what it proves is kept."""

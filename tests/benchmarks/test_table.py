@@ -95,3 +95,17 @@ def test_page_shows_what_was_kept(script):
     page = script.PAGE.read_text(encoding="utf-8")
     (shown,) = re.findall(script.MARKS, page, flags=re.DOTALL)
     assert shown[0] + script.shown(kept) + shown[1] in page
+
+
+def test_kinds_that_were_not_run_again_stay(script):
+    before = script.condensed(SAMPLE)
+    anew = {
+        "measured": before["measured"] | {"date": "2000-01-02"},
+        "records": [{"kind": "loop", "what": "block", "own_share": 0.5}],
+    }
+    joined = script.joined(before, anew)
+    assert joined["measured"]["date"] == "2000-01-01 to 2000-01-02"
+    assert sum(record["kind"] == "loop" for record in joined["records"]) == 1
+    assert len(joined["records"]) == len(before["records"])
+    elsewhere = anew | {"measured": anew["measured"] | {"machine": "a slide rule"}}
+    assert script.joined(before, elsewhere) == elsewhere
