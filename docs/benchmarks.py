@@ -70,19 +70,29 @@ def condensed(raw: dict[str, Any]) -> dict[str, Any]:
 
 def joined(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
     """Kinds of benchmarks that were not run again stay, if they were measured with the same."""
-    names = ("machine", "python", "packages", "direct_solver")
-    if any(before["measured"][name] != now["measured"][name] for name in names):
+    then, measured = before["measured"], now["measured"]
+    names = ("machine", "python", "direct_solver")
+    old_ones, new_ones = _versions(then["packages"]), _versions(measured["packages"])
+    if any(then[name] != measured[name] for name in names) or any(
+        old_ones[name] != new_ones[name] for name in old_ones.keys() & new_ones.keys()
+    ):
         return now
     anew = {record["kind"] for record in now["records"]}
     old = [record for record in before["records"] if record["kind"] not in anew]
-    first = before["measured"]["date"].partition(" to ")[0]
-    date = f"{first} to {now['measured']['date']}" if old else now["measured"]["date"]
-    return {"measured": now["measured"] | {"date": date}, "records": [*old, *now["records"]]}
+    first = then["date"].partition(" to ")[0]
+    date = f"{first} to {measured['date']}" if old else measured["date"]
+    return {"measured": measured | {"date": date}, "records": [*old, *now["records"]]}
+
+
+def _versions(packages: str) -> dict[str, str]:
+    """By name, from ``name version, name version``."""
+    return dict(package.rsplit(" ", 1) for package in packages.split(", "))
 
 
 def records(kept: dict[str, Any]) -> pd.DataFrame:
     """One row a benchmark, sorted by kind, what was run and size."""
     frame = pd.DataFrame(kept["records"])
+    frame = frame.reindex(columns=frame.columns.union(["options", "triangles"], sort=False))
     r = [options.get("r") if isinstance(options, dict) else None for options in frame["options"]]
     frame["label"] = [
         what if value is None else f"{what}, r = {value:g}"

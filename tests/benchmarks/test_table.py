@@ -107,5 +107,18 @@ def test_kinds_that_were_not_run_again_stay(script):
     assert joined["measured"]["date"] == "2000-01-01 to 2000-01-02"
     assert sum(record["kind"] == "loop" for record in joined["records"]) == 1
     assert len(joined["records"]) == len(before["records"])
+    newer = anew["measured"] | {"packages": "lacore 0.2.0"}
+    assert len(script.joined(before, anew | {"measured": newer})["records"]) == 1
+    more = anew["measured"] | {"packages": "lacore 0.1.0, numpy 2.0"}
+    assert len(script.joined(before, anew | {"measured": more})["records"]) > 1
     elsewhere = anew | {"measured": anew["measured"] | {"machine": "a slide rule"}}
     assert script.joined(before, elsewhere) == elsewhere
+
+
+def test_a_run_of_brackets_alone_has_its_table(script):
+    bracket = {"kind": "bracket", "what": "cut", "lower": 3.77, "upper": 3.78, "width": 0.0026}
+    sizes = {"triangles_lower": 900, "triangles_upper": 1000, "solves": 9}
+    times = {"seconds": 1.23, "aim": 1.5, "elastic_seconds": 0.04, "elastic_solves": 30.75}
+    shown = script.shown(script.condensed(SAMPLE) | {"records": [bracket | sizes | times]})
+    row = "| cut | 3.77000 | 3.78000 | 0.26% | 900 | 1000 | 9 | 1.2 | 1.5 | 0.040 | 31 |"
+    assert row in shown.splitlines()

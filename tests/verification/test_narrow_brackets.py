@@ -55,7 +55,7 @@ def test_plate_with_a_round_hole_is_bounded_strictly():
     exact = {"plate": replace(body, geometry="exact")}  # of its polygon
     found = la.bracket(
         replace(stated, bodies=exact),
-        WIDTH,
+        0.003,
         max_elements=ELEMENTS,
         lower_mesh=replace(mesh, doflocs=around),
     )
