@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.bracketing import BRACKET
 from verification.case import KINDS, Case, Variant
 from verification.checks import said
 from verification.compare import tally
@@ -106,6 +107,7 @@ def page_of(
         outcome.run.variant.name: int(outcome.row.n_elements)
         for outcome in sorted(outcomes, key=lambda outcome: outcome.row.n_elements)
         if outcome.row.n_elements == outcome.row.n_elements
+        and outcome.row.coupling != BRACKET  # whose error is its width
     }
     sections = [
         Section("problem", "The problem", [_sketch(case)]),

@@ -158,7 +158,7 @@ def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> 
     elements: dict[str, int] = {}
     for outcome in outcomes:
         name, size = outcome.run.variant.name, outcome.row.n_elements
-        if isfinite(size):
+        if isfinite(size) and outcome.row.coupling != BRACKET:  # whose error is its width
             elements[name] = max(int(size), elements.get(name, 0))
     blocks: list[Block] = [
         description(case, [run.variant for run in runs.values()], elements),
