@@ -23,6 +23,22 @@ _LAST = {"explicit": 1.0, "leapfrog": 0.5}
 
 
 @dataclass(frozen=True)
+class Reading:
+    """Something other than a load that is read from a path, and what it must be.
+
+    Attributes:
+        name: what it is.
+        of: reads it.
+        low, high: between which it must lie.
+    """
+
+    name: str
+    of: Callable[[la.Path], float]
+    low: float = -inf
+    high: float = inf
+
+
+@dataclass(frozen=True)
 class Following:
     """How a variant is followed.
 
@@ -31,10 +47,14 @@ class Following:
         steps: how many.
         scheme: of the steps.
         control: what the travel is of.
-        exact: the load factor at a travel; None where it is not known.
+        exact: the load at a travel; None where it is not known.
+        load: the column of the history that is the load: ``load_factor``, or ``force``, which does
+            not feel to first order how large the face of a footing has become.
         approaching: interfaces with planes that bodies do not touch yet.
         ending: how the path must end.
         volume: largest change of volume of a step, of the volume, that is allowed.
+        reading: what else is read; None for nothing.
+        bounded: whether the load with which the path begins is to lie between strict bounds.
         ladder: numbers of steps over which the error must fall with the order of the scheme, at
             least four; none where nothing is asked.
     """
@@ -44,9 +64,12 @@ class Following:
     scheme: str
     control: Control
     exact: Callable[[float], float] | None = None
+    load: str = "load_factor"
     approaching: Sequence[la.Interface] = ()
     ending: Ending = Ending.REACHED
     volume: float = inf
+    reading: Reading | None = None
+    bounded: bool = False
     ladder: tuple[int, ...] = ()
 
     @property

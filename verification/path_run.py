@@ -12,7 +12,8 @@ import pandas as pd
 import lacore as la
 from lacore.arrays import Floats
 from lacore.errors import InputError
-from verification.case import Band, Reference, allowed_values
+from verification.bracket_run import associated
+from verification.case import SOLVER, Band, Reference, allowed_values
 from verification.evidence import records
 from verification.following import Following
 from verification.judging import FAIL, NO_RESULT, PASS, distance
@@ -63,7 +64,8 @@ def run_path(
     )
     seconds = time.perf_counter() - begin
     history = path.history
-    load = float(history["load_factor"].iloc[-1]) if len(history) else nan
+    loads = _numbers(history, stated.load)
+    load = float(loads[-1]) if loads.size else nan
     exact = exact_loads(stated, _numbers(history, "travel"))
     state = path.last
     solved = la.Status.SOLVED if state is not None else la.Status.NOT_CERTIFIED
@@ -80,17 +82,55 @@ def run_path(
         message=path.message,
         energy=state.regularised.energy if state is not None and state.regularised else nan,
         ending=path.status.label,
-        path_error=_largest(_numbers(history, "load_factor") / exact - 1),
+        path_error=_largest(loads / exact - 1),
         volume_change=_volume_change(path),
+        reading=nan if stated.reading is None else stated.reading.of(path),
     )
+    if stated.bounded:
+        lower, upper = start_bounds(discretisation.problem)
+        row = replace(row, lower=lower, upper=upper, start=_start(run, stated, discretisation))
     verdict, why = judge_path(row, stated, reference, band, run.insist)
     row = replace(row, verdict=verdict, why=why)
     residuals = asdict(state.certificate) if state is not None and state.certificate else {}
     return Outcome(run, row, Evidence(residuals, records(history.assign(exact=exact)), b""))
 
 
+def start_bounds(problem: la.Problem) -> tuple[float, float]:
+    """Strict bounds of the load with which a path begins (T14).
+
+    No friction from below, associated friction from above; sticking is what it is.
+    """
+    bodies = {
+        name: replace(body, space="p2-vertex")
+        for name, body in problem.bodies.items()
+        if isinstance(body, la.Body)
+    }
+    above, _ = associated(replace(problem, bodies=bodies))
+    pairs = [
+        replace(pair, friction=la.SMOOTH) if pair.law.terms().coefficient > 0 else pair
+        for pair in problem.interfaces
+    ]
+    below = replace(problem, bodies=bodies, interfaces=pairs)
+    return la.lower_bound(below).load_factor, la.upper_bound(above).load_factor
+
+
+def _start(run: Run, stated: Following, discretisation: la.Discretisation) -> float:
+    """Load factor with which the path begins, on its own elements."""
+    first = la.sequential(
+        discretisation.problem,
+        stated.travel / stated.steps,
+        1,
+        "explicit",
+        stated.control,
+        approaching=stated.approaching,
+        backend=run.backend,
+        coupling=run.coupling,
+    )
+    return float(first.history["load_factor"].iloc[0]) if len(first.history) else nan
+
+
 def exact_loads(stated: Following, travel: Floats) -> Floats:
-    """Exact load factors at travels; NaN where they are not known."""
+    """Exact loads at travels; NaN where they are not known."""
     if stated.exact is None:
         return np.full(travel.shape, nan)
     return np.array([stated.exact(float(at)) for at in travel])
@@ -125,6 +165,16 @@ def judge_path(
     if isfinite(stated.volume) and not regularised:
         text = f"volume changes by {row.volume_change:.2g} a step, {stated.volume:g} allowed"
         (found if row.volume_change <= stated.volume else wrong).append(text)
+    if stated.reading is not None:
+        read = stated.reading
+        inside = read.low <= row.reading <= read.high
+        text = f"{read.name} {row.reading:.4g}, [{read.low:.4g}, {read.high:.4g}] allowed"
+        (found if inside else wrong).append(text)
+    if stated.bounded:
+        slack = SOLVER * row.upper + max(np.nan_to_num(row.energy), 0.0)
+        inside = row.lower - slack <= row.start <= row.upper + slack
+        text = f"begins at {row.start:.5g}, bounds are [{row.lower:.5g}, {row.upper:.5g}]"
+        (found if inside else wrong).append(text)
     return (FAIL, "; ".join(wrong)) if wrong else (PASS, "; ".join(found))
 
 

@@ -129,6 +129,8 @@ class Row:
             are of all.
         path_error: largest relative error of the loads of a path, as far as they are known.
         volume_change: largest of a step of a path, of the volume.
+        start: load factor with which a path begins; `lower` and `upper` are strict bounds of it.
+        reading: what else is read from a path, see `verification.following.Reading`.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
@@ -180,6 +182,8 @@ class Row:
     ending: str = ""
     path_error: float = nan
     volume_change: float = nan
+    start: float = nan
+    reading: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -1,13 +1,13 @@
 """Every case builds, is told about, and holds for the exact backend; refinement behaves."""
 
 from dataclasses import replace
+from math import isnan
 
 import numpy as np
 import pytest
 
 import lacore as la
 from lacore.state import contact_force
-from verification.assemblies import UNKNOWN
 from verification.bracketing import BRACKET
 from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
@@ -45,13 +45,17 @@ def test_catalogue_holds_the_cases_of_the_references():
         "platens-square",
         "prandtl-punch",
         "pulled-under-stop",
+        "punch-indentation",
+        "ring-compression",
         "rough-platens-2",
         "shear-patch",
         "stack-n",
         "stack-two",
         "symmetric-wedge",
+        "tension",
         "thick-cylinder",
         "thick-sphere",
+        "upsetting",
         "vertical-cut",
         "wall-1",
         "wall-2",
@@ -70,7 +74,7 @@ def test_case_explains_itself(case):
     for variant in case.variants:
         assert set(case.levels(variant)) <= set(case.meshes)
         reference = case.reference_of(variant)
-        if reference is not UNKNOWN:
+        if not isnan(reference.value):
             assert reference.low <= reference.high
             assert reference.complete or reference.associated is not None
         assert reference.formula

@@ -1,5 +1,7 @@
 """What paths must come to, against the exact ones (T33)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,13 @@ import lacore as la
 from lacore.arrays import Floats
 from lacore.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.path import Ending
-from verification.exact_paths import cylinder, pressure
+from verification.compare import plan
+from verification.exact_paths import cylinder, peak, pressure
+from verification.harness import execute
+from verification.judging import FAIL, NO_RESULT, PASS
+from verification.path_run import judge_path
+from verification.run import Row
+from verification.sweep import plan as sweep
 
 LAWS = {
     "perfect": Perfect(1.0),
@@ -40,3 +48,84 @@ def test_leapfrog_is_within_1e_4_of_the_exact_pressure_at_every_one_of_20_steps(
     assert len(path.history) == 20
     assert np.abs(errors(path, LAWS[name])).max() <= 1e-4
     assert path.history["solves"].sum() == 21  # one a step, and one at the beginning
+
+
+def test_leapfrog_finds_the_peak_of_the_pressure() -> None:
+    """40 steps; the radius is that of a parabola through three of them."""
+    for law in (Linear(1.0, 3.0), Voce(1.0, 3.0, 2 * np.sqrt(3))):
+        exact = peak(cylinder(law))
+        bore = la.PointTravel("tube", (1.0, 0.0), (1.0, 0.0))
+        path = la.sequential(tube(law), 0.5, 40, control=bore)
+        (found,) = path.events[path.events["kind"] == "peak load"].itertuples()
+        assert float(found.what.split()[-1]) == pytest.approx(exact.pressure, rel=1e-4)
+        assert 1 + found.travel == pytest.approx(exact.radius, rel=1e-4)
+
+
+def ran(name: str, **settings: object) -> Row:
+    """The row of a variant with clarabel."""
+    (asked,) = plan([name], ["clarabel"], ["coarse"])
+    parameters = {**asked.variant.parameters, **settings}
+    (outcome,) = execute([replace(asked, variant=replace(asked.variant, parameters=parameters))])
+    return outcome.row
+
+
+def test_a_path_leaves_its_worst_error_its_end_and_its_history() -> None:
+    (run,) = plan(["hardening-cylinder:perfect"], ["clarabel"])
+    (outcome,) = execute([run])
+    row, history = outcome.row, outcome.evidence.history
+    assert (row.verdict, row.ending, row.rigor) == (PASS, "reached", "discrete")
+    assert len(history) == 20
+    worst = max(abs(step["load_factor"] / step["exact"] - 1) for step in history)
+    assert row.path_error == pytest.approx(worst)
+    assert row.error == pytest.approx(history[-1]["load_factor"] / row.reference - 1)
+    assert outcome.record()["param_steps"] == 20
+
+
+def test_a_path_that_ends_otherwise_fails_by_name() -> None:
+    (run,) = plan(["punch-indentation:perfect-rough"], ["clarabel"])
+    (outcome,) = execute([run])
+    stated = run.case.following_of(run.variant)
+    reference, band = run.case.reference_of(run.variant), run.case.band_of(run.variant, 32)
+    assert outcome.row.verdict == PASS
+    assert outcome.row.ending == "inversion"
+    whole = replace(stated, ending=Ending.REACHED)
+    verdict, why = judge_path(outcome.row, whole, reference, band)
+    assert verdict == FAIL
+    assert "inversion" in why
+    assert judge_path(outcome.row, whole, reference, band, insist=False)[0] == NO_RESULT
+
+
+def test_what_is_wrong_with_a_path_is_said() -> None:
+    (run,) = plan(["upsetting:smooth-voce"], ["clarabel"])
+    (outcome,) = execute([run])
+    stated = run.case.following_of(run.variant)
+    reference, band = run.case.reference_of(run.variant), run.case.band_of(run.variant, 32)
+    for planted, word in (
+        ({"path_error": 1e-7}, "largest error"),
+        ({"load_factor": 1.00001 * outcome.row.load_factor}, "last load"),
+        ({"volume_change": 1e-9}, "volume"),
+        ({"reading": 1e-3}, "spread"),
+        ({"start": 1.2}, "begins"),
+    ):
+        verdict, why = judge_path(replace(outcome.row, **planted), stated, reference, band)
+        assert verdict == FAIL
+        assert word in why
+
+
+def test_explicit_steps_do_not_keep_a_bar_uniform() -> None:
+    explicit, leapfrog = ran("tension:linear-1-explicit"), ran("tension:linear-1")
+    assert explicit.reading > 0.01
+    assert leapfrog.reading <= 1e-4
+
+
+def test_the_bore_of_a_ring_tells_the_friction() -> None:
+    bores = [ran("ring-compression:mu-0.05", mu=mu).reading for mu in (0.02, 0.05, 0.1, 0.2)]
+    assert sorted(bores, reverse=True) == bores
+    assert bores[0] > 1.2
+    assert bores[-1] < 0.8
+
+
+def test_sweeps_vary_steps_and_scheme_like_parameters() -> None:
+    runs = sweep(["hardening-cylinder:perfect"], ["steps=5:40:4:log", "scheme=leapfrog,explicit"])
+    asked = {(run.parameters["steps"], run.parameters["scheme"]) for run in runs}
+    assert asked == {(n, s) for n in (5, 10, 20, 40) for s in ("leapfrog", "explicit")}
