@@ -106,7 +106,7 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     """The snapshots of a path as VTU files, and a PVD file of them with the travel as time.
 
     At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m,
-    from the beginning), `equivalent_strain` (means around vertices, see
+    from the beginning, or from the last new mesh), `equivalent_strain` (means around vertices, see
     `lacore.nodal.vertex_means`, linear between). At cells means over the strain points by their
     volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
     at that strain), `dissipation` (W/m^3: yield stress times strain rate); and `body`, its number
@@ -137,8 +137,8 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
 
 
 def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
-    start = path.stage.start.nodes
-    bodies = number(path.stage.bodies_at(snapshot.configuration))
+    stage = path.stage_of(snapshot)
+    start, bodies = stage.start.nodes, number(stage.bodies_at(snapshot.configuration))
     for place, (name, dofs) in enumerate(bodies.items()):
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
         stress = dofs.body.criterion.law.stress(strain)

@@ -16,6 +16,7 @@ from lacore.curved import isoparametric as isoparametric
 from lacore.errors import InputError
 from lacore.mesh_checks import quality as quality
 from lacore.mesh_files import read as read
+from lacore.outline_mesh import remeshed as remeshed
 
 
 def graded(

@@ -41,6 +41,7 @@ class Ending(Enum):
     NOT_ITERATED = (
         "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
     )
+    NOT_REMESHED = "the new meshes cannot be taken: see the message"
     STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
 
     @property
@@ -140,6 +141,7 @@ class Path:
         snapshots: the bodies at the beginning and at the end of the steps that were to be kept.
         last: limit state of the last step that was taken; None where there is none.
         stage: the problem as it was made ready.
+        later: stages on new meshes, each with the first step that was taken on it.
     """
 
     status: Ending
@@ -149,6 +151,12 @@ class Path:
     snapshots: tuple[Snapshot, ...]
     last: LimitState | None
     stage: Stage
+    later: tuple[tuple[int, Stage], ...] = ()
+
+    def stage_of(self, snapshot: Snapshot) -> Stage:
+        """The stage that has the meshes of a snapshot."""
+        passed = [stage for first, stage in self.later if first <= snapshot.step]
+        return passed[-1] if passed else self.stage
 
     def snapshot(self, step: int) -> Snapshot:
         """The bodies at the end of a step; counted from the end of `snapshots` where negative.
@@ -170,7 +178,8 @@ class Path:
         Raises:
             InputError: see `snapshot`.
         """
-        return self.stage.at(self.snapshot(step).configuration)
+        snapshot = self.snapshot(step)
+        return self.stage_of(snapshot).at(snapshot.configuration)
 
     def to_vtu(self, folder: str | PathLike[str]) -> File:
         """Files for ParaView: see `lacore.export.write_path`."""

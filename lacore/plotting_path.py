@@ -41,8 +41,8 @@ _EVENTS = {
     "peak load": "#b2182b",
     "contact closed": "#0072b2",
     "contact opened": "#e69f00",
-    "remeshed": "#5e3c99",
     "inversion predicted": "#000000",
+    "remeshed": "#5e3c99",
 }
 _LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
 
@@ -232,7 +232,7 @@ def _box(path: Path) -> tuple[Floats, Floats]:
 
 def _coloured(path: Path, snapshot: Snapshot) -> Iterable[tuple[Mesh, Floats]]:
     """Meshes of a snapshot, and the equivalent strain at their vertices."""
-    for name, dofs in number(path.stage.bodies_at(snapshot.configuration)).items():
+    for name, dofs in number(path.stage_of(snapshot).bodies_at(snapshot.configuration)).items():
         yield dofs.body.mesh, vertex_means(dofs, snapshot.configuration.strain[name])
 
 
@@ -257,7 +257,7 @@ def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
 
 def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
     """Rigid footings, where they are."""
-    meshes, drawn = path.stage.meshes_at(snapshot.configuration), False
+    meshes, drawn = path.stage_of(snapshot).meshes_at(snapshot.configuration), False
     for load in path.stage.problem.reference_loads:
         if isinstance(load, RigidFooting):
             mesh = meshes[load.body]

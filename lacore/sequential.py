@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field, fields
-from functools import cached_property
 from os import PathLike
 from typing import Any
 
@@ -21,6 +20,7 @@ from lacore.flow import Moment, flow
 from lacore.interfaces import Interface
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
 from lacore.problem import Problem
+from lacore.remeshing import Remesh, carried, restaged
 from lacore.result import LimitState
 from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
 from lacore.staging import Stage, staged
@@ -69,6 +69,7 @@ def sequential(
     options: Mapping[str, Any] | None = None,
     keep_every: int = 1,
     checkpoint: str | PathLike[str] | None = None,
+    remesh: Remesh | None = None,
     on_step: Callable[[PathStep], None] | None = None,
 ) -> Path:
     """Follow bodies through large deformation: a limit problem a step (T29).
@@ -93,6 +94,10 @@ def sequential(
             arguments, it goes on from there, to the same path bit for bit but for
             `PathStep.seconds`. Each step writes it anew, all snapshots included: `keep_every`
             keeps it small.
+        remesh: makes new meshes where the next step would turn an element inside out, from the
+            problem on the bodies as they are; see `lacore.remeshing.Remesh`. Equivalent strains
+            are transferred (`lacore.transfer`), the velocity before is forgotten. An event says by
+            how much volume and load jump. Paths with new meshes have no checkpoint so far.
         on_step: called after each step that is taken now, when it is kept: for progress.
 
     Raises:
@@ -107,6 +112,10 @@ def sequential(
     if not isinstance(steps, AdaptiveSteps):
         require_count("steps", steps)
     require_count("keep_every", keep_every)
+    if remesh is not None and checkpoint is not None:
+        raise InputError(
+            "checkpoint", str(checkpoint), "does not keep new meshes so far", "leave one out"
+        )
     stage = staged(problem, approaching)
     control = control or FootingTravel()
     gauge = control.gauge(stage.problem)
@@ -139,15 +148,24 @@ def sequential(
             log.resume(progress)
         try:
             while (distance := pace.distance(here.travel)) > 0:
-                here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+                try:
+                    here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+                except PathEndError as stop:
+                    fresh = bool(log.later) and log.later[-1][0] == here.step + 1
+                    if remesh is None or fresh or stop.ending is not Ending.INVERSION:
+                        raise
+                    log.inversion(here, stop)
+                    moved = carried(control, walk.stage, here.configuration)
+                    walk, here = _remeshed(walk, here, distance, remesh, moved, log)
+                    control = moved
+                    continue
                 if kept is not None:
                     kept.save(log.progress(here, pace.next))
                 if on_step is not None:
                     on_step(log.rows[-1])
         except PathEndError as stop:
             if stop.ending is Ending.INVERSION:
-                element = str(stop).partition(":")[0]
-                log.event("inversion predicted", here.step + 1, here.travel, element)
+                log.inversion(here, stop)
             return log.path(stop.ending, str(stop), settings)
     return log.path(Ending.REACHED, Ending.REACHED.value, settings)
 
@@ -177,6 +195,44 @@ def _step(
     volume = _volume(walk.stage, there)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     return there
+
+
+def _remeshed(
+    walk: Walk, here: Here, distance: float, remesh: Remesh, control: Control, log: "_Log"
+) -> tuple[Walk, Here]:
+    """The same place on new meshes.
+
+    Raises:
+        PathEndError: they cannot be taken.
+    """
+    old = walk.stage
+    meshes = remesh(old.at(here.configuration))
+    try:
+        stage, configuration = restaged(old, here.configuration, meshes)
+        gauge = control.gauge(stage.problem)
+    except InputError as wrong:
+        raise PathEndError(Ending.NOT_REMESHED, str(wrong)) from wrong
+    there = Here(here.step, here.travel, configuration, None, None, here.speed)
+    after = Walk(stage, gauge, walk.settings)
+    loads = [
+        _load(own, Moment(at, at, distance / here.speed, 0.0))
+        for own, at in ((walk, here.configuration), (after, configuration))
+    ]
+    volumes = [_volume(old, here), _volume(stage, there)]
+    jumps = [now / before - 1 for before, now in (volumes, loads)]
+    counts = ", ".join(f"{name} has {mesh.nelements} elements" for name, mesh in meshes.items())
+    what = f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} of itself"
+    log.enter(stage, gauge, here.step + 1)
+    log.event("remeshed", here.step + 1, here.travel, what)
+    return after, there
+
+
+def _load(walk: Walk, moment: Moment) -> float:
+    """At a moment; NaN where there is none."""
+    try:
+        return walk.flow(moment)[0].load_factor
+    except PathEndError:
+        return float("nan")
 
 
 def _volume(stage: Stage, there: Here) -> float:
@@ -253,11 +309,18 @@ class _Log:
     snapshots: list[Snapshot] = field(default_factory=list)
     moment: Moment | None = None
     last: LimitState | None = None
+    later: list[tuple[int, Stage]] = field(default_factory=list)
+    now: Stage = field(init=False)
+    dofs: dict[str, BodyDofs] = field(init=False)
 
-    @cached_property
-    def dofs(self) -> dict[str, BodyDofs]:
-        """Numbers of nodes, which do not change."""
-        return number(self.stage.bodies)
+    def __post_init__(self) -> None:
+        self.now = self.stage
+        self.dofs = number(self.stage.bodies)
+
+    def enter(self, stage: Stage, gauge: Gauge, step: int) -> None:
+        """New meshes, from a step on."""
+        self.now, self.gauge, self.dofs = stage, gauge, number(stage.bodies)
+        self.later.append((step, stage))
 
     def begin(self, here: Here) -> None:
         """The bodies at the beginning."""
@@ -278,6 +341,11 @@ class _Log:
     def event(self, kind: str, step: int, travel: float, what: str) -> None:
         """Something happened."""
         self.events.append(Event(kind, step, travel, what))
+
+    def inversion(self, here: Here, stop: PathEndError) -> None:
+        """The next step would turn an element inside out."""
+        element = str(stop).partition(":")[0]
+        self.event("inversion predicted", here.step + 1, here.travel, element)
 
     def step(
         self,
@@ -330,7 +398,7 @@ class _Log:
 
     def _contacts(self, here: Here, there: Here) -> None:
         """Points that came to an obstacle in the last step, and points that left one."""
-        for obstacle in self.stage.obstacles:
+        for obstacle in self.now.obstacles:
             dofs = self.dofs[obstacle.body]
             near = _NEAR * obstacle.size
             before, after = (
@@ -371,4 +439,5 @@ class _Log:
             snapshots=tuple(self.snapshots),
             last=self.last,
             stage=self.stage,
+            later=tuple(self.later),
         )

@@ -36,6 +36,7 @@ class Obstacle:
     Attributes:
         name: of the interface.
         body: name.
+        where: name of the part of its boundary.
         facets: of its mesh.
         point, normal: of the plane, shape (2,); the unit normal points towards the body.
         law: friction.
@@ -44,6 +45,7 @@ class Obstacle:
 
     name: str
     body: str
+    where: str
     facets: Ints
     point: Floats
     normal: Floats
@@ -68,11 +70,13 @@ class Stage:
         problem: the first configuration; every `where` is a name, and there are no interfaces.
         obstacles: of the interfaces, those that touch and those that bodies may come to.
         grips: nodes of the point forces, in their order among all reference, then dead loads.
+        interfaces: those of the obstacles, planes all of them, by names of boundaries.
     """
 
     problem: Problem
     obstacles: tuple[Obstacle, ...]
     grips: tuple[int, ...]
+    interfaces: tuple[Interface, ...]
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -157,10 +161,11 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     reference = [renamed(load) for load in problem.reference_loads]
     dead = [renamed(load) for load in problem.dead_loads]
     supports = [renamed(support) for support in problem.supports]
+    interfaces = [*problem.interfaces, *approaching]
+    obstacles = tuple(_obstacle(interface, bodies, names) for interface in interfaces)
     for name, body in bodies.items():
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
-    interfaces = [*problem.interfaces, *approaching]
     grips = [
         vertex_at(bodies[load.body], load.at, "PointForce.at")
         for load in (*reference, *dead)
@@ -168,8 +173,16 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     ]
     return Stage(
         problem=Problem(MappingProxyType(bodies), reference, supports, (), dead),
-        obstacles=tuple(_obstacle(interface, bodies) for interface in interfaces),
+        obstacles=obstacles,
         grips=tuple(grips),
+        interfaces=tuple(
+            Interface(
+                (own.body, own.where),
+                RigidObstacle((own.point[0], own.point[1]), (own.normal[0], own.normal[1])),
+                interface.friction,
+            )
+            for own, interface in zip(obstacles, interfaces, strict=True)
+        ),
     )
 
 
@@ -216,7 +229,7 @@ def _quadratic(mesh: Mesh, kind: type[Mesh]) -> Mesh:
     return curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
 
 
-def _obstacle(interface: Interface, bodies: Mapping[str, Body]) -> Obstacle:
+def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names") -> Obstacle:
     master, (name, where) = interface.master, interface.slave
     if name not in bodies:
         raise InputError("Interface.slave", name, "no such body", f"give one of {sorted(bodies)}")
@@ -234,7 +247,16 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body]) -> Obstacle:
     else:
         point, normal = np.array(master.point, dtype=float), np.array(master.normal, dtype=float)
         normal = normal / np.linalg.norm(normal)
-    found = Obstacle(interface.name, name, facets, point, normal, interface.law.terms(), body.size)
+    found = Obstacle(
+        name=interface.name,
+        body=name,
+        where=names.of(body, name, where, "Interface.slave"),
+        facets=facets,
+        point=point,
+        normal=normal,
+        law=interface.law.terms(),
+        size=body.size,
+    )
     mesh = body.mesh
     nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
     deepest = float(found.distance(mesh.doflocs[:, nodes]).min())

@@ -1,0 +1,94 @@
+"""New meshes for bodies on their way: the problem goes on where they are (T31)."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from skfem import Mesh, MeshQuad, MeshTri
+
+from lacore.bodies import Body
+from lacore.configuration import Configuration
+from lacore.control import Control, PointTravel
+from lacore.curved import is_curved
+from lacore.dofs import number
+from lacore.errors import InputError, require_known
+from lacore.problem import Problem, vertex_at
+from lacore.staging import Obstacle, Stage, staged
+from lacore.transfer import transferred
+
+Remesh = Callable[[Problem], Mapping[str, Mesh]]
+"""New meshes by body, of bodies where they are now; those without one keep theirs.
+
+A new mesh has the boundary names of the one before, and vertices where point forces act and where
+the control point is.
+"""
+
+_NEAR = 1e-6  # of the body size: new nodes closer to an obstacle are put onto it
+
+
+def restaged(
+    stage: Stage, configuration: Configuration, meshes: Mapping[str, Mesh]
+) -> tuple[Stage, Configuration]:
+    """The stage on new meshes, and the configuration there: strains are transferred.
+
+    Raises:
+        InputError: meshes of no body, without names that the old ones have, or that no body can
+            have; vertices that are missing; bodies that begin behind an obstacle.
+    """
+    if not isinstance(meshes, Mapping) or not meshes:
+        raise InputError("remesh", meshes, "returned no meshes", "return {'body': mesh}")
+    now = stage.at(configuration)
+    bodies = dict(now.bodies)
+    for name, mesh in meshes.items():
+        require_known("remesh", name, bodies)
+        body = bodies[name]
+        assert isinstance(body, Body)
+        bodies[name] = _on(name, body, mesh, stage.obstacles)
+    new = staged(replace(now, bodies=bodies), stage.interfaces)
+    start = new.start
+    before, after = (number(own) for own in (stage.bodies_at(configuration), new.bodies))
+    strain = {
+        name: transferred(before[name], own, after[name]) if name in meshes else own
+        for name, own in configuration.strain.items()
+    }
+    return new, Configuration(start.nodes, strain)
+
+
+def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> Body:
+    """A body on a new mesh."""
+    if not isinstance(mesh, MeshTri | MeshQuad):
+        raise InputError(
+            "remesh", type(mesh).__name__, f"not a mesh of {name!r}", "return skfem meshes"
+        )
+    missing = sorted(set(body.mesh.boundaries or {}) - set(mesh.boundaries or {}))
+    if missing:
+        raise InputError(
+            "remesh",
+            missing,
+            f"names of boundaries that the new mesh of {name!r} lacks",
+            "name them by mesh.with_boundaries",
+        )
+    places = mesh.doflocs.copy()
+    for obstacle in obstacles:
+        if obstacle.body == name:
+            edges = np.asarray(mesh.boundaries[obstacle.where], dtype=np.int64)
+            nodes = np.unique(mesh.facets[:, edges])
+            distance = obstacle.distance(places[:, nodes])
+            near = np.abs(distance) <= _NEAR * obstacle.size
+            places[:, nodes[near]] -= obstacle.normal[:, None] * distance[near]
+            if is_curved(mesh):  # what would bulge behind the obstacle becomes straight
+                middle = mesh.nvertices + edges
+                chord = places[:, mesh.facets[:, edges]].mean(axis=1)
+                behind = obstacle.distance(2 * places[:, middle] - chord) < 0
+                places[:, middle[behind]] = chord[:, behind]
+    space = "p2-gauss" if len(mesh.t) == 3 else "q2"
+    return replace(body, mesh=replace(mesh, doflocs=places), space=space)
+
+
+def carried(control: Control, stage: Stage, configuration: Configuration) -> Control:
+    """A control for new meshes: its point is where it has come to."""
+    if not isinstance(control, PointTravel):
+        return control
+    node = vertex_at(stage.bodies[control.body], control.at, "PointTravel.at")
+    x, y = configuration.nodes[control.body][:, node].tolist()
+    return replace(control, at=(x, y))

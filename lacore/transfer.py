@@ -1,0 +1,37 @@
+"""Equivalent strains from one mesh to another of the same body (T31)."""
+
+import numpy as np
+import shapely
+
+from lacore.arrays import Floats
+from lacore.curved import subdivided
+from lacore.dofs import BodyDofs
+from lacore.nodal import node_means
+
+
+def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
+    """Strains (elements, q) at the strain points of a new mesh.
+
+    Means around the vertices of the old mesh (`lacore.nodal.vertex_means`), linear between its
+    nodes; beyond its boundary those of the nearest place. Uniform strains stay what they are, none
+    becomes larger or smaller than all before; peaks are smoothed over an element.
+    """
+    mesh = subdivided(old.body.mesh)
+    at_nodes = node_means(old, strain)
+    corners = mesh.p[:, mesh.t]
+    triangles = shapely.polygons(corners.transpose(2, 1, 0))
+    places = np.asarray(new.basis.global_coordinates())
+    wanted = shapely.points(places.reshape(2, -1).T)
+    triangle = shapely.STRtree(triangles).nearest(wanted)
+    lines = shapely.shortest_line(triangles[triangle], wanted)
+    points = shapely.get_coordinates(lines)[::2].T  # the point itself where it is inside
+    a, b, c = corners[:, :, triangle].transpose(1, 0, 2)
+
+    def area(p: Floats, q: Floats, r: Floats) -> Floats:
+        return np.asarray((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    whole = area(a, b, c)
+    shares = np.stack([area(points, b, c), area(a, points, c), area(a, b, points)]) / whole
+    shares = np.maximum(shares, 0.0)  # round-off at edges
+    values = np.sum(shares * at_nodes[mesh.t[:, triangle]], axis=0) / shares.sum(axis=0)
+    return np.asarray(values.reshape(places.shape[1:]))
