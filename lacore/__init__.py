@@ -19,10 +19,11 @@ from lacore.intervals import Interval
 from lacore.isolation import SolverProcess
 from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
+from lacore.pace import AdaptiveSteps
 from lacore.path import Path
 from lacore.problem import Problem
 from lacore.result import LimitState
-from lacore.sequential import AdaptiveSteps, sequential
+from lacore.sequential import sequential
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status

@@ -1,0 +1,85 @@
+"""How long the steps of a path are: equal, or as their error allows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.errors import InputError, require_positive
+from lacore.path import Ending
+from lacore.schemes import PathEndError
+
+_END = 1e-9  # of the travel: what is left is round-off
+_SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps
+
+
+@dataclass(frozen=True)
+class AdaptiveSteps:
+    """Steps as long as their error allows.
+
+    Attributes:
+        tolerance: of the displacement by which the velocity may change within a step, per body
+            size; see `PathStep.error`.
+        first: length of the first step, of the travel.
+        smallest: of a step, of the travel; below it the path ends.
+    """
+
+    tolerance: float = 1e-3
+    first: float = 0.05
+    smallest: float = 1e-4
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "first", "smallest"):
+            require_positive(f"AdaptiveSteps.{name}", getattr(self, name))
+        if not self.smallest <= self.first <= 1:
+            raise InputError(
+                "AdaptiveSteps.first", self.first, "outside [smallest, 1]", "give e.g. 0.05"
+            )
+
+
+@dataclass
+class Pace:
+    """Lengths of steps: equal, or as the error allows; `next` is that of the next one."""
+
+    steps: int | AdaptiveSteps
+    travel: float
+    next: float = 0.0
+
+    def __post_init__(self) -> None:
+        first = self.steps.first if isinstance(self.steps, AdaptiveSteps) else 1 / self.steps
+        self.next = self.travel * first
+
+    def resume(self, step: float) -> None:
+        """Go on with a step of this length."""
+        self.next = step
+
+    def distance(self, done: float) -> float:
+        """Of the next step; 0 at the end."""
+        left = self.travel - done
+        return 0.0 if left <= _END * self.travel else min(self.next, left)
+
+    def accepts(self, error: float) -> bool:
+        """Whether a step with this error is taken; the first one has none."""
+        return not isinstance(self.steps, AdaptiveSteps) or not error > self.steps.tolerance
+
+    def shorter(self, distance: float, error: float) -> float:
+        """Another attempt.
+
+        Raises:
+            PathEndError: it would be too short.
+        """
+        shorter = distance * self._factor(error)
+        assert isinstance(self.steps, AdaptiveSteps)
+        if shorter < self.steps.smallest * self.travel:
+            message = f"{Ending.STEP_TOO_SMALL.value} (error {error:.3g})"
+            raise PathEndError(Ending.STEP_TOO_SMALL, message)
+        return shorter
+
+    def learn(self, distance: float, error: float) -> None:
+        """Set the next step by the error of the last: the error goes with its square."""
+        if isinstance(self.steps, AdaptiveSteps) and np.isfinite(error):
+            self.next = distance * self._factor(error)
+
+    def _factor(self, error: float) -> float:
+        assert isinstance(self.steps, AdaptiveSteps)
+        ratio = np.sqrt(self.steps.tolerance / max(error, 1e-300))
+        return float(np.clip(_SAFETY * ratio, *_CHANGE))
