@@ -18,6 +18,8 @@ from typing import Any, Self
 
 import numpy as np
 from filelock import FileLock, Timeout
+from skfem import Mesh
+from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats
 from lacore.backend import load_backend
@@ -26,10 +28,12 @@ from lacore.errors import InputError
 from lacore.fingerprint import fingerprint
 from lacore.flow import Moment
 from lacore.path import Event, PathStep, Snapshot
+from lacore.remeshing import NewMeshes
 from lacore.schemes import Here
 from lacore.staging import Stage
 
-_FORMAT = 1
+_FORMAT = 2
+_KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
     *(IndexError, AttributeError, RuntimeError, OverflowError),
@@ -46,6 +50,7 @@ class Progress:
         step: length of the next step, in units of the control.
         rows, events, snapshots: what it leaves behind.
         moment: of the limit problem whose load the last step has.
+        made: new meshes on the way.
     """
 
     here: Here
@@ -54,6 +59,7 @@ class Progress:
     events: Sequence[Event]
     snapshots: Sequence[Snapshot]
     moment: Moment
+    made: Sequence[NewMeshes] = ()
 
 
 def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, str]:
@@ -227,6 +233,13 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         pack_configuration(f"snapshot/{place}", snapshot.configuration)
         pack(f"snapshot/{place}/velocity", snapshot.velocity)
         pack(f"snapshot/{place}/strain_rate", snapshot.strain_rate)
+    for place, own in enumerate(progress.made):
+        pack(f"made/{place}/nodes", own.nodes)
+        for number, mesh in enumerate(own.meshes.values()):
+            key = f"made/{place}/mesh/{number}"
+            arrays[f"{key}/p"], arrays[f"{key}/t"] = mesh.doflocs, mesh.t
+            for part, facets in enumerate((mesh.boundaries or {}).values()):
+                arrays[f"{key}/boundary/{part}"] = np.asarray(facets, dtype=np.int64)
     head = {
         "bodies": names,
         "here": {
@@ -239,6 +252,16 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         "step": progress.step,
         "snapshots": [{"step": own.step, "travel": own.travel} for own in progress.snapshots],
         "events": [asdict(event) for event in progress.events],
+        "made": [
+            {
+                "step": own.step,
+                "meshes": [
+                    [name, type(mesh).__name__, list(mesh.boundaries or {})]
+                    for name, mesh in own.meshes.items()
+                ],
+            }
+            for own in progress.made
+        ],
     }
     return head, arrays
 
@@ -273,5 +296,23 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
             )
             for place, own in enumerate(head["snapshots"])
         ],
+        made=[
+            NewMeshes(
+                step=own["step"],
+                nodes=unpack(f"made/{place}/nodes"),
+                meshes={
+                    name: _mesh(arrays, f"made/{place}/mesh/{number}", kind, parts)
+                    for number, (name, kind, parts) in enumerate(own["meshes"])
+                },
+            )
+            for place, own in enumerate(head["made"])
+        ],
         moment=Moment(begin=configuration("begin"), at=configuration("at"), **head["moment"]),
+    )
+
+
+def _mesh(arrays: Mapping[str, Any], key: str, kind: str, parts: Sequence[str]) -> Mesh:
+    mesh = _KINDS[kind](arrays[f"{key}/p"], arrays[f"{key}/t"])
+    return mesh.with_boundaries(
+        {name: arrays[f"{key}/boundary/{part}"] for part, name in enumerate(parts)}
     )

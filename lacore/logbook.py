@@ -13,6 +13,7 @@ from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
 from lacore.flow import Moment, flow
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
+from lacore.remeshing import NewMeshes
 from lacore.result import LimitState
 from lacore.schemes import Here, PathEndError, Stride
 from lacore.staging import Stage
@@ -34,6 +35,7 @@ class Log:
     moment: Moment | None = None
     last: LimitState | None = None
     later: list[tuple[int, Stage]] = field(default_factory=list)
+    made: list[NewMeshes] = field(default_factory=list)
     now: Stage = field(init=False)
     dofs: dict[str, BodyDofs] = field(init=False)
 
@@ -41,10 +43,11 @@ class Log:
         self.now = self.stage
         self.dofs = number(self.stage.bodies)
 
-    def enter(self, stage: Stage, gauge: Gauge, step: int) -> None:
-        """New meshes, from a step on."""
+    def enter(self, stage: Stage, gauge: Gauge, made: NewMeshes) -> None:
+        """New meshes."""
         self.now, self.gauge, self.dofs = stage, gauge, number(stage.bodies)
-        self.later.append((step, stage))
+        self.later.append((made.step, stage))
+        self.made.append(made)
 
     def begin(self, here: Here) -> None:
         """The bodies at the beginning."""
@@ -60,7 +63,7 @@ class Log:
     def progress(self, here: Here, step: float) -> Progress:
         """The path so far, to be resumed with a step of this length."""
         assert self.moment is not None
-        return Progress(here, step, self.rows, self.events, self.snapshots, self.moment)
+        return Progress(here, step, self.rows, self.events, self.snapshots, self.moment, self.made)
 
     def event(self, kind: str, step: int, travel: float, what: str) -> None:
         """Something happened."""
@@ -152,7 +155,7 @@ class Log:
     def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
         """The end; settings are those of each solve."""
         if self.last is None and self.moment is not None:  # of a path that was all kept
-            self.last = flow(self.stage, self.moment, settings).state
+            self.last = flow(self.now, self.moment, settings).state
         return Path(
             status=ending,
             message=f"{ending.label}: {message}",

@@ -1,11 +1,12 @@
 """New meshes for bodies on their way: the problem goes on where they are (T31)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
 
+from lacore.arrays import Floats
 from lacore.bodies import Body
 from lacore.configuration import Configuration
 from lacore.control import Control, PointTravel
@@ -22,6 +23,22 @@ Remesh = Callable[[Problem], Mapping[str, Mesh]]
 A new mesh has the boundary names of the one before, and vertices where point forces act and where
 the control point is.
 """
+
+
+@dataclass(frozen=True)
+class NewMeshes:
+    """What a stage is made anew from.
+
+    Attributes:
+        step: the first that is taken on them.
+        nodes: where the bodies were, on the meshes before, shape (2, nodes) by body.
+        meshes: new ones by body.
+    """
+
+    step: int
+    nodes: Mapping[str, Floats]
+    meshes: Mapping[str, Mesh]
+
 
 _NEAR = 1e-6  # of the body size: new nodes closer to an obstacle are put onto it
 
@@ -92,3 +109,15 @@ def carried(control: Control, stage: Stage, configuration: Configuration) -> Con
     node = vertex_at(stage.bodies[control.body], control.at, "PointTravel.at")
     x, y = configuration.nodes[control.body][:, node].tolist()
     return replace(control, at=(x, y))
+
+
+def again(stage: Stage, control: Control, made: NewMeshes) -> tuple[Stage, Control]:
+    """The stage and the control on meshes that were taken before."""
+    at = Configuration(made.nodes, stage.start.strain)
+    return restaged(stage, at, made.meshes)[0], carried(control, stage, at)
+
+
+def described(remesh: Remesh) -> str:
+    """A name to know a function by again: what it does must not change meanwhile."""
+    name = getattr(remesh, "__qualname__", type(remesh).__qualname__)
+    return f"{getattr(remesh, '__module__', type(remesh).__module__)}.{name}"

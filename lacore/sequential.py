@@ -17,7 +17,7 @@ from lacore.logbook import Log
 from lacore.pace import AdaptiveSteps, Pace
 from lacore.path import Ending, Path, PathStep
 from lacore.problem import Problem
-from lacore.remeshing import Remesh, carried, restaged
+from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
 from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Walk, require_upright
 from lacore.staging import Stage, staged
 
@@ -64,7 +64,7 @@ def sequential(
         remesh: makes new meshes where the next step would turn an element inside out, from the
             problem on the bodies as they are; see `lacore.remeshing.Remesh`. Equivalent strains
             are transferred (`lacore.transfer`), the velocity before is forgotten. An event says by
-            how much volume and load jump. Paths with new meshes have no checkpoint so far.
+            how much volume and load jump. A checkpoint knows it by its name.
         on_step: called after each step that is taken now, when it is kept: for progress.
 
     Raises:
@@ -79,10 +79,6 @@ def sequential(
     if not isinstance(steps, AdaptiveSteps):
         require_count("steps", steps)
     require_count("keep_every", keep_every)
-    if remesh is not None and checkpoint is not None:
-        raise InputError(
-            "checkpoint", str(checkpoint), "does not keep new meshes so far", "leave one out"
-        )
     stage = staged(problem, approaching)
     control = control or FootingTravel()
     gauge = control.gauge(stage.problem)
@@ -103,6 +99,7 @@ def sequential(
                 "scheme": scheme,
                 "control": control,
                 "keep_every": keep_every,
+                "remesh": None if remesh is None else described(remesh),
             }
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
             progress = kept.load()
@@ -113,6 +110,10 @@ def sequential(
             here = progress.here
             pace.resume(progress.step)
             log.resume(progress)
+            for made in progress.made:
+                stage, control = again(walk.stage, control, made)
+                walk = Walk(stage, control.gauge(stage.problem), settings)
+                log.enter(stage, walk.gauge, made)
         try:
             while (distance := pace.distance(here.travel)) > 0:
                 try:
@@ -187,7 +188,7 @@ def _remeshed(
     jumps = [now / before - 1 for before, now in (volumes, loads)]
     counts = ", ".join(f"{name} has {mesh.nelements} elements" for name, mesh in meshes.items())
     what = f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} of itself"
-    log.enter(stage, gauge, here.step + 1)
+    log.enter(stage, gauge, NewMeshes(here.step + 1, here.configuration.nodes, dict(meshes)))
     log.event("remeshed", here.step + 1, here.travel, what)
     return after, there
 

@@ -20,6 +20,7 @@ from lacore.configuration import Configuration
 from lacore.errors import InputError
 from lacore.flow import Moment
 from lacore.path import Snapshot
+from lacore.remeshing import NewMeshes
 from lacore.schemes import Here
 from tests.lacore.path_billets import billet, pressed
 
@@ -266,7 +267,8 @@ def test_all_that_a_step_needs_is_kept():
         Moment: ["begin", "at", "duration", "share"],
         Configuration: ["nodes", "strain"],
         Snapshot: ["step", "travel", "configuration", "velocity", "strain_rate"],
-        Progress: ["here", "step", "rows", "events", "snapshots", "moment"],
+        Progress: ["here", "step", "rows", "events", "snapshots", "moment", "made"],
+        NewMeshes: ["step", "nodes", "meshes"],
     }
     for kind, names in known.items():
         assert [entry.name for entry in fields(kind)] == names

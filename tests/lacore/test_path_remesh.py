@@ -17,6 +17,7 @@ from lacore.staging import staged
 from lacore.transfer import transferred
 from tests.lacore.path_billets import billet, pressed, quad_billet
 from tests.lacore.pictures import drawn, words
+from tests.lacore.test_path_checkpoint import Stop, assert_same, stop_after
 
 ROUND_OFF = 1e-12  # of sums of tens of terms of order one
 
@@ -256,6 +257,24 @@ def test_a_control_point_goes_along():
     assert carried(la.Time(), stage, stage.start) == la.Time()
 
 
-def test_checkpoints_do_not_keep_new_meshes(tmp_path):
-    with pytest.raises(InputError, match="does not keep new meshes so far; leave one out"):
-        pressed(1, checkpoint=tmp_path / "p", remesh=anew(0.1))
+@pytest.mark.slow
+def test_checkpoints_keep_new_meshes(tmp_path):
+    """Stopped before, at and after new meshes, the path is the same bit for bit."""
+    require_gmsh()
+    remesh = anew(0.25)
+    asked = {"steps": 12, "travel": 0.48, "billet": lambda: _sticky(3), "remesh": remesh}
+    whole = pressed(**asked)
+    first = whole.later[0][0]
+    for step in (first - 1, first, first + 1):
+        with pytest.raises(Stop):
+            pressed(**asked, checkpoint=tmp_path / "p", on_step=stop_after(step))
+    again = pressed(**asked, checkpoint=tmp_path / "p")
+    assert_same(again, whole)
+    assert_same(pressed(**asked, checkpoint=tmp_path / "p", on_step=stop_after(0)), whole)
+    assert [step for step, _ in again.later] == [step for step, _ in whole.later]
+    for (_, one), (_, two) in zip(again.later, whole.later, strict=True):
+        np.testing.assert_array_equal(
+            one.bodies["billet"].mesh.doflocs, two.bodies["billet"].mesh.doflocs
+        )
+    with pytest.raises(InputError, match="is of another path: other remesh"):
+        pressed(**{**asked, "remesh": lambda now: remesh(now)}, checkpoint=tmp_path / "p")
