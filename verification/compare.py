@@ -25,7 +25,8 @@ ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
 """Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
 
 PATHS = ("clarabel", "newton")
-"""Backends that paths are compared with: each is tens of solves."""
+"""Backends that paths are compared with, each of them tens of solves; only the first where the
+exact loads are not known."""
 
 LINEAR = ("highs",)
 """Those of them that rigid bodies are compared with."""
@@ -118,12 +119,16 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 def default_backends(case: Case, variant: Variant) -> list[str]:
     """Backends that a comparison runs when none is named."""
     linear = () if case.meshed else LINEAR
-    names = PATHS if case.path is not None else la.backend_names()
+    names = la.backend_names() if case.path is None else _path_backends(case, variant)
     return [
         name
         for name in names
         if (name not in ON_DEMAND or name in linear) and not _unfit(variant, name)
     ]
+
+
+def _path_backends(case: Case, variant: Variant) -> Sequence[str]:
+    return PATHS if case.following_of(variant).exact is not None else PATHS[:1]
 
 
 def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:

@@ -98,10 +98,10 @@ def sweep(
     """Run cases over grids of parameters, mesh sizes, settings of the loop and backend options.
 
     CASE is the id of a case (see `lacore cases`) or id:variant. NAME is a parameter of the case
-    (mu), a keyword of its mesh levels (n, nx), a setting of the coupling loop (damping, anderson,
-    kappa, start, tolerance, max_iterations), or a backend option (r, eta, bulk, normal, tangential,
-    ...; K_c, K_n, K_t are bulk, normal, tangential). Where a name is several of these, write
-    param.NAME, size.NAME, setting.NAME or option.NAME.
+    (mu; of a path also steps and scheme), a keyword of its mesh levels (n, nx), a setting of the
+    coupling loop (damping, anderson, kappa, start, tolerance, max_iterations), or a backend option
+    (r, eta, bulk, normal, tangential, ...; K_c, K_n, K_t are bulk, normal, tangential). Where a
+    name is several of these, write param.NAME, size.NAME, setting.NAME or option.NAME.
 
     An option is given to the backends that have it; others, such as exact ones that know no r, run
     once for all its values: their load factor is the exact one of the same mesh. A value that a
@@ -117,6 +117,7 @@ def sweep(
     Examples:
       lacore sweep prandtl-punch:smooth --vary r=1e-1:1e-5:9:log --backends newton,clarabel
       lacore sweep deformable-block:sliding --vary mu=0.1:0.9:17 --meshes coarse --jobs 4
+      lacore sweep hardening-cylinder:voce --vary steps=5:40:4:log --vary scheme=leapfrog,explicit
       lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
@@ -130,14 +131,16 @@ def sweep(
     ):
         outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
     export(load_results(out), out / "results.csv")
-    slopes = _slopes(out, outcomes)
+    slopes, orders = _slopes(out, outcomes), _orders(out, outcomes)
     if as_json:
-        print_json(_document(out, outcomes, slopes))
+        print_json(_document(out, outcomes, slopes, orders))
     else:
         console = terminal.table_console()
         terminal.show_sweep(console, outcomes)
         if slopes:
             terminal.show_slopes(console, slopes)
+        if orders:
+            terminal.show_step_orders(console, orders)
         click.echo(f"\nStore: {out / NAME}\nTable: {out / 'results.csv'}")
     ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
 
@@ -170,13 +173,17 @@ def _executor(
 
 
 def _document(
-    out: Path, outcomes: Sequence[Outcome], slopes: Sequence[dict[str, Any]]
+    out: Path,
+    outcomes: Sequence[Outcome],
+    slopes: Sequence[dict[str, Any]],
+    orders: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
     statuses = Counter(outcome.row.status for outcome in outcomes)
     verdicts = Counter(outcome.row.verdict for outcome in outcomes)
     return {
         "summary": {"runs": len(outcomes), "statuses": dict(statuses), "verdicts": dict(verdicts)},
         "slopes": list(slopes),
+        "step_orders": list(orders),
         "store": str(out / NAME),
         "machine": describe(),
         "rows": [outcome.record() for outcome in outcomes],
@@ -195,8 +202,23 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     # Here, because it takes most of a second that other sweeps need not wait for.
     from verification.analysis import regularisation_slopes, with_exact
 
-    keys = {outcome.run.key for outcome in outcomes}
-    results = load_results(out)
-    joined = with_exact(results[results["run"].isin(keys)])
+    joined = with_exact(_results(out, outcomes))
     found = pd.concat([regularisation_slopes(joined, name) for name in varied])
     return found.to_dict("records")  # type: ignore[return-value]  # columns are text
+
+
+def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """How errors of paths fall with their steps, where these were varied."""
+    if len({o.run.parameters["steps"] for o in outcomes if o.run.case.path is not None}) < 2:
+        return []
+    # Here, because it takes most of a second that other sweeps need not wait for.
+    from verification.analysis import step_orders
+
+    return step_orders(_results(out, outcomes)).to_dict("records")  # type: ignore[return-value]
+
+
+def _results(out: Path, outcomes: Sequence[Outcome]) -> pd.DataFrame:
+    """Those of a sweep, of all that are in its folder."""
+    keys = {outcome.run.key for outcome in outcomes}
+    results = load_results(out)
+    return results[results["run"].isin(keys)]

@@ -186,6 +186,26 @@ def show_slopes(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
         print_line(console, line(*cells), "dim" if record["reason"] else "")
 
 
+def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> None:
+    """Orders of paths in their steps, a line each; where there is none, why."""
+    line = "{:22} {:34} {:9} {:12} {:>7} {:>6}  {:24} {}".format
+    head = ("case", "path", "mesh", "backend", "order", "T30", "where it holds", "floor")
+    print_line(console, "\n" + line(*head), "bold")
+    for record in records:
+        names = [key for key in record if key.startswith(("param_", "size_"))]
+        within = f"{record['start']:.0f} to {record['stop']:.0f} steps"
+        cells = (
+            record["case"],
+            ", ".join(str(record[name]) for name in names if record[name] == record[name]),
+            *(record[key] for key in ("mesh", "backend")),
+            _number(record["order"], ".3f"),
+            _number(record["expected"], "g"),
+            record["reason"] or within,
+            _number(record["floor"], ".2g"),
+        )
+        print_line(console, line(*cells), "dim" if record["reason"] else "")
+
+
 def show_efforts(console: Console, outcomes: Sequence[Outcome]) -> None:
     """How each coupling fared: how many runs it certified, and with how many inner solves."""
     line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format

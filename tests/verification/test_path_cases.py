@@ -9,11 +9,16 @@ import lacore as la
 from lacore.arrays import Floats
 from lacore.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.path import Ending
+from verification.analysis import step_orders
 from verification.compare import plan
 from verification.exact_paths import cylinder, peak, pressure
 from verification.harness import execute
 from verification.judging import FAIL, NO_RESULT, PASS
 from verification.path_run import judge_path
+from verification.report.convergence import steps_section
+from verification.report.files import pictures
+from verification.report.page import compared, results_frame
+from verification.report.paths import path_chart
 from verification.run import Row
 from verification.sweep import plan as sweep
 
@@ -129,3 +134,27 @@ def test_sweeps_vary_steps_and_scheme_like_parameters() -> None:
     runs = sweep(["hardening-cylinder:perfect"], ["steps=5:40:4:log", "scheme=leapfrog,explicit"])
     asked = {(run.parameters["steps"], run.parameters["scheme"]) for run in runs}
     assert asked == {(n, s) for n in (5, 10, 20, 40) for s in ("leapfrog", "explicit")}
+
+
+def test_orders_of_a_sweep_are_those_of_the_schemes() -> None:
+    runs = sweep(["hardening-cylinder:perfect"], ["steps=5,7,10", "scheme=leapfrog,explicit"])
+    results = results_frame([*execute(run for run in runs if run.backend == "clarabel")])
+    fits = step_orders(results).set_index("param_scheme")
+    assert fits["expected"].to_dict() == {"leapfrog": 2.0, "explicit": 1.0}
+    assert np.abs(fits["order"] - fits["expected"]).max() <= 0.2  # 5 steps are few
+    section = steps_section(results)
+    assert section is not None
+    assert "steps" in section.title
+    assert steps_section(results[results["param_steps"] == 5]) is None
+
+
+def test_the_page_of_a_path_shows_its_loads_on_the_exact_ones() -> None:
+    outcomes = [*execute(plan(["tension:linear-1"], ["clarabel"]))]
+    case = outcomes[0].run.case
+    drawing = path_chart(case, outcomes)
+    assert drawing is not None
+    assert len(drawing.chart.tips) == 10
+    assert all("exact" in tip.text for tip in drawing.chart.tips)
+    assert path_chart(case, []) is None
+    document = compared(outcomes, {"machine": "one"})
+    assert "tension-paths" in {name for name, _ in pictures(document)}

@@ -29,6 +29,7 @@ from verification.analysis.slopes import (
     regularisation_slopes,
     slopes,
 )
+from verification.analysis.stepping import step_orders
 
 __all__ = [
     "Costs",
@@ -51,5 +52,6 @@ __all__ = [
     "richardson",
     "shifted_geometric_means",
     "slopes",
+    "step_orders",
     "with_exact",
 ]

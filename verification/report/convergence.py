@@ -5,8 +5,14 @@ from typing import Any
 
 import pandas as pd
 
-from verification.analysis import refinement_orders, regularisation_slopes, with_exact
+from verification.analysis import (
+    refinement_orders,
+    regularisation_slopes,
+    step_orders,
+    with_exact,
+)
 from verification.analysis.columns import groups, problem_columns, solver_columns
+from verification.analysis.stepping import STEPS
 from verification.report import charts
 from verification.report.blocks import (
     Block,
@@ -128,6 +134,51 @@ def refinement_section(results: pd.DataFrame) -> Section | None:
         Details("Orders", [Table(columns, named)]),
     ]
     return Section("refinement", "Error under refinement", blocks)
+
+
+def steps_section(results: pd.DataFrame) -> Section | None:
+    """Largest error of paths against their steps; None where these were not varied."""
+    fits = step_orders(results)
+    if not len(fits):
+        return None
+    path = [n for n in fits if str(n).startswith(("param_", "size_")) and n != "param_scheme"]
+    names = ["case", "mesh", *map(str, path)]
+    lines = ["param_scheme", *_solvers(fits, "")]
+    columns = (
+        Column("case"),
+        *(Column(str(name), str(name).partition("_")[2]) for name in path),
+        Column("mesh"),
+        Column(LINE, "scheme"),
+        Column("order", form="+.2f"),
+        Column("order_low", "from", "+.2f"),
+        Column("order_high", "to", "+.2f"),
+        Column("expected", "theory", "g"),
+        *_RANGE,
+    )
+    drawings = []
+    for values, own in groups(fits, names):
+        points = _rows(results[results["path_error"].notna()], values)
+        title = ", ".join(str(value) for value in values.values() if not pd.isna(value))
+        chart = charts.fitted(
+            with_lines(points, lines, fits),
+            with_lines(own, lines, fits),
+            Axis(STEPS, "steps"),
+            Axis("path_error", "largest relative error of the path"),
+            by=LINE,
+        )
+        drawings.append(Drawing(f"{title}-steps", f"{title}: error with the steps", chart))
+    text = (
+        "Largest relative error of the loads along each path. Theory (T30) expects order 1 of"
+        " explicit and implicit Euler steps, 2 of leapfrog and the implicit midpoint; a floor is"
+        " that of the mesh."
+    )
+    shown = with_lines(fits, lines, fits)
+    blocks: list[Block] = [
+        Text(text),
+        Gallery(drawings),
+        Details("Orders of the schemes", [Table(columns, shown)]),
+    ]
+    return Section("steps", "Error of paths with their steps", blocks)
 
 
 def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawing]:

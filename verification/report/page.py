@@ -37,6 +37,7 @@ from verification.report.blocks import (
 from verification.report.brackets import bracket_drawings, brackets_table
 from verification.report.description import counted, description, lead
 from verification.report.figures import finest_exact, png, sweep_chart
+from verification.report.paths import path_chart, paths_table
 from verification.report.studies import studies
 from verification.report.tables import (
     RUN,
@@ -177,6 +178,8 @@ def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -
         blocks.append(brackets_table(results[brackets]))
     if not brackets.all():
         blocks.append(results_table(results[~brackets]))
+    if case.path is not None:
+        blocks.append(paths_table(results))
     blocks.append(Details("Why each verdict", [reasons_table(results)]))
     certificates = certificates_table(results)
     if len(certificates.data):
@@ -193,6 +196,9 @@ def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
     if chart is not None:
         text = f"Load factor against {case.sweep}, finest mesh of each backend"
         yield Drawing(f"{case.id}-sweep", text, chart)
+    paths = path_chart(case, outcomes) if case.path is not None else None
+    if paths is not None:
+        yield paths
 
 
 def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:

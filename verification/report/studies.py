@@ -9,7 +9,11 @@ from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
 from verification.judging import FINDS_NONE, SKIPPED
 from verification.report.blocks import Block, Column, Details, Section, Table
-from verification.report.convergence import refinement_section, regularisation_section
+from verification.report.convergence import (
+    refinement_section,
+    regularisation_section,
+    steps_section,
+)
 from verification.report.solvers import solvers_section
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
@@ -17,7 +21,7 @@ _LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
 
 
 def studies(results: pd.DataFrame) -> list[Section]:
-    """Sections on regularisation, extrapolation, refinement, and solvers side by side."""
+    """Sections on regularisation, extrapolation, refinement, steps, and solvers side by side."""
     ran = results[results["verdict"] != SKIPPED]
     if not len(ran):
         return []
@@ -25,6 +29,7 @@ def studies(results: pd.DataFrame) -> list[Section]:
         *(regularisation_section(ran, option) for option in PENALTIES if option in ran),
         _extrapolation(ran),
         refinement_section(ran),
+        steps_section(ran),
         _solvers(ran),
     ]
     return [section for section in sections if section is not None]

@@ -1,0 +1,98 @@
+"""Charts and tables of paths: loads against the travel, and what else came of them."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+import numpy as np
+import pandas as pd
+
+from verification.case import Case
+from verification.path_run import exact_loads
+from verification.report.blocks import Column, Drawing, Table
+from verification.report.charts import figure_axes, labelled, legend
+from verification.report.svg import Chart, Tip
+from verification.report.tables import RUN, VERDICTS
+from verification.report.theme import INK, MARKERS, SERIES, styled
+from verification.run import Outcome
+
+_POINTS = 101  # of an exact curve
+
+
+def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
+    """Loads along the paths of a case on the exact ones; None without a path.
+
+    Of each variant the finest mesh of its first backend.
+    """
+    shown = _shown(outcomes)
+    if not shown:
+        return None
+    tips: list[Tip] = []
+    label: str | None = "exact"
+    with styled():
+        figure, axes = figure_axes()
+        for number, outcome in enumerate(shown):
+            run = outcome.run
+            steps = pd.DataFrame([dict(step) for step in outcome.evidence.history])
+            colour, name = SERIES[number % len(SERIES)], run.variant.name
+            stated = case.following_of(run.variant)
+            if stated.exact is not None:
+                places = np.linspace(0, stated.travel, _POINTS)
+                loads = exact_loads(stated, places)
+                axes.plot(places, loads, color=INK, lw=1.0, zorder=1, label=label)
+                label = None
+            axes.plot(
+                steps["travel"],
+                steps[stated.load],
+                color=colour,
+                ls="-" if stated.exact is None else "none",
+                marker=MARKERS[number % len(MARKERS)],
+                ms=4.5,
+                mfc="none",
+                label=labelled(name),
+            )
+            for travel, value, exact in zip(
+                steps["travel"], steps[stated.load], steps["exact"], strict=True
+            ):
+                words = f"{name}\ntravel: {travel:.4g}\nload: {value:.6g}"
+                more = f"\nexact: {exact:.6g}" if isfinite(exact) else ""
+                tips.append(Tip(axes, travel, value, words + more))
+        axes.set_xlabel("travel [m]")
+        axes.set_ylabel(f"load [{case.unit}]")
+        legend(figure, axes)
+    chart = Chart(figure, f"{case.title}: loads along the paths, with the exact ones", tips)
+    return Drawing(f"{case.id}-paths", "Load against travel", chart)
+
+
+def paths_table(results: pd.DataFrame) -> Table:
+    """What came of each path."""
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        Column("variant", link=RUN),
+        Column("mesh", order="n_elements"),
+        Column("backend"),
+        Column("param_steps", "steps", ".0f"),
+        Column("param_scheme", "scheme"),
+        Column("ending"),
+        Column("path_error", "largest error %", ".4f", scale=100),
+        Column("volume_change", "volume change of a step", ".1e"),
+        Column("lower", "starts above", ".5f"),
+        Column("start", "starts at", ".5f"),
+        Column("upper", "starts below", ".5f"),
+        Column("reading", "reading", ".4g"),
+        Column("outer_iterations", "solves", ".0f"),
+    )
+    return Table(columns, results, caption="Paths")
+
+
+def _shown(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    found: dict[str, Outcome] = {}
+    for outcome in outcomes:
+        name, before = outcome.run.variant.name, found.get(outcome.run.variant.name)
+        if not outcome.row.ending or not outcome.evidence.history:
+            continue
+        if before is None or (
+            outcome.run.backend == before.run.backend
+            and outcome.row.n_elements > before.row.n_elements
+        ):
+            found[name] = outcome
+    return list(found.values())
