@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 from skfem import Basis, FacetBasis, LinearForm
+from skfem.mesh import MeshTri1
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.blocks import BlockAssembly
@@ -348,15 +349,17 @@ def _load_vector(
 
 def _distributed(load: Traction | Pressure | BodyForce, dofs: BodyDofs) -> Floats:
     mesh = dofs.body.mesh
+    centre = np.zeros(2)
     if isinstance(load, BodyForce):
         basis = Basis(mesh, dofs.basis.elem, intorder=_load_order(dofs))
     else:
-        basis = _facet_basis(dofs, _facets(dofs, load))
+        basis, centre = _facet_basis(dofs, _facets(dofs, load))
 
     @LinearForm
     def power(v, w):  # type: ignore[no-untyped-def]
         vector = -load.value * w.n if isinstance(load, Pressure) else load.vector
-        return dofs.body.thickness(w.x) * (vector[0] * v[0] + vector[1] * v[1])
+        places = w.x + centre[:, None, None]
+        return dofs.body.thickness(places) * (vector[0] * v[0] + vector[1] * v[1])
 
     return np.asarray(power.assemble(basis))
 
@@ -366,14 +369,24 @@ def _load_order(dofs: BodyDofs) -> int:
     return _CURVED_ORDER if curved else _LOAD_ORDER
 
 
-def _facet_basis(dofs: BodyDofs, facets: Ints) -> FacetBasis:
-    return FacetBasis(dofs.body.mesh, dofs.basis.elem, facets=facets, intorder=_load_order(dofs))
+def _facet_basis(dofs: BodyDofs, facets: Ints) -> tuple[FacetBasis, Floats]:
+    """Of a part of the boundary, in coordinates from a centre, and that centre.
+
+    Maps that are not affine are inverted to a fixed 1e-12, which far from the origin is below the
+    round-off of coordinates.
+    """
+    mesh, centre = dofs.body.mesh, np.zeros(2)
+    if is_curved(mesh) or not isinstance(mesh, MeshTri1):
+        centre = mesh.doflocs.mean(axis=1)
+        mesh = replace(mesh, doflocs=mesh.doflocs - centre[:, None])
+    order = _load_order(dofs)
+    return FacetBasis(mesh, dofs.basis.elem, facets=facets, intorder=order), centre
 
 
 def _area(dofs: BodyDofs, facets: Ints) -> float:
     """Of a part of the boundary, m^2; m per unit thickness."""
-    basis = _facet_basis(dofs, facets)
-    places = np.asarray(basis.global_coordinates())
+    basis, centre = _facet_basis(dofs, facets)
+    places = np.asarray(basis.global_coordinates()) + centre[:, None, None]
     return float(np.sum(basis.dx * dofs.body.thickness(places)))
 
 
