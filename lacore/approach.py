@@ -55,7 +55,7 @@ def approaching_rows(
         return np.repeat(np.array(values, dtype=float), counts)
 
     normal = np.repeat(np.array([own.normal for own in obstacles]).reshape(-1, 2), counts, axis=0)
-    away = gaps > np.repeat([own.touch for own in obstacles], counts)
+    away = gaps > np.repeat([own.near for own in obstacles], counts)
     limit = each([own.law.limit for own in obstacles])
     rows = ContactRows(
         normal=_along(normal, x, y),
@@ -64,7 +64,7 @@ def approaching_rows(
         weights=weights,
         coefficient=each([own.law.coefficient for own in obstacles]),
         limit=np.where(away, 0.0, limit),  # what does not touch neither sticks nor rubs
-        dilatancy=np.where(away, 0.0, each([own.law.dilatancy for own in obstacles])),
+        dilatancy=np.zeros(gaps.size),
         interface=np.repeat(np.arange(len(obstacles)), counts),
         closing=gaps / duration if away.any() else None,
     )

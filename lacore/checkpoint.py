@@ -94,10 +94,12 @@ class Checkpoint:
         identity: see `identity`.
 
     Raises:
-        InputError: the file cannot be written, or another process writes it.
+        InputError: no file, it cannot be written, or another process writes it.
     """
 
     def __init__(self, place: str | os.PathLike[str], identity: Mapping[str, str]) -> None:
+        if not isinstance(place, str | os.PathLike):
+            raise InputError("checkpoint", place, "not a path", "give the name of a file")
         self._file, self._identity = File(os.fspath(place)), dict(identity)
         with self._said():
             self._file.parent.mkdir(parents=True, exist_ok=True)

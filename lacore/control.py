@@ -28,6 +28,22 @@ class Control(Protocol):
         """
 
 
+def gauge_of(control: Control, problem: Problem) -> Gauge:
+    """The gauge of a control in a problem.
+
+    Raises:
+        InputError: no control, or the problem has no such thing.
+    """
+    if isinstance(control, type) or not callable(getattr(control, "gauge", None)):
+        raise InputError(
+            "control",
+            control,
+            "not a control",
+            "give lacore.FootingTravel(), lacore.PointTravel(body, at, direction) or lacore.Time()",
+        )
+    return control.gauge(problem)
+
+
 @dataclass(frozen=True)
 class FootingTravel:
     """How far the rigid footing of the reference load has moved along its direction, m."""
@@ -61,7 +77,7 @@ class PointTravel:
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""
-        body = problem.bodies.get(self.body)
+        body = problem.bodies.get(self.body) if isinstance(self.body, str) else None
         if not isinstance(body, Body):
             known = ", ".join(sorted(problem.bodies))
             raise InputError(

@@ -8,7 +8,7 @@ import numpy as np
 
 from lacore.approach import approaching_rows
 from lacore.arrays import Floats
-from lacore.assembly import discretise
+from lacore.assembly import Discretisation, discretise
 from lacore.configuration import Configuration
 from lacore.contact_controls import Dofs
 from lacore.contact_points import ContactPoints
@@ -95,11 +95,11 @@ class Flow:
         return strains
 
 
-def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
-    """Solve the limit problem of a moment; settings are those of `lacore.solve`.
+def discretised(stage: Stage, moment: Moment) -> Discretisation:
+    """The bodies of a moment and their contact, without hardening.
 
     Raises:
-        InputError: a mesh that is inverted or overlaps there.
+        InputError: a mesh that is inverted or overlaps there, contact that contradicts supports.
     """
 
     def contact(
@@ -108,7 +108,16 @@ def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
         deform = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, BodyDofs)}
         return approaching_rows(stage.obstacles, deform, n, moment.begin, moment.duration)
 
-    d = discretise(stage.at(moment.at), contact)
+    return discretise(stage.at(moment.at), contact)
+
+
+def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
+    """Solve the limit problem of a moment; settings are those of `lacore.solve`.
+
+    Raises:
+        InputError: see `discretised`.
+    """
+    d = discretised(stage, moment)
     laws = [_law(name, dofs, moment) for name, dofs in d.bodies.items()]
     d = replace(d, full=_hardening(d.full, laws), program=_hardening(d.program, laws))
     state = solve(d, **settings)

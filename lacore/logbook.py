@@ -18,7 +18,6 @@ from lacore.result import LimitState
 from lacore.schemes import Here, PathEndError, Stride
 from lacore.staging import Stage
 
-_NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
 _COLUMNS = [entry.name for entry in fields(PathStep)]
 
 
@@ -127,9 +126,8 @@ class Log:
         """Points that came to an obstacle in the last step, and points that left one."""
         for obstacle in self.now.obstacles:
             dofs = self.dofs[obstacle.body]
-            near = _NEAR * obstacle.size
             before, after = (
-                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs) <= near
+                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs) <= obstacle.near
                 for own in (here, there)
             )
             for kind, count in (

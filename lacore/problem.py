@@ -20,7 +20,7 @@ from lacore.contact_geometry import (
 )
 from lacore.corners import resting_corners
 from lacore.curved import vertices
-from lacore.errors import InputError, require_known, suggest
+from lacore.errors import InputError, is_plane_vector, require_known, suggest
 from lacore.frame_dofs import COMPONENTS as NODE_COMPONENTS
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
@@ -265,6 +265,8 @@ def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
     if isinstance(at, str):
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")
+    if not is_plane_vector(at):
+        raise InputError(where, at, "not a point", "give (x, y)")
     places = vertices(body.mesh)
     distance = np.linalg.norm(places - np.reshape(at, (2, 1)), axis=0)
     nearest = int(np.argmin(distance))

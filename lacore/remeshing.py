@@ -40,9 +40,6 @@ class NewMeshes:
     meshes: Mapping[str, Mesh]
 
 
-_NEAR = 1e-6  # of the body size: new nodes closer to an obstacle are put onto it
-
-
 def restaged(
     stage: Stage, configuration: Configuration, meshes: Mapping[str, Mesh]
 ) -> tuple[Stage, Configuration]:
@@ -91,7 +88,7 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
             edges = np.asarray(mesh.boundaries[obstacle.where], dtype=np.int64)
             nodes = np.unique(mesh.facets[:, edges])
             distance = obstacle.distance(places[:, nodes])
-            near = np.abs(distance) <= _NEAR * obstacle.size
+            near = np.abs(distance) <= obstacle.near
             places[:, nodes[near]] -= obstacle.normal[:, None] * distance[near]
             if is_curved(mesh):  # what would bulge behind the obstacle becomes straight
                 middle = mesh.nvertices + edges

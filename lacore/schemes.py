@@ -108,7 +108,8 @@ class Walk:
         try:
             found = flow(self.stage, moment, self.settings)
         except InputError as wrong:
-            raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
+            ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
+            raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong
         state = found.state
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor
@@ -121,6 +122,22 @@ class Walk:
         if speed <= _STILL * float(np.abs(state.point.velocity).max()):
             raise PathEndError(Ending.STANDSTILL, f"{Ending.STANDSTILL.value} (speed {speed:.3g})")
         return found, speed
+
+    def require_safe(self, here: Here, distance: float) -> None:
+        """Dead loads must not collapse the bodies as strong as they are now.
+
+        Hardening within the step would catch them, in a jump that no step size resolves.
+
+        Raises:
+            PathEndError: they do.
+        """
+        if not self.stage.problem.dead_loads:
+            return
+        now = Moment(here.configuration, here.configuration, distance / here.speed, 0.0)
+        state = flow(self.stage, now, self.settings).state
+        self.solves += state.outer_iterations
+        if state.status is Status.UNSAFE:
+            raise PathEndError(Ending.NOT_SOLVED, state.message)
 
     def timed(
         self, here: Here, at: Configuration, distance: float, share: float, speed: float

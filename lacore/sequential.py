@@ -6,12 +6,11 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
-from lacore.assembly import discretise
 from lacore.checkpoint import Checkpoint, identity
-from lacore.control import Control, FootingTravel
+from lacore.control import Control, FootingTravel, gauge_of
 from lacore.dofs import number
 from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.flow import Moment
+from lacore.flow import Moment, discretised
 from lacore.interfaces import Interface
 from lacore.logbook import Log
 from lacore.pace import AdaptiveSteps, Pace
@@ -19,6 +18,7 @@ from lacore.path import Ending, Path, PathStep
 from lacore.problem import Problem
 from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
 from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Walk, require_upright
+from lacore.solving import engine_for
 from lacore.staging import Stage, staged
 
 
@@ -68,8 +68,8 @@ def sequential(
         on_step: called after each step that is taken now, when it is kept: for progress.
 
     Raises:
-        InputError: bad arguments; bodies and contact that a path does not follow; a checkpoint
-            that is damaged, cannot be written, or is of another path: it stays as it is.
+        InputError: bad arguments; bodies, contact and friction that a path does not follow; a
+            checkpoint that is damaged, cannot be written, or is of another path: it stays as it is.
         CapabilityError: the backend is missing, or takes no hardening.
     """
     require_positive("travel", travel)
@@ -79,9 +79,21 @@ def sequential(
     if not isinstance(steps, AdaptiveSteps):
         require_count("steps", steps)
     require_count("keep_every", keep_every)
+    for name, call in {"on_step": on_step, "remesh": remesh}.items():
+        if not (call is None or callable(call)):
+            raise InputError(name, call, "cannot be called", "give a function, or leave it out")
+    require_positive("tolerance", tolerance)
+    engine_for(backend, coupling, options or {})
+    if coupling == "associated":
+        raise InputError(
+            "coupling",
+            coupling,
+            "sliding would lift bodies off, and each other step would be without friction",
+            "take 'certified'",
+        )
     stage = staged(problem, approaching)
-    control = control or FootingTravel()
-    gauge = control.gauge(stage.problem)
+    control = FootingTravel() if control is None else control
+    gauge = gauge_of(control, stage.problem)
     settings = {
         "backend": backend,
         "coupling": coupling,
@@ -104,7 +116,8 @@ def sequential(
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
             progress = kept.load()
         if progress is None:
-            here = Here(0, 0.0, stage.start, None, None, discretise(stage.problem).natural.velocity)
+            first = discretised(stage, Moment(stage.start, stage.start, 1.0, 0.0))
+            here = Here(0, 0.0, stage.start, None, None, first.natural.velocity)
             log.begin(here)
         else:
             here = progress.here
@@ -142,6 +155,7 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     """The next place, after as many attempts as the pace asks for."""
     begin = time.perf_counter()
     walk.solves = 0
+    walk.require_safe(here, distance)
     stride = scheme(walk, here, distance)
     while not pace.accepts(stride.error):
         distance = pace.shorter(distance, stride.error)

@@ -97,12 +97,8 @@ def solve(
         CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
     """
-    if coupling is not None:
-        require_known("coupling", coupling, COUPLINGS)
     coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa)
-    engine = find_backend(backend)
-    coupling = coupling_for(engine, coupling)
-    engine_options = read_options(engine, options or {})
+    engine, coupling, engine_options = engine_for(backend, coupling, options or {})
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
@@ -149,6 +145,21 @@ def solve(
     if throw and state.status is not Status.SOLVED:
         raise SolveError(state.message, state)
     return state
+
+
+def engine_for(
+    backend: str, coupling: str | None, options: Mapping[str, Any]
+) -> tuple[Backend, str, Any]:
+    """A backend, the coupling that it is asked for or its default, and its options.
+
+    Raises:
+        InputError: an unknown name, an option out of range, or a coupling that it cannot do.
+        CapabilityError: it is missing.
+    """
+    if coupling is not None:
+        require_known("coupling", coupling, COUPLINGS)
+    engine = find_backend(backend)
+    return engine, coupling_for(engine, coupling), read_options(engine, options)
 
 
 def coupling_for(backend: Backend, coupling: str | None) -> str:

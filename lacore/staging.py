@@ -26,6 +26,7 @@ from lacore.problem import Problem, vertex_at
 from lacore.spaces import SPACES
 
 _TOUCH = 1e-9  # of the body size
+_NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
 _STRAIGHT = 1e-9  # sine between edges of one plane
 
 
@@ -54,8 +55,13 @@ class Obstacle:
 
     @property
     def touch(self) -> float:
-        """Distance up to which a point counts as touching, m."""
+        """Distance up to which a point that is placed there counts as touching, m."""
         return _TOUCH * self.size
+
+    @property
+    def near(self) -> float:
+        """Distance up to which a point that came there counts as touching, m."""
+        return _NEAR * self.size
 
     def distance(self, places: Floats) -> Floats:
         """Of places of shape (2, n) from the plane, m; negative behind it."""
@@ -147,8 +153,15 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
 
     Raises:
         InputError: bodies that do not deform, plane stress, contact of two bodies, obstacles that
-            are no planes, bodies that begin behind one.
+            are no planes or dilate or are the same for one edge, bodies that begin behind one.
     """
+    if not isinstance(approaching, Sequence) or isinstance(approaching, str):
+        raise InputError("approaching", approaching, "not a list", "put it in [ ]")
+    for index, interface in enumerate(approaching):
+        if not isinstance(interface, Interface):
+            raise InputError(
+                f"approaching[{index}]", interface, "not an interface", "give lacore.Interface"
+            )
     bodies = {name: _curved(name, body) for name, body in problem.bodies.items()}
     names = _Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 
@@ -171,6 +184,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         for load in (*reference, *dead)
         if isinstance(load, PointForce)
     ]
+    _check_once(obstacles)
     return Stage(
         problem=Problem(MappingProxyType(bodies), reference, supports, (), dead),
         obstacles=obstacles,
@@ -184,6 +198,25 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
             for own, interface in zip(obstacles, interfaces, strict=True)
         ),
     )
+
+
+def _check_once(obstacles: Sequence[Obstacle]) -> None:
+    """No part of a boundary comes to one plane twice, under two laws of friction."""
+    for place, own in enumerate(obstacles):
+        for other in obstacles[:place]:
+            if own.body != other.body or not np.intersect1d(own.facets, other.facets).size:
+                continue
+            turned = own.normal[0] * other.normal[1] - own.normal[1] * other.normal[0]
+            opposed = own.normal @ other.normal < 0
+            apart = abs(own.normal @ (other.point - own.point)) > own.touch
+            if opposed or apart or abs(turned) > _STRAIGHT:
+                continue
+            raise InputError(
+                "approaching",
+                own.name,
+                f"shares boundary edges and the plane with interface {other.name!r}",
+                "give each part of a boundary one interface with a plane",
+            )
 
 
 @dataclass
@@ -239,6 +272,13 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
             interface.name,
             "along a path bodies touch plane obstacles, not each other",
             "give a lacore.RigidObstacle(point=..., normal=...)",
+        )
+    if interface.law.terms().dilatancy > 0:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "sliding would lift the body off, and each other step would be without friction",
+            "take lacore.Coulomb(mu), which slides along the obstacle",
         )
     body = bodies[name]
     facets = boundary_facets(body, where, "Interface.slave")
