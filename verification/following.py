@@ -51,7 +51,7 @@ class Following:
         load: the column of the history that is the load: ``load_factor``, or ``force``, which does
             not feel to first order how large the face of a footing has become.
         approaching: interfaces with planes that bodies do not touch yet.
-        ending: how the path must end.
+        ending: how the path must end; None: however it does.
         volume: largest change of volume of a step, of the volume, that is allowed.
         reading: what else is read; None for nothing.
         bounded: whether the load with which the path begins is to lie between strict bounds.
@@ -66,7 +66,7 @@ class Following:
     exact: Callable[[float], float] | None = None
     load: str = "load_factor"
     approaching: Sequence[la.Interface] = ()
-    ending: Ending = Ending.REACHED
+    ending: Ending | None = Ending.REACHED
     volume: float = inf
     reading: Reading | None = None
     bounded: bool = False

@@ -144,7 +144,7 @@ def judge_path(
     Loads of regularised backends may be off by their energy C (T19) on top, to either side: their
     bodies have strained a little more or less on the way. They keep volumes to their penalties.
     """
-    if row.ending != stated.ending.label:
+    if stated.ending is not None and row.ending != stated.ending.label:
         wanted = f"not '{stated.ending.label}' as it must"
         return FAIL if insist else NO_RESULT, f"the path ends {wanted}: {row.message}"
     regularised = not isnan(row.energy)

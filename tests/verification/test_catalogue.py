@@ -105,7 +105,9 @@ def test_cases_lists_tags_and_filters_by_them():
         "disc-upsetting",
         "platens-coulomb",
         "platens-square",
+        "ring-compression",
         "shear-patch",
+        "upsetting",
     }
     assert "tags: frames, contact" in run("cases", "--tag", "frames").stdout
     assert run("cases", "--tag", "nonsense").exit_code == 2

@@ -17,6 +17,7 @@ from math import inf, nan, sqrt
 import numpy as np
 
 import lacore as la
+from lacore.path import Ending
 from verification.case import SOLVER, Band, Case, Reference, Variant
 from verification.exact_paths import strip_force
 from verification.following import Following, Reading, last_load
@@ -50,6 +51,7 @@ def path(law: str, steps: int, scheme: str) -> Following:
         if seen
         else None,
         load="force",
+        ending=Ending.REACHED if seen else None,
         volume=1e-10 if scheme == "implicit-midpoint" else inf,
         reading=Reading(
             "spread of strains, of their mean,",

@@ -149,7 +149,7 @@ friction at the beginning: 2 k < alpha < 2.43 k, k = s0/sqrt3:
         ),
         Variant(
             "rough",
-            {"mu": ROUGH, "law": "linear-1", "steps": 5, "scheme": "leapfrog"},
+            {"mu": ROUGH, "law": "linear-1", "steps": 10, "scheme": "leapfrog"},
             meshes=("coarse",),
         ),
     ),
