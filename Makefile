@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# A process a core, each on one thread; tests of a file share what they prepare.
+PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 .PHONY: help compare verify test test-all test-browser lint bench bench-page readme reference clean
 
@@ -32,10 +34,10 @@ verify: $(READY)
 	$(BIN)/lacore verify --out reports/verify
 
 test: $(READY)
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(PARALLEL) $(PYTEST_ARGS)
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -m "slow or not slow"
+	$(PARALLEL) -m "slow or not slow"
 
 test-browser: $(READY)
 	$(BIN)/python -m pytest tests/verification/test_page_browser.py --require-browser
