@@ -12,12 +12,14 @@ from lacore.checkpoint import Progress
 from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
 from lacore.flow import Moment, flow
+from lacore.loads import RigidFooting
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
 from lacore.remeshing import NewMeshes
 from lacore.result import LimitState
 from lacore.schemes import Here, PathEndError, Stride
 from lacore.staging import Stage
 
+_RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
 _COLUMNS = [entry.name for entry in fields(PathStep)]
 
 
@@ -120,7 +122,10 @@ class Log:
             )
         )
         self._contacts(here, there)
-        self._peak()
+        self._peak("peak load", "load_factor")
+        # The load factor of a footing is a pressure on an area that changes.
+        if any(isinstance(load, RigidFooting) for load in self.now.problem.reference_loads):
+            self._peak("peak force", "force")
 
     def _contacts(self, here: Here, there: Here) -> None:
         """Points that came to an obstacle in the last step, and points that left one."""
@@ -138,17 +143,18 @@ class Log:
                     what = f"{obstacle.name}: {count} of {after.size} points"
                     self.event(kind, there.step, there.travel, what)
 
-    def _peak(self) -> None:
-        """The load passed a maximum: that of the parabola through the last three loads."""
+    def _peak(self, kind: str, column: str) -> None:
+        """A load passed a maximum: that of the parabola through the last three."""
         if len(self.rows) < 3:
             return
         x = np.array([row.travel for row in self.rows[-3:]])
-        y = np.array([row.load_factor for row in self.rows[-3:]])
-        if y[1] > y[0] and y[1] >= y[2]:
+        y = np.array([getattr(row, column) for row in self.rows[-3:]])
+        rises = y[1] - min(y[0], y[2]) > _RISES * abs(y[1])
+        if y[1] > y[0] and y[1] >= y[2] and rises:
             curve = np.polynomial.Polynomial.fit(x, y, 2)
             top = float(np.real(curve.deriv().roots()[0]))
-            what = f"load factor {float(curve(top)):.9g}"
-            self.event("peak load", self.rows[-2].step, top, what)
+            what = f"{column.replace('_', ' ')} {float(curve(top)):.9g}"
+            self.event(kind, self.rows[-2].step, top, what)
 
     def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
         """The end; settings are those of each solve."""

@@ -95,7 +95,8 @@ class Event:
     """Something that happened on the way.
 
     Attributes:
-        kind: ``contact closed``, ``contact opened``, ``peak load``, ``inversion predicted``,
+        kind: ``contact closed``, ``contact opened``, ``peak load`` (of the load factor),
+            ``peak force`` (of a footing, whose face changes), ``inversion predicted``,
             ``remeshed``.
         step: in which it happened.
         travel: where, as closely as the steps show.

@@ -39,6 +39,7 @@ _NOTHING = 1e-6  # of the load: friction that has no line
 _MAP = "YlOrRd"
 _EVENTS = {
     "peak load": "#b2182b",
+    "peak force": "#762a83",
     "contact closed": "#0072b2",
     "contact opened": "#e69f00",
     "inversion predicted": "#000000",

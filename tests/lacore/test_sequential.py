@@ -37,7 +37,7 @@ def block(mesh, law, friction=0.0, **more):
     )
 
 
-def bar(law, steps, scheme="leapfrog", n=4):
+def bar(law, steps, scheme="leapfrog", n=4, travel=1.0):
     """A quarter of a bar in tension, pulled at its end; returns its path."""
     mesh = la.meshes.rectangle((0, 2), (0, 0.5), 2 * n, n // 2, crossed=False)
     body = la.Body(mesh, la.VonMises(hardening=law), space="p2-gauss")
@@ -46,7 +46,7 @@ def bar(law, steps, scheme="leapfrog", n=4):
         reference_loads=[la.RigidFooting("bar", "right", (1, 0), rough=False)],
         supports=[la.Fix("bar", "left", "x"), la.Fix("bar", "bottom", "y")],
     )
-    return la.sequential(problem, 1.0, steps, scheme)
+    return la.sequential(problem, travel, steps, scheme)
 
 
 @pytest.mark.parametrize("mesh", MESHES)
@@ -90,6 +90,22 @@ def test_hardening_keeps_a_bar_uniform():
     exact = [0.5 * strip_force(LAWS["linear"], 1 + s / 2) for s in path.history.travel]
     # Second order in steps of 1/40 of the length.
     assert path.history.force.to_numpy() == pytest.approx(exact, rel=1e-3)
+
+
+def test_a_bar_that_necks_says_where_its_force_was_largest():
+    """Considere in plane strain: the force peaks where the stress is its slope over the length."""
+    law = la.hardening.Linear(1.0, 1.3)
+    path = bar(law, 30, travel=1.5)
+    (peak,) = path.events[path.events.kind == "peak force"].itertuples()
+    lengths = np.linspace(1.0, 1.75, 1_001)
+    exact = lengths[np.argmax([strip_force(law, own) for own in lengths.tolist()])]
+    assert peak.travel == pytest.approx(2 * (exact - 1), abs=0.01)  # a fifth of a step
+    assert not (path.events.kind == "peak load").any()  # a pressure on a face that shrinks
+
+
+def test_a_constant_load_has_no_peak():
+    path = la.sequential(block(MESHES["triangles"], LAWS["perfect"]), 0.1, 6)
+    assert path.events.empty
 
 
 def test_without_the_quadratic_term_a_bar_does_not_stay_uniform():
