@@ -112,7 +112,7 @@ class Walk:
             raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong
         state = found.state
         self.solves += state.outer_iterations
-        natural = state.discretisation.natural.load_factor
+        natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:
             text = f"{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
             raise PathEndError(Ending.LOCKED, text)
@@ -153,6 +153,15 @@ class Walk:
             speed = own
             found, own = self.flow(Moment(here.configuration, at, distance / speed, share))
         return found, own
+
+
+def _gain(stage: Stage, at: Configuration) -> float:
+    """Most that bodies may have hardened after a step, which strains them by 1 at most."""
+    gains = [1.0]
+    for name, body in stage.bodies.items():
+        weak, strong = body.criterion.law.stress(np.array([0.0, 1.0 + at.strain[name].max()]))
+        gains.append(float(strong / weak))
+    return max(gains)
 
 
 Scheme = Callable[[Walk, Here, float], Stride]

@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from lacore.path import Ending
 from tests.lacore.path_billets import PLATEN, billet, pressed
+from verification.exact_paths import strip_force
 
 
 def side(friction=0.2):
@@ -119,3 +120,15 @@ def test_what_solvers_cannot_tell_from_touching_rubs():
         assert path.history.friction.iloc[0] > 0.01
         loads.append(path.history.load_factor.iloc[0])
     assert loads[1] == pytest.approx(loads[0], rel=1e-5)
+
+
+def test_steep_hardening_is_not_locked():
+    """On the tangent at the beginning a step has more than 10000 times the load that begins it."""
+    law = la.hardening.Swift(1.0, 1e-7, 0.5)
+    problem, _ = billet(law=law)
+    smooth = la.Interface(("billet", "top"), PLATEN, la.SMOOTH)
+    path = la.sequential(replace(problem, interfaces=[smooth]), 0.2, 10)
+    assert path.status is Ending.REACHED
+    exact = [strip_force(law, 1 - s) for s in path.history.travel]
+    # Second order in steps of 1/50 of the height.
+    assert path.history.force.to_numpy() == pytest.approx(exact, rel=1e-3)
