@@ -26,7 +26,7 @@ ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
 
 PATHS = ("clarabel", "newton")
 """Backends that paths are compared with, each of them tens of solves; only the first where the
-exact loads are not known."""
+exact loads are not known, and of implicit schemes, which take several solves a step."""
 
 LINEAR = ("highs",)
 """Those of them that rigid bodies are compared with."""
@@ -128,7 +128,9 @@ def default_backends(case: Case, variant: Variant) -> list[str]:
 
 
 def _path_backends(case: Case, variant: Variant) -> Sequence[str]:
-    return PATHS if case.following_of(variant).exact is not None else PATHS[:1]
+    stated = case.following_of(variant)
+    dear = stated.exact is None or stated.scheme.startswith("implicit")
+    return PATHS[:1] if dear else PATHS
 
 
 def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:

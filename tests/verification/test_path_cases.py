@@ -10,8 +10,12 @@ from lacore.arrays import Floats
 from lacore.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.path import Ending
 from verification.analysis import step_orders
+from verification.case import Band, Reference
+from verification.catalogue import find
+from verification.checks import check
 from verification.compare import plan
 from verification.exact_paths import cylinder, peak, pressure
+from verification.following import Following
 from verification.harness import execute
 from verification.judging import FAIL, NO_RESULT, PASS
 from verification.path_run import judge_path
@@ -158,3 +162,38 @@ def test_the_page_of_a_path_shows_its_loads_on_the_exact_ones() -> None:
     assert path_chart(case, []) is None
     document = compared(outcomes, {"machine": "one"})
     assert "tension-paths" in {name for name, _ in pictures(document)}
+
+
+def planted(law: str, steps: int, scheme: str) -> Following:
+    """That of the tube, with something wrong in it, named by the law."""
+    right = find("hardening-cylinder:perfect")[0].path
+    assert right is not None
+    stated: Following = right(law="perfect", steps=steps, scheme=scheme)
+    wrong = {"steps": {"steps": 7}, "ladder": {"ladder": (5, 10)}, "travel": {"travel": 0.0}}
+    return replace(stated, **wrong[law])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("field", ["steps", "ladder", "travel"])
+def test_a_path_that_cannot_be_right_is_refused(field: str) -> None:
+    case, (variant,) = find("hardening-cylinder:perfect")
+    wrong = replace(variant, parameters={**variant.parameters, "law": field})
+    with pytest.raises(la.InputError, match=field):
+        check(
+            replace(
+                case,
+                path=planted,
+                reference=any_reference,
+                band=any_band,
+                variants=(wrong,),
+            )
+        )
+
+
+def any_reference(law: str, steps: int, scheme: str) -> Reference:
+    """Whatever the law."""
+    return Reference(1.0, "1", "nobody", "exact")
+
+
+def any_band(elements: int, law: str, steps: int, scheme: str) -> Band:
+    """Whatever the law."""
+    return Band(0.0, 0.0, "none")
