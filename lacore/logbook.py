@@ -144,15 +144,20 @@ class Log:
                     self.event(kind, there.step, there.travel, what)
 
     def _peak(self, kind: str, column: str) -> None:
-        """A load passed a maximum: that of the parabola through the last three."""
-        if len(self.rows) < 3:
+        """A load passed a maximum: that of the polynomial through the last three or four."""
+        last = self.rows[-4:]
+        if len(last) < 3:
             return
-        x = np.array([row.travel for row in self.rows[-3:]])
-        y = np.array([getattr(row, column) for row in self.rows[-3:]])
-        rises = y[1] - min(y[0], y[2]) > _RISES * abs(y[1])
-        if y[1] > y[0] and y[1] >= y[2] and rises:
-            curve = np.polynomial.Polynomial.fit(x, y, 2)
-            top = float(np.real(curve.deriv().roots()[0]))
+        x = np.array([row.travel for row in last])
+        y = np.array([getattr(row, column) for row in last])
+        before, high, after = y[-3:]
+        rises = high - min(before, after) > _RISES * abs(high)
+        if high > before and high >= after and rises:
+            curve = np.polynomial.Polynomial.fit(x, y, len(last) - 1)
+            flat = curve.deriv().roots()
+            between = np.real(flat[np.isreal(flat)])
+            between = between[(between > x[-3]) & (between < x[-1])]
+            top = float(between[np.argmax(curve(between))])
             what = f"{column.replace('_', ' ')} {float(curve(top)):.9g}"
             self.event(kind, self.rows[-2].step, top, what)
 
