@@ -1,5 +1,6 @@
 """Processes that were started under a mark in their environment, however far removed (Linux)."""
 
+import signal
 import time
 import uuid
 from contextlib import contextmanager
@@ -17,6 +18,14 @@ def marked():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(MARK, mark)
         yield mark
+
+
+def hear_ctrl_c():
+    """In a new process, before its program: shells let what they start in the background ignore it.
+
+    So would these tests and all that they start.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def alive(mark):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.broken_backends import BACKENDS, UNUSABLE, plant
-from tests.processes import alive, marked, wait_for
+from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from verification.compare import plan
 from verification.execution import execute
 from verification.judging import FAIL, PASS, SKIPPED
@@ -128,6 +128,7 @@ def started(tmp_path):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            preexec_fn=hear_ctrl_c,
         )
         wait_for(lambda: results.exists() and len(load_results(results)) == 1)
         return process, results

@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from lacore.errors import InputError
-from tests.processes import alive, marked, wait_for
+from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from tests.verification.results_tables import lasting
 from verification.results import load_results
 from verification.store import NAME, sessions
@@ -42,6 +42,7 @@ def sweep(out, *more):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,  # Ctrl-C on a terminal goes to the whole group
+        preexec_fn=hear_ctrl_c,
     )
 
 
