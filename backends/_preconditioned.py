@@ -58,7 +58,7 @@ class DenseOptions:
     tangential: float | None = None
     reduction: float = 0.1
     tolerance: float = 1e-18
-    max_iterations: int = 2000
+    max_iterations: int = 5000
     time_limit: float = 600.0
 
     def __post_init__(self) -> None:

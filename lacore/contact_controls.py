@@ -76,13 +76,12 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
     if min(degrees) == 0:
         return [Controls(segments.start, segments.normal, np.full(segments.slave.size, _POINT))]
     along, quadratic = segment_curves(segments, sides), max(degrees) > 1
-    weights = np.zeros((2 + quadratic, segments.slave.size))
-    for s, share in zip(_PLACES, _WEIGHTS, strict=True):
-        functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)] if quadratic else [1 - s, s]
-        tangent = along.curves.tangent(along.parameter(s)) * (along.last - along.first)
-        length = np.linalg.norm(tangent, axis=0) * _thickness(sides, along.at(s))
-        weights += share * np.outer(functions, length)
     straight = not np.any(along.curves.bulge)
+    if straight and not _axisymmetric(sides):  # without the round-off of a quadrature
+        length = np.linalg.norm(segments.end - segments.start, axis=0)
+        weights = np.tile(length / (2 + quadratic), (2 + quadratic, 1))
+    else:
+        weights = _integrals(along, sides, quadratic)
     return [
         Controls(
             along.at(s),
@@ -93,6 +92,21 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
         )
         for s, weight in zip((0.0, 1.0, 0.5), weights, strict=False)
     ]
+
+
+def _integrals(along: SegmentCurves, sides: Sequence[tuple[Dofs, Ints]], quadratic: bool) -> Floats:
+    """Of the Bernstein functions of start, end and middle over segments, shape (2 or 3, k)."""
+    weights = np.zeros((2 + quadratic, along.first.size))
+    for s, share in zip(_PLACES, _WEIGHTS, strict=True):
+        functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)] if quadratic else [1 - s, s]
+        tangent = along.curves.tangent(along.parameter(s)) * (along.last - along.first)
+        length = np.linalg.norm(tangent, axis=0) * _thickness(sides, along.at(s))
+        weights += share * np.outer(functions, length)
+    return weights
+
+
+def _axisymmetric(sides: Sequence[tuple[Dofs, Ints]]) -> bool:
+    return any(isinstance(dofs, BodyDofs) and dofs.body.axisymmetric for dofs, _ in sides)
 
 
 def _thickness(sides: Sequence[tuple[Dofs, Ints]], places: Floats) -> Floats:

@@ -444,7 +444,7 @@ def collected(tmp_path):
 def test_pytest_makes_the_same_checks(collected):
     done, found = collected("-k", "prandtl-punch:smooth-clarabel- and not regularised")
     assert done.returncode == 0, done.stdout
-    checks = ("value", "side", "residuals", "order")
+    checks = ("value", "side", "residuals", "order", "bracket", "bracket-gap")
     assert found == {(f"prandtl-punch:smooth-clarabel-{check}", "PASSED") for check in checks}
 
 
