@@ -12,9 +12,13 @@ FLAGS = (
 WIDTHS = (1280, 390)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium(request):
-    """A running browser. Skips where there is none, unless ``--require-browser``."""
+    """A running browser. Skips where there is none, unless ``--require-browser``.
+
+    For one file of tests: its event loop runs in this thread until it is closed, and no other
+    can run beside it (a client of a Dask cluster has one).
+    """
     missing = pytest.fail if request.config.getoption("--require-browser") else pytest.skip
     try:
         from playwright.sync_api import sync_playwright

@@ -1,5 +1,6 @@
 """Sweeps on a real Dask cluster of two workers on this machine."""
 
+import gc
 import json
 import os
 import signal
@@ -37,6 +38,13 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "cases"
 
 def command(*arguments):
     return CliRunner().invoke(cli.main, ["sweep", *arguments])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def collected():
+    """What the event loop leaves is collected here, not in a test of another file."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture(scope="module")
