@@ -63,6 +63,9 @@ class Peak:
     radius: float
     pressure: float
 
+    def __str__(self) -> str:
+        return f"{self.pressure:.6f} at a = {self.radius:.6g}"
+
 
 def cylinder(law: HardeningLaw, inner: float = 1.0, outer: float = 2.0) -> Shell:
     """A thick cylinder in plane strain."""

@@ -24,7 +24,7 @@ from dataclasses import replace
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
 from verification.cases import thick_sphere
-from verification.exact_paths import pressure, sphere
+from verification.exact_paths import peak, pressure, sphere
 from verification.following import Following, last_load
 from verification.hardening_laws import LAWS
 
@@ -37,6 +37,7 @@ _STEPS = {
 _SAFETY = 1.3
 _LADDERS = {"perfect": (5, 7, 10, 20), "linear-1": (2, 3, 4, 5)}
 INNER, OUTER, TRAVEL = thick_sphere.INNER, thick_sphere.OUTER, 0.5
+_PEAKS = {law: peak(sphere(LAWS[law], INNER, OUTER)) for law in ("linear-3", "voce")}
 
 
 def build(n_radial: int, n_angular: int, law: str, steps: int, scheme: str) -> la.Problem:
@@ -92,7 +93,7 @@ CASE = Case(
     tags=("hardening", "continuum", "axisymmetric", "path", "closed form"),
     unit="pressure / s0",
     explanation=__doc__,
-    hand_calculation="""\
+    hand_calculation=f"""\
 volumes:      r^3 - R^3 = a^3 - A^3
 strain:       eb = 2 ln(r/R)
 equilibrium:  dp/dr = 2 sigma_Y(eb)/r
@@ -100,8 +101,8 @@ perfect:      p = 2 s0 ln(b/a)
 linear:       with u = 1 - (R/r)^3
               p = 2 s0 ln(b/a) + (4 H/9) (Li2(u_a) - Li2(u_b))
 peak:         sigma_Y exp(-1.5 eb) equal inside and outside
-              linear-3: 1.640641 at a = 1.35862
-              voce:     1.969964 at a = 1.25516
+              linear-3: {_PEAKS["linear-3"]}
+              voce:     {_PEAKS["voce"]}
 """,
     meshes={
         "coarse": {"n_radial": 4, "n_angular": 8},

@@ -16,7 +16,7 @@ flatter the block is. The whole path is not known then; the load with which it b
 between strict bounds. Loads are forces: what a testing machine reads.
 """
 
-from math import inf, nan, sqrt
+from math import inf, log, nan, sqrt
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
@@ -105,6 +105,8 @@ def band(elements: int, mu: float, law: str, steps: int, scheme: str) -> Band:
     return Band(0.0, 0.0, "The load at the end is not known.")
 
 
+_HALVED = {law: strip_force(LAWS[law], 0.5, WIDTH) for law in ("perfect", "linear-3")}
+
 CASE = Case(
     id="upsetting",
     title="Block of hardening material pressed flat, w/h = 2",
@@ -114,8 +116,8 @@ CASE = Case(
     hand_calculation=f"""\
 no friction: eb = (2/sqrt3) ln(H/h)     (plane strain)
              F = (2/sqrt3) sigma_Y(eb) W H/h
-h = H/2:     eb = 0.800377
-             perfect: {4 / sqrt(3):.6f}, linear-3: {4 / sqrt(3) * (1 + 3 * 0.8003774225686292):.6f}
+h = H/2:     eb = {2 / sqrt(3) * log(2):.6f}
+             perfect: {_HALVED["perfect"]:.6f}, linear-3: {_HALVED["linear-3"]:.6f}
 friction at the beginning: 2 k < alpha < 2.43 k, k = s0/sqrt3:
              see the case platens-coulomb
 """,
