@@ -89,6 +89,14 @@ class PathStep:
     end: float
     seconds: float
 
+    def __str__(self) -> str:
+        """A line of progress."""
+        solves = "solve" if self.solves == 1 else "solves"
+        return (
+            f"step {self.step}: load factor {self.load_factor:.6g} at travel {self.travel:.6g},"
+            f" strains to {self.max_strain:.3g}, {self.solves} {solves} in {self.seconds:.1f} s"
+        )
+
 
 @dataclass(frozen=True)
 class Event:

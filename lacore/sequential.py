@@ -65,7 +65,8 @@ def sequential(
             problem on the bodies as they are; see `lacore.remeshing.Remesh`. Equivalent strains
             are transferred (`lacore.transfer`), the velocity before is forgotten. An event says by
             how much volume and load jump. A checkpoint knows it by its name.
-        on_step: called after each step that is taken now, when it is kept: for progress.
+        on_step: called after each step that is taken now, when it is kept, for progress: ``print``
+            writes a line a step.
 
     Raises:
         InputError: bad arguments; bodies, contact and friction that a path does not follow; a

@@ -150,6 +150,13 @@ def test_powers_add_up_to_the_load():
     assert state.certificate.holds(1e-6)
 
 
+def test_progress_is_a_line_a_step(capsys):
+    path = la.sequential(block(MESHES["triangles"], LAWS["linear"]), 0.1, 2, on_step=print)
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.startswith("step 1: load factor ")
+    assert f"load factor {path.history.load_factor.iloc[1]:.6g} at travel 0.075" in second
+
+
 @pytest.mark.slow
 def test_a_side_folds_onto_the_platen():
     mesh = la.meshes.rectangle((0, 1), (0, 1), 8, 8, crossed=False)
