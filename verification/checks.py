@@ -13,13 +13,11 @@ from lacore.errors import (
     InputError,
     is_number,
     require_count,
-    require_known,
-    require_positive,
     suggest,
 )
 from verification.bracketing import Bracketing
 from verification.case import Band, Case, Order, Reference, Variant
-from verification.following import ORDERS, STEPPING, Following
+from verification.following import STEPPING, Following
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
 _TEXTS = ("title", "unit", "explanation", "hand_calculation")
@@ -318,9 +316,6 @@ def _check_following(variant: Variant, stated: object) -> None:
                 f"is not the parameter {name!r} of the variant, so that no sweep could vary it",
                 f"give the variant {name!r}, and take it from there",
             )
-    require_positive(f"{where}, travel", stated.travel)
-    require_count(f"{where}, steps", stated.steps)
-    require_known(f"{where}, scheme", stated.scheme, ORDERS)
     if stated.ladder and (len(stated.ladder) < _LADDER or stated.exact is None):
         raise InputError(
             f"{where}, ladder",

@@ -6,6 +6,7 @@ from math import inf
 
 import lacore as la
 from lacore.control import Control
+from lacore.errors import require_count, require_known, require_positive
 from lacore.path import Ending
 
 ORDERS: Mapping[str, float] = {
@@ -57,6 +58,9 @@ class Following:
         bounded: whether the load with which the path begins is to lie between strict bounds.
         ladder: numbers of steps over which the error must fall with the order of the scheme, at
             least four; none where nothing is asked.
+
+    Raises:
+        InputError: no travel, no number of steps, an unknown scheme.
     """
 
     travel: float
@@ -71,6 +75,11 @@ class Following:
     reading: Reading | None = None
     bounded: bool = False
     ladder: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_positive("travel", self.travel)
+        require_count("steps", self.steps)
+        require_known("scheme", self.scheme, ORDERS)
 
     @property
     def last(self) -> float:

@@ -70,6 +70,7 @@ def plan(
     runs: dict[str, Run] = {}
     for case, variants in picked:
         for variant in _variants(case, variants, grid):
+            _check_steps(case, variant)
             skip = _outside(case, variant)
             for run in _runs(case, variant, chosen[case.id], meshes, couplings or (None,), grid):
                 run = replace(run, insist=False, skip=run.skip or skip)
@@ -119,6 +120,18 @@ def _check_values(grid: _Grid, options: varied.Names) -> None:
         for point in grid.points("option", types):
             if point:
                 load_backend(backend).Options(**point)
+
+
+def _check_steps(case: Case, variant: Variant) -> None:
+    """Refuse a number of steps or a scheme that there is not."""
+    if case.path is None:
+        return
+    try:
+        case.following_of(variant)
+    except InputError:
+        raise
+    except Exception:  # of others: the row says what it is
+        return
 
 
 def _variants(case: Case, bases: Sequence[Variant], grid: _Grid) -> Iterator[Variant]:

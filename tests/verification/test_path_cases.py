@@ -1,5 +1,6 @@
 """What paths must come to, against the exact ones (T33)."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -138,6 +139,15 @@ def test_sweeps_vary_steps_and_scheme_like_parameters() -> None:
     runs = sweep(["hardening-cylinder:perfect"], ["steps=5:40:4:log", "scheme=leapfrog,explicit"])
     asked = {(run.parameters["steps"], run.parameters["scheme"]) for run in runs}
     assert asked == {(n, s) for n in (5, 10, 20, 40) for s in ("leapfrog", "explicit")}
+
+
+@pytest.mark.parametrize(
+    ("axis", "said"),
+    [("scheme=leapfrg", "did you mean 'leapfrog'?"), ("steps=0,4", "steps = 0")],
+)
+def test_a_sweep_refuses_steps_that_there_are_not(axis: str, said: str) -> None:
+    with pytest.raises(la.InputError, match=re.escape(said)):
+        sweep(["upsetting"], [axis])
 
 
 def test_orders_of_a_sweep_are_those_of_the_schemes() -> None:
