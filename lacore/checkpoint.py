@@ -32,7 +32,7 @@ from lacore.remeshing import NewMeshes
 from lacore.schemes import Here
 from lacore.staging import Stage
 
-_FORMAT = 2
+_FORMAT = 3
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
@@ -49,7 +49,6 @@ class Progress:
         here: where it is.
         step: length of the next step, in units of the control.
         rows, events, snapshots: what it leaves behind.
-        moment: of the limit problem whose load the last step has.
         made: new meshes on the way.
     """
 
@@ -58,7 +57,6 @@ class Progress:
     rows: Sequence[PathStep]
     events: Sequence[Event]
     snapshots: Sequence[Snapshot]
-    moment: Moment
     made: Sequence[NewMeshes] = ()
 
 
@@ -210,7 +208,7 @@ def _settle(folder: File) -> None:
 
 def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
     """Text and arrays; bodies by their number."""
-    here, moment = progress.here, progress.moment
+    here = progress.here
     names = list(here.configuration.nodes)
     arrays: dict[str, Any] = {
         f"row/{entry.name}": np.array([getattr(row, entry.name) for row in progress.rows])
@@ -229,12 +227,13 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
     pack_configuration("here", here.configuration)
     pack("here/velocity", here.velocity)
     pack("here/strain_rate", here.strain_rate)
-    pack_configuration("begin", moment.begin)
-    pack_configuration("at", moment.at)
     for place, snapshot in enumerate(progress.snapshots):
         pack_configuration(f"snapshot/{place}", snapshot.configuration)
         pack(f"snapshot/{place}/velocity", snapshot.velocity)
         pack(f"snapshot/{place}/strain_rate", snapshot.strain_rate)
+        if snapshot.moment is not None:
+            pack_configuration(f"snapshot/{place}/begin", snapshot.moment.begin)
+            pack_configuration(f"snapshot/{place}/at", snapshot.moment.at)
     for place, own in enumerate(progress.made):
         pack(f"made/{place}/nodes", own.nodes)
         for number, mesh in enumerate(own.meshes.values()):
@@ -250,9 +249,15 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
             "speed": here.speed,
             "growth": here.growth,
         },
-        "moment": {"duration": moment.duration, "share": moment.share},
         "step": progress.step,
-        "snapshots": [{"step": own.step, "travel": own.travel} for own in progress.snapshots],
+        "snapshots": [
+            {
+                "step": own.step,
+                "travel": own.travel,
+                "moment": own.moment and [own.moment.duration, own.moment.share],
+            }
+            for own in progress.snapshots
+        ],
         "events": [asdict(event) for event in progress.events],
         "made": [
             {
@@ -291,10 +296,17 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
         events=[Event(**event) for event in head["events"]],
         snapshots=[
             Snapshot(
-                **own,
+                step=own["step"],
+                travel=own["travel"],
                 configuration=configuration(f"snapshot/{place}"),
                 velocity=unpack(f"snapshot/{place}/velocity"),
                 strain_rate=unpack(f"snapshot/{place}/strain_rate"),
+                moment=own["moment"]
+                and Moment(
+                    configuration(f"snapshot/{place}/begin"),
+                    configuration(f"snapshot/{place}/at"),
+                    *own["moment"],
+                ),
             )
             for place, own in enumerate(head["snapshots"])
         ],
@@ -309,7 +321,6 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
             )
             for place, own in enumerate(head["made"])
         ],
-        moment=Moment(begin=configuration("begin"), at=configuration("at"), **head["moment"]),
     )
 
 

@@ -1,7 +1,7 @@
 """What a path leaves behind, as it comes: rows, events, snapshots."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ from lacore.approach import gaps
 from lacore.checkpoint import Progress
 from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
-from lacore.flow import Moment, flow
 from lacore.loads import RigidFooting
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
 from lacore.remeshing import NewMeshes
@@ -33,7 +32,6 @@ class Log:
     rows: list[PathStep] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
-    moment: Moment | None = None
     last: LimitState | None = None
     later: list[tuple[int, Stage]] = field(default_factory=list)
     made: list[NewMeshes] = field(default_factory=list)
@@ -59,12 +57,11 @@ class Log:
     def resume(self, progress: Progress) -> None:
         """Go on from a path so far."""
         self.rows, self.events = list(progress.rows), list(progress.events)
-        self.snapshots, self.moment = list(progress.snapshots), progress.moment
+        self.snapshots = list(progress.snapshots)
 
     def progress(self, here: Here, step: float) -> Progress:
         """The path so far, to be resumed with a step of this length."""
-        assert self.moment is not None
-        return Progress(here, step, self.rows, self.events, self.snapshots, self.moment, self.made)
+        return Progress(here, step, self.rows, self.events, self.snapshots, self.made)
 
     def event(self, kind: str, step: int, travel: float, what: str) -> None:
         """Something happened."""
@@ -112,13 +109,18 @@ class Log:
             seconds=seconds,
         )
         self.rows.append(row)
-        self.last, self.moment = state, stride.load.moment
+        self.last = state
         if self.snapshots[-1].step % self.keep_every:
             self.snapshots.pop()  # it was the last
         moving = stride.flow
         self.snapshots.append(
             Snapshot(
-                there.step, there.travel, there.configuration, moving.velocity, moving.strain_rate
+                step=there.step,
+                travel=there.travel,
+                configuration=there.configuration,
+                velocity=moving.velocity,
+                strain_rate=moving.strain_rate,
+                moment=stride.load.moment,
             )
         )
         self._contacts(here, there)
@@ -163,9 +165,7 @@ class Log:
 
     def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
         """The end; settings are those of each solve."""
-        if self.last is None and self.moment is not None:  # of a path that was all kept
-            self.last = flow(self.now, self.moment, settings).state
-        return Path(
+        path = Path(
             status=ending,
             message=f"{ending.label}: {message}",
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
@@ -176,4 +176,8 @@ class Log:
             last=self.last,
             stage=self.stage,
             later=tuple(self.later),
+            settings=settings,
         )
+        if self.last is None and self.rows:  # of a path that was all kept
+            return replace(path, last=path.state())
+        return path

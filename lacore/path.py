@@ -1,17 +1,18 @@
 """What a path leaves behind: its history, what happened on the way, the bodies at every step."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from os import PathLike
 from pathlib import Path as File
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from lacore.arrays import Floats
 from lacore.configuration import Configuration
 from lacore.errors import InputError
+from lacore.flow import Moment, flow
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.staging import Stage
@@ -129,6 +130,7 @@ class Snapshot:
             beginning.
         strain_rate: that went with it: equivalent, at the strain points by body, shape
             (elements, q), 1/s.
+        moment: of the limit problem whose load the step has; None at the beginning.
     """
 
     step: int
@@ -136,6 +138,7 @@ class Snapshot:
     configuration: Configuration
     velocity: Mapping[str, Floats]
     strain_rate: Mapping[str, Floats]
+    moment: Moment | None = None
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,7 @@ class Path:
         last: limit state of the last step that was taken; None where there is none.
         stage: the problem as it was made ready.
         later: stages on new meshes, each with the first step that was taken on it.
+        settings: of each solve, see `lacore.solve`.
     """
 
     status: Ending
@@ -161,6 +165,7 @@ class Path:
     last: LimitState | None
     stage: Stage
     later: tuple[tuple[int, Stage], ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     def stage_of(self, snapshot: Snapshot) -> Stage:
         """The stage that has the meshes of a snapshot."""
@@ -180,6 +185,24 @@ class Path:
             given = ", ".join(map(str, kept))
             raise InputError("step", step, "has no snapshot", f"give one of {given}")
         return kept[step]
+
+    def state(self, step: int = -1) -> LimitState:
+        """The limit state of a step: mechanism, stresses, reactions and certificate of its load.
+
+        It is solved again, unless it is that of the last step: states are large, and a path has
+        many. It stands where its load does, see `PathStep.travel`. Its load factor is that of the
+        limit problem as it was solved; the history has it for the duration that the step turned
+        out to have, to first order.
+
+        Raises:
+            InputError: see `snapshot`; the beginning has no state.
+        """
+        snapshot = self.snapshot(step)
+        if snapshot.moment is None:
+            raise InputError("step", step, "is the beginning, without a state", "give 1 or more")
+        if self.last is not None and snapshot.step == self.snapshots[-1].step:
+            return self.last
+        return flow(self.stage_of(snapshot), snapshot.moment, self.settings).state
 
     def problem(self, step: int = -1) -> Problem:
         """The problem on the bodies of a `snapshot`, without its interfaces: the last by default.

@@ -266,12 +266,30 @@ def test_all_that_a_step_needs_is_kept():
         Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed", "growth"],
         Moment: ["begin", "at", "duration", "share"],
         Configuration: ["nodes", "strain"],
-        Snapshot: ["step", "travel", "configuration", "velocity", "strain_rate"],
-        Progress: ["here", "step", "rows", "events", "snapshots", "moment", "made"],
+        Snapshot: ["step", "travel", "configuration", "velocity", "strain_rate", "moment"],
+        Progress: ["here", "step", "rows", "events", "snapshots", "made"],
         NewMeshes: ["step", "nodes", "meshes"],
     }
     for kind, names in known.items():
         assert [entry.name for entry in fields(kind)] == names
+
+
+def test_states_of_steps_are_those_of_their_rows(tmp_path):
+    """What the platen bears is what presses; on the way, at the end, and read from the disk."""
+    path = pressed(3, checkpoint=tmp_path / "p")
+    again = pressed(3, checkpoint=tmp_path / "p")
+    for one in (path, again):
+        assert one.state() is one.state(3) is one.last
+        for row in one.history.itertuples():
+            state = one.state(row.step)
+            point, contact = state.point, state.discretisation.full.contact
+            force = row.force * state.load_factor / row.load_factor
+            assert contact.weights @ point.normal_reaction == pytest.approx(force, rel=1e-9)
+            assert state.certificate.gap == row.gap
+            # Of second order in how much the speed changes within a step, here a sixth.
+            assert state.load_factor == pytest.approx(row.load_factor, rel=1e-3)
+    with pytest.raises(InputError, match="step = 0: is the beginning, without a state"):
+        path.state(0)
 
 
 @pytest.mark.parametrize("keep_every", [1, 2, 3, 100])
