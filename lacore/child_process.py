@@ -12,8 +12,8 @@ import subprocess
 import sys
 import threading
 import traceback
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from pkgutil import resolve_name
 from queue import SimpleQueue
@@ -147,7 +147,7 @@ class ChildProcess:
             process.wait()
             for pipe in (process.stdin, process.stdout):
                 assert pipe is not None
-                with suppress(BrokenPipeError):  # of what was not read any more
+                with suppress(BrokenPipeError), _unsignalled():  # of what was not read any more
                     pipe.close()
 
     def __enter__(self) -> Self:
@@ -203,9 +203,29 @@ def _read_all(requests: IO[bytes], inbox: SimpleQueue[bytes]) -> None:
 
 
 def _send(pipe: IO[bytes], message: bytes) -> None:
-    pipe.write(len(message).to_bytes(_LENGTH, "little"))
-    pipe.write(message)
-    pipe.flush()
+    with _unsignalled():
+        pipe.write(len(message).to_bytes(_LENGTH, "little"))
+        pipe.write(message)
+        pipe.flush()
+
+
+@contextmanager
+def _unsignalled() -> Iterator[None]:
+    """Nobody reads a pipe any more: an exception, also where the signal would end this process.
+
+    Python ignores that signal, but libraries of the caller may have set it back, as gmsh does.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    try:
+        yield
+    finally:
+        if signal.SIGPIPE not in before:
+            while signal.SIGPIPE in signal.sigpending():
+                signal.sigwait({signal.SIGPIPE})
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGPIPE})
 
 
 def _receive(pipe: IO[bytes]) -> bytes:

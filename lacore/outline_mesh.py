@@ -1,6 +1,9 @@
 """A new mesh inside the outline of an old one, by gmsh (the extra ``lacore[gmsh]``)."""
 
-from collections.abc import Sequence
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -148,7 +151,8 @@ def _triangulated(outlines: Sequence[_Outline], size: float) -> tuple[Floats, In
     gmsh = _gmsh()
     ours = not gmsh.isInitialized()
     if ours:
-        gmsh.initialize(interruptible=False)
+        with _pipes_as_before():
+            gmsh.initialize(interruptible=False)
         gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.add("remeshed")
     try:
@@ -178,6 +182,17 @@ def _triangulated(outlines: Sequence[_Outline], size: float) -> tuple[Floats, In
     number = {tag: place for place, tag in enumerate([*first, *inner])}
     points = np.array([where[tag] for tag in number])
     return points, np.array([number[int(tag)] for tag in used], dtype=np.int64).reshape(-1, 3)
+
+
+@contextmanager
+def _pipes_as_before() -> Iterator[None]:
+    """Undo what gmsh does when it starts: a pipe that nobody reads would end the process."""
+    before = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
+    try:
+        yield
+    finally:
+        if before is not None and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGPIPE, before)
 
 
 def _gmsh() -> Any:

@@ -60,3 +60,31 @@ def test_killed_while_it_starts(monkeypatch):
     monkeypatch.setattr(subprocess, "Popen", slow)
     with child, pytest.raises(LostError):
         child.ask(60.0, "echo", 1)
+
+
+_SIGNALLED = """
+import os, signal, threading
+from lacore.child_process import ChildProcess, LostError
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as gmsh does
+def lost():
+    with ChildProcess("tests.lacore.test_child_process:Worker") as child:
+        child.ask(60.0, "echo", 1)
+        child._process.kill()
+        child._process.wait()
+        try:
+            child.ask(60.0, "echo", bytes(10**6))
+        except LostError:
+            return
+        raise AssertionError
+lost()
+thread = threading.Thread(target=lost)
+thread.start()
+thread.join()
+print("alive")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such signal")
+def test_a_caller_whose_libraries_let_broken_pipes_end_it():
+    ran = subprocess.run([sys.executable, "-c", _SIGNALLED], capture_output=True, text=True)
+    assert (ran.returncode, ran.stdout) == (0, "alive\n"), ran.stderr

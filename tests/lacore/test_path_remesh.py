@@ -1,6 +1,8 @@
 """New meshes on the way: outlines, strains that go over, paths that go on."""
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +42,27 @@ def dofs_of(mesh, space="p2-gauss"):
 
 def anew(size):
     return lambda now: {"billet": la.meshes.remeshed(now.bodies["billet"].mesh, size)}
+
+
+_PIPE = """
+import os
+import lacore as la
+la.meshes.remeshed(la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2), 0.4)
+read, write = os.pipe()
+os.close(read)
+try:
+    os.write(write, b"to nobody")
+except BrokenPipeError:
+    print("an exception")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such signal")
+def test_gmsh_leaves_broken_pipes_exceptions():
+    """It lets them end the process; a solver's that is killed, then takes its caller with it."""
+    require_gmsh()
+    ran = subprocess.run([sys.executable, "-c", _PIPE], capture_output=True, text=True)
+    assert (ran.returncode, ran.stdout) == (0, "an exception\n"), ran.stderr
 
 
 @pytest.mark.parametrize(
