@@ -4,7 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 # A process a core, each on one thread; tests of a file share what they prepare.
-PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+# One that dies is not replaced: the run ends there and says so, where it could wait for ever.
+PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --max-worker-restart 0
 
 .PHONY: help compare verify test test-all test-browser lint bench bench-page readme reference clean
 
