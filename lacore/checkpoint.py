@@ -254,6 +254,7 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
             {
                 "step": own.step,
                 "travel": own.travel,
+                "duration": own.duration,
                 "moment": own.moment and [own.moment.duration, own.moment.share],
             }
             for own in progress.snapshots
@@ -298,6 +299,7 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
             Snapshot(
                 step=own["step"],
                 travel=own["travel"],
+                duration=own["duration"],
                 configuration=configuration(f"snapshot/{place}"),
                 velocity=unpack(f"snapshot/{place}/velocity"),
                 strain_rate=unpack(f"snapshot/{place}/strain_rate"),

@@ -49,18 +49,20 @@ class Flow:
         state: the limit state there, of the program with the hardening that chooses.
         moment: what it answers.
         load_factor: alpha, without that hardening; NaN where there is no state.
-        hardened: share of it that hardening within the step has, proportional to the duration.
+        hardened: share of it that hardening within the step of the moment has.
+        duration: of a step of which it is the load, s.
     """
 
     state: LimitState
     moment: Moment
     load_factor: float
     hardened: float
+    duration: float
 
     def lasting(self, duration: float) -> "Flow":
         """The same flow with the load of another duration [s] of the step, to first order."""
-        more = (duration / self.moment.duration - 1) * self.hardened
-        return replace(self, load_factor=self.load_factor + more)
+        more = (duration - self.duration) / self.moment.duration * self.hardened
+        return replace(self, load_factor=self.load_factor + more, duration=duration)
 
     @property
     def velocity(self) -> dict[str, Floats]:
@@ -117,18 +119,31 @@ def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
     Raises:
         InputError: see `discretised`.
     """
+    return flow_of(solve(limit_problem(stage, moment), **settings), moment)
+
+
+def limit_problem(stage: Stage, moment: Moment) -> Discretisation:
+    """What is solved at a moment, as bodies harden within its step.
+
+    Raises:
+        InputError: see `discretised`.
+    """
     d = discretised(stage, moment)
-    laws = [_law(name, dofs, moment) for name, dofs in d.bodies.items()]
-    d = replace(d, full=_hardening(d.full, laws), program=_hardening(d.program, laws))
-    state = solve(d, **settings)
+    laws = _laws(d, moment)
+    return replace(d, full=_hardening(d.full, laws), program=_hardening(d.program, laws))
+
+
+def flow_of(state: LimitState, moment: Moment) -> Flow:
+    """What a limit state of the `limit_problem` of a moment says."""
     if state.point is None:
-        return Flow(state, moment, np.nan, 0.0)
+        return Flow(state, moment, np.nan, 0.0, moment.duration)
     chosen = hardened = 0.0
-    for law, group in zip(laws, d.full.groups, strict=True):
+    d = state.discretisation
+    for law, group in zip(_laws(d, moment), d.full.groups, strict=True):
         squares = group.weights * np.sum(group.cone_vectors(state.point.velocity) ** 2, axis=1)
         chosen += float(law.choosing @ squares)
         hardened += float(law.modulus @ squares)
-    return Flow(state, moment, state.load_factor - chosen, hardened)
+    return Flow(state, moment, state.load_factor - chosen, hardened, moment.duration)
 
 
 @dataclass(frozen=True)
@@ -144,6 +159,10 @@ class _Law:
     bound: Floats
     modulus: Floats
     choosing: Floats
+
+
+def _laws(d: Discretisation, moment: Moment) -> list[_Law]:
+    return [_law(name, dofs, moment) for name, dofs in d.bodies.items()]
 
 
 def _law(name: str, dofs: BodyDofs, moment: Moment) -> _Law:

@@ -121,6 +121,7 @@ class Log:
                 velocity=moving.velocity,
                 strain_rate=moving.strain_rate,
                 moment=stride.load.moment,
+                duration=stride.load.duration,
             )
         )
         self._contacts(here, there)

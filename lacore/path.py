@@ -131,6 +131,7 @@ class Snapshot:
         strain_rate: that went with it: equivalent, at the strain points by body, shape
             (elements, q), 1/s.
         moment: of the limit problem whose load the step has; None at the beginning.
+        duration: of the step for which that load is, s.
     """
 
     step: int
@@ -139,6 +140,7 @@ class Snapshot:
     velocity: Mapping[str, Floats]
     strain_rate: Mapping[str, Floats]
     moment: Moment | None = None
+    duration: float = 0.0
 
 
 @dataclass(frozen=True)

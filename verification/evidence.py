@@ -56,15 +56,15 @@ def _values(row: Row) -> RegularisedValues:
     return RegularisedValues(row.P, row.alpha_reg, row.regularised_lambda, nan)
 
 
-def packed(point: ProgramState) -> bytes:
-    """A state in numpy's archive format."""
+def packed(point: ProgramState, **more: Floats) -> bytes:
+    """A state in numpy's archive format, with what else is needed to know its problem."""
     arrays = {name: getattr(point, name) for name in _SINGLE}
     arrays |= {
         f"{name}_{n}": part for name in _SEVERAL for n, part in enumerate(getattr(point, name))
     }
     buffer = io.BytesIO()
     arrays |= {"load_factor": np.array(point.load_factor), "groups": np.array(len(point.stress))}
-    np.savez(buffer, **arrays)  # compressed takes five times as long, and hardly less room
+    np.savez(buffer, **(arrays | more))  # compressed takes five times as long, and hardly less room
     return buffer.getvalue()
 
 
@@ -119,6 +119,13 @@ def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
     Raises:
         ValueError: there is none, or it is not one of this problem.
     """
+    return restored_on(la.discretise(run.problem()), run, row, evidence)
+
+
+def restored_on(
+    discretisation: la.Discretisation, run: Run, row: Row, evidence: Evidence
+) -> la.LimitState:
+    """As `restored`, of a problem that is discretised already."""
     return la.LimitState(
         status=next(status for status in la.Status if status.label == row.status),
         load_factor=row.load_factor,
@@ -135,6 +142,6 @@ def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
         options=run.options,
         tolerance=run.settings.get("tolerance", SOLVER),
         message=row.message,
-        discretisation=la.discretise(run.problem()),
+        discretisation=discretisation,
         point=unpacked(evidence.arrays),
     )

@@ -17,6 +17,7 @@ from verification.case import SOLVER, Band, Reference, allowed_values
 from verification.evidence import records
 from verification.following import Following
 from verification.judging import FAIL, NO_RESULT, PASS, distance
+from verification.path_evidence import packed_step
 from verification.run import Evidence, Outcome, Row, Run
 
 _TAKEN = ("tolerance",)  # settings of `lacore.solve` that `lacore.sequential` takes
@@ -92,7 +93,8 @@ def run_path(
     verdict, why = judge_path(row, stated, reference, band, run.insist)
     row = replace(row, verdict=verdict, why=why)
     residuals = asdict(state.certificate) if state is not None and state.certificate else {}
-    return Outcome(run, row, Evidence(residuals, records(history.assign(exact=exact)), b""))
+    arrays = b"" if state is None else packed_step(state, path.snapshots[-1])
+    return Outcome(run, row, Evidence(residuals, records(history.assign(exact=exact)), arrays))
 
 
 def start_bounds(problem: la.Problem) -> tuple[float, float]:

@@ -49,6 +49,7 @@ def assert_same(path, other):
             check_exact=True,
         )
     assert len(path.snapshots) == len(other.snapshots)
+    assert [own.duration for own in path.snapshots] == [own.duration for own in other.snapshots]
     for one, two in zip(path.snapshots, other.snapshots, strict=True):
         assert (one.step, one.travel) == (two.step, two.travel)
         for a, b in zip(arrays(one), arrays(two), strict=True):
@@ -266,7 +267,15 @@ def test_all_that_a_step_needs_is_kept():
         Here: ["step", "travel", "configuration", "velocity", "strain_rate", "speed", "growth"],
         Moment: ["begin", "at", "duration", "share"],
         Configuration: ["nodes", "strain"],
-        Snapshot: ["step", "travel", "configuration", "velocity", "strain_rate", "moment"],
+        Snapshot: [
+            "step",
+            "travel",
+            "configuration",
+            "velocity",
+            "strain_rate",
+            "moment",
+            "duration",
+        ],
         Progress: ["here", "step", "rows", "events", "snapshots", "made"],
         NewMeshes: ["step", "nodes", "meshes"],
     }

@@ -31,8 +31,8 @@ def finest_exact(outcomes: Sequence[Outcome]) -> dict[str, Outcome]:
         return (np.isfinite(row.load_factor), np.isnan(row.P), row.n_elements)
 
     for outcome in outcomes:
-        if not outcome.evidence.arrays:
-            continue
+        if not outcome.evidence.arrays or outcome.run.case.path is not None:
+            continue  # a path has a picture of its own
         if outcome.row.coupling in FINDS_NONE:
             continue
         name = outcome.run.variant.name

@@ -8,6 +8,7 @@ from lacore.certificate import Certificate
 from verification.bracketing import BRACKET
 from verification.evidence import recheck
 from verification.judging import SKIPPED
+from verification.path_evidence import recheck_step
 from verification.run import Outcome, Row, Run
 from verification.verify.brackets import bracket, gap
 from verification.verify.finding import Answer, Finding
@@ -49,8 +50,20 @@ def finish(questions: Sequence[Question], outcomes: Iterable[Outcome]) -> Finish
                 problems.setdefault(run.problem_key, []).append(outcome)
     rechecked: dict[str, Rechecked] = {}
     for neighbours in problems.values():
-        rechecked |= _rechecked(neighbours)
+        paths = neighbours[0].run.case.path is not None
+        rechecked |= _steps_rechecked(neighbours) if paths else _rechecked(neighbours)
     return Finished(found, rechecked)
+
+
+def _steps_rechecked(outcomes: Sequence[Outcome]) -> dict[str, Rechecked]:
+    """Of paths: each has a problem of its own at its last step."""
+    found: dict[str, Rechecked] = {}
+    for own in outcomes:
+        try:
+            found[own.run.key] = recheck_step(own.run, own.row, own.evidence)
+        except Exception as error:  # whatever others wrote, and whatever bytes are in the store
+            found[own.run.key] = f"{type(error).__name__}: {error}"
+    return found
 
 
 def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:

@@ -148,9 +148,11 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
 
 
 def _of_path(runs: Sequence[Run]) -> Iterator[Question]:
-    """One on each path; the steps are varied with the first exact backend."""
+    """Of each path its loads, and the last state; the steps with the first exact backend."""
     for backend in dict.fromkeys(run.backend for run in runs):
-        yield Question("path", tuple(run for run in runs if run.backend == backend))
+        group = tuple(run for run in runs if run.backend == backend)
+        yield Question("path", group)
+        yield Question("residuals", group)
     exact = next((run for run in runs if not is_regularised(run.backend)), None)
     if exact is None:
         return
