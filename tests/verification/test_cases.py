@@ -105,11 +105,8 @@ def checked(questions):
     return finish(questions, execute(runs_of(questions)))
 
 
-QUICK = [
-    question
-    for question in ask(backends=["clarabel"], meshes=["coarse"])
-    if question.check != "order" and question.coupling != BRACKET
-]
+COARSE = ask(backends=["clarabel"], meshes=["coarse"])
+QUICK = [q for q in COARSE if q.check not in ("order", "steps") and q.coupling != BRACKET]
 
 
 @cache
@@ -126,6 +123,15 @@ def test_exact_backend_passes_on_coarse(question):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "question", [q for q in COARSE if q.check == "steps"], ids=lambda question: question.name
+)
+def test_errors_of_paths_fall_with_their_steps(question):
+    found = answer(question, checked([question]))
+    assert found.verdict == PASS, found.why
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("case", "variant"), MESHED, ids=name_of)
 def test_exact_backend_passes_on_medium_and_fine(case, variant):
     """Beyond `pytest verification`: levels that a variant does not run by itself."""
@@ -138,11 +144,7 @@ def test_exact_backend_passes_on_medium_and_fine(case, variant):
         assert found.verdict == PASS, found.why
 
 
-BRACKETED = [
-    (question, replace(question, check="gap"))
-    for question in ask(backends=["clarabel"], meshes=["coarse"])
-    if question.check == "bracket"
-]
+BRACKETED = [(q, replace(q, check="gap")) for q in COARSE if q.check == "bracket"]
 
 
 @pytest.mark.slow
