@@ -101,7 +101,7 @@ def edges_inside(
         middle: of curved edges, shape (2, n).
 
     Raises:
-        InputError: the predicate does not return one bool a point.
+        InputError: the predicate fails, or does not return one bool a point.
     """
     middle = (start + end) / 2 if middle is None else middle
     samples = start[:, :, None] * (1 - _SAMPLES) + end[:, :, None] * _SAMPLES
@@ -110,7 +110,15 @@ def edges_inside(
     # In its Bernstein hull without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
     hull = np.stack([start, middle + bulge, end])
     samples = np.clip(samples, hull.min(axis=0)[:, :, None], hull.max(axis=0)[:, :, None])
-    inside = np.asarray(where(samples.reshape(2, -1)))
+    try:
+        inside = np.asarray(where(samples.reshape(2, -1)))
+    except Exception as error:  # of others
+        raise InputError(
+            field,
+            None,
+            f"the predicate fails for coordinates (2, n): {type(error).__name__}: {error}",
+            "compare arrays, and join conditions by & and |, each in brackets",
+        ) from error
     if inside.shape != (samples[0].size,) or inside.dtype != bool:
         raise InputError(
             field,

@@ -8,6 +8,7 @@ from numbers import Integral, Real
 import numpy as np
 
 _MOST = 2**31 - 1
+_LONGEST = 300  # characters of a value in a message
 
 
 class LacoreError(Exception):
@@ -22,12 +23,18 @@ class InputError(LacoreError, ValueError):
 
     def __init__(self, field: str, value: object, why: str, mend: str) -> None:
         self.field, self.value, self.why, self.mend = field, value, why, mend
-        shown = "" if value is None else f" = {value!r}"
+        shown = "" if value is None else f" = {_short(value)}"
         super().__init__(f"{field}{shown}: {why}; {mend}")
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
         return InputError, (self.field, self.value, self.why, self.mend)
+
+
+def _short(value: object) -> str:
+    """As it is written; of what would fill pages only what it is."""
+    written = repr(value)
+    return written if len(written) <= _LONGEST else f"<{type(value).__name__}>"
 
 
 class CapabilityError(LacoreError):

@@ -13,6 +13,7 @@ from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_positive
 
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])
+_KINKS = 0.25  # of the samples may lie at corners of a law
 
 
 @runtime_checkable
@@ -245,6 +246,25 @@ def require_hardening_law(field: str, law: HardeningLaw) -> None:
     rounding = 4 * np.finfo(float).eps * found["stress"][1:]
     if np.any(found["modulus"] < 0) or np.any(np.diff(found["stress"]) < -rounding):
         raise _softening(field, law, "give a law that nowhere falls")
+    _require_slope(field, law)
+
+
+def _require_slope(field: str, law: HardeningLaw) -> None:
+    """Raise `InputError` where the modulus is not the slope of the stress, but for some kinks."""
+    at, step = _SAMPLES[1:], 1e-3 * _SAMPLES[1:]
+    before, after = law.stress(at - step), law.stress(at + step)
+    slope, modulus = (after - before) / (2 * step), law.modulus(at)
+    rounding = 4 * np.finfo(float).eps * after / step
+    wrong = np.abs(slope - modulus) > 1e-2 * np.maximum(slope, modulus) + rounding
+    if np.mean(wrong) > _KINKS:
+        place = int(np.flatnonzero(wrong)[-1])
+        raise InputError(
+            f"{field}.modulus",
+            law,
+            f"not the slope of the stress: {modulus[place]:.6g} against {slope[place]:.6g} at a"
+            f" strain of {at[place]:.3g}",
+            "return the derivative of stress by strain",
+        )
 
 
 def _softening(field: str, value: object, mend: str) -> InputError:

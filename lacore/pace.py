@@ -32,7 +32,10 @@ class AdaptiveSteps:
             require_positive(f"AdaptiveSteps.{name}", getattr(self, name))
         if not self.smallest <= self.first <= 1:
             raise InputError(
-                "AdaptiveSteps.first", self.first, "outside [smallest, 1]", "give e.g. 0.05"
+                "AdaptiveSteps.first",
+                self.first,
+                f"outside [smallest, 1], where smallest = {self.smallest!r}",
+                "give a share of the travel in between",
             )
 
 

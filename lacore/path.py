@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from numbers import Integral
 from os import PathLike
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,8 @@ class Ending(Enum):
     REACHED = "the travel asked for is reached"
     INVERSION = (
         "the next step would turn an element inside out: start from elements that are drawn out"
-        " across the flow, or mesh anew from the last configuration"
+        " across the flow, mesh anew from the last configuration, or take smaller steps if these"
+        " are long"
     )
     OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
     STANDSTILL = (
@@ -35,8 +37,8 @@ class Ending(Enum):
         " point or a footing"
     )
     LOCKED = (
-        "obstacles enclose the bodies: no flow at constant volume makes the next step, or one under"
-        " a load without bound"
+        "no flow at constant volume makes the next step, or one under a load without bound:"
+        " obstacles or supports enclose the bodies, or they harden without end within it"
     )
     NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
     NOT_ITERATED = (
@@ -169,6 +171,12 @@ class Path:
     later: tuple[tuple[int, Stage], ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
 
+    def __str__(self) -> str:
+        """How far it has come, and why it ends there."""
+        taken = len(self.history)
+        steps = "1 step" if taken == 1 else f"{taken} steps"
+        return f"path of {steps} to travel {self.snapshots[-1].travel:.6g}, {self.message}"
+
     def stage_of(self, snapshot: Snapshot) -> Stage:
         """The stage that has the meshes of a snapshot."""
         passed = [stage for first, stage in self.later if first <= snapshot.step]
@@ -180,6 +188,8 @@ class Path:
         Raises:
             InputError: that step was not kept, or not taken.
         """
+        if not isinstance(step, Integral) or isinstance(step, bool):
+            raise InputError("step", step, "not the number of a step", "give a whole number")
         kept = {own.step: own for own in self.snapshots}
         if -len(self.snapshots) <= step < 0:
             return self.snapshots[step]
@@ -207,7 +217,10 @@ class Path:
         return flow(self.stage_of(snapshot), snapshot.moment, self.settings).state
 
     def problem(self, step: int = -1) -> Problem:
-        """The problem on the bodies of a `snapshot`, without its interfaces: the last by default.
+        """The problem on the bodies of a `snapshot`: the last by default.
+
+        Without its interfaces, and of bodies that are as strong as at the beginning: it is for new
+        meshes, pictures and measures of the shape. What they bear by then is `state`.
 
         Raises:
             InputError: see `snapshot`.

@@ -121,12 +121,13 @@ class LimitState:
         """Plastic power of elements per volume by continuum, shape (elements,), at F0.u = 1.
 
         W/m^3 where the load is in N, that is of axisymmetric bodies; W/m^2 per unit thickness.
+        Within a step of a path bodies harden, and it is that of the yield stress by then.
 
         That of a velocity jump goes to both elements, half each.
         """
         u, d = self._point().velocity, self.discretisation
         power = {
-            name: group.dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
+            name: group.hardened(u).dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
             for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=False)
         }
         for name, jumps in d.jumps.items():

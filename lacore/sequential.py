@@ -187,7 +187,12 @@ def _remeshed(
         PathEndError: they cannot be taken.
     """
     old = walk.stage
-    meshes = remesh(old.at(here.configuration))
+    now = old.at(here.configuration)
+    try:
+        meshes = remesh(now)
+    except Exception as error:  # of others: what was found so far must not be lost with it
+        wrong = f"{type(error).__name__}: {error}"
+        raise PathEndError(Ending.NOT_REMESHED, f"remesh fails: {wrong}") from error
     try:
         stage, configuration = restaged(old, here.configuration, meshes)
         gauge = control.gauge(stage.problem)

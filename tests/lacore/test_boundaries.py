@@ -61,6 +61,7 @@ def test_predicate_that_ends_inside_an_edge(limit):
         (lambda x: x[0] > 99, ("an empty boundary",)),
         (lambda x: x[0] * 1.0, ("float64", "one bool a point", "shape (n,)")),
         (lambda x: True, ("one bool a point",)),
+        (lambda x: x[1] == 1 and x[0] < 1, ("Fix.where: the predicate fails", "by & and |")),
         (7, ("Fix.where = 7", "not a boundary", "boundary name or a function")),
         (None, ("not a boundary",)),
     ],

@@ -149,6 +149,8 @@ class Own:
         (Voce, "not a hardening law; give"),
         (Own(lambda e: 1 - e / 20, lambda e: 0 * e), "softens"),
         (Own(lambda e: 1 + e, lambda e: 0 * e - 1), "softens"),
+        (Own(lambda e: 1 + e, lambda e: 0 * e), "not the slope of the stress: 0 against 1 at a"),
+        (Own(lambda e: 1 + e, lambda e: 0 * e + 100), "not the slope of the stress: 100 against 1"),
         (Own(lambda e: e, lambda e: 0 * e + 1), "not positive everywhere"),
         (Own(lambda e: 1.0, lambda e: 0 * e), r"stress: returns shape \(\)"),
         (Own(lambda e: 1 + e, lambda e: 1 / e), "modulus .*not finite at a strain of 0"),

@@ -299,6 +299,21 @@ def test_states_of_steps_are_those_of_their_rows(tmp_path):
             assert state.load_factor == pytest.approx(row.load_factor, rel=1e-3)
     with pytest.raises(InputError, match="step = 0: is the beginning, without a state"):
         path.state(0)
+    for wrong in ("2", None, True, 2.0):
+        with pytest.raises(InputError, match="not the number of a step; give a whole number"):
+            path.state(wrong)
+    assert str(path) == "path of 3 steps to travel 0.2, reached: the travel asked for is reached"
+
+
+@pytest.mark.parametrize("scheme", ["explicit", "leapfrog", "implicit-midpoint"])
+def test_states_of_steps_dissipate_what_their_load_does(scheme):
+    """With the hardening within the step; no dead loads."""
+    state = pressed(2, scheme=scheme).state(1)
+    volumes, reactions = state.discretisation.bodies["billet"].volumes, state.reactions
+    plastic = volumes @ state.dissipation["billet"]
+    friction = -(reactions.length * reactions.t_t * reactions.u_t).sum()
+    # The certificate's bar on the gap.
+    assert plastic + friction == pytest.approx(state.load_factor, rel=1e-6)
 
 
 @pytest.mark.parametrize("keep_every", [1, 2, 3, 100])

@@ -237,6 +237,19 @@ def test_meshes_that_cannot_be_taken():
         assert path.last is not None
 
 
+@pytest.mark.parametrize("error", [InputError("size", -1, "not positive", "give 1"), KeyError("b")])
+def test_a_remesh_that_fails_ends_the_path(error):
+    """And does not lose it."""
+
+    def fails(now):
+        raise error
+
+    path = pressed(3, travel=0.9, remesh=fails)
+    assert path.status is Ending.NOT_REMESHED
+    assert f"remesh fails: {type(error).__name__}: {error}" in path.message
+    assert len(path.history) == 2
+
+
 def test_a_mesh_that_is_no_better_ends_the_path():
     calls = []
 

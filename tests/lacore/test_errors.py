@@ -1,0 +1,23 @@
+"""What errors say: the field, the value, the mend, in a line that can be read."""
+
+import pickle
+
+import numpy as np
+
+from lacore.errors import InputError
+
+
+def test_a_value_is_written_as_it_is_unless_it_would_fill_pages():
+    assert (
+        str(InputError("mu", -1.0, "negative", "give mu >= 0"))
+        == "mu = -1.0: negative; give mu >= 0"
+    )
+    wrong = InputError("problem", {"x": np.arange(500.0).tolist()}, "not a problem", "give one")
+    assert str(wrong) == "problem = <dict>: not a problem; give one"
+    assert len(wrong.value["x"]) == 500
+
+
+def test_an_error_survives_pickling():
+    error = InputError("mu", -1.0, "negative", "give mu >= 0")
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.value) == (str(error), error.value)
