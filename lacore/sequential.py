@@ -54,7 +54,8 @@ def sequential(
             hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
             ``implicit-euler`` (order 1, iterated); T30.
         control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
-        approaching: interfaces with plane obstacles that bodies do not touch yet, or in part.
+        approaching: interfaces with plane obstacles that bodies do not touch yet, or in part. How
+            a corner that two interfaces share splits its reaction between them has no meaning.
         backend, coupling, tolerance, options: of each solve, see `lacore.solve`.
         keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
         checkpoint: a file (npz) that keeps the path after each step. Called again with the same
