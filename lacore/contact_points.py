@@ -37,17 +37,21 @@ class ContactPoints:
         moving: what moves continuously there of the slave and of the master, see
             `BodyDofs.moving`; an obstacle is -1, shape (m, 2).
         names: of the interfaces and joints that `ContactRows.interface` counts.
+        gap: along a path, distances from the obstacle where the step begins, m, shape (m,); None:
+            all touch.
     """
 
     position: Floats
     normal: Floats
     moving: Ints
     names: tuple[str, ...]
+    gap: Floats | None = None
 
     def kept(self, mask: Bools) -> "ContactPoints":
         """Those of a mask of shape (m,)."""
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
-        return ContactPoints(*arrays, self.names)
+        gap = None if self.gap is None else self.gap[mask]
+        return ContactPoints(*arrays, self.names, gap)
 
 
 @dataclass(frozen=True)

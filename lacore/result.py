@@ -166,6 +166,8 @@ class LimitState:
 
         `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that
         of the surface, m^2: times tractions it makes forces.
+        Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
+        the step does not close is open, though it may approach (``u_n < 0``).
         ``t_n >= 0`` is compression; the tangent is the normal turned by +90 degrees. Pressures
         oscillate from point to point; sums and averages are what to trust.
         """
@@ -174,7 +176,8 @@ class LimitState:
         u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
         rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
         names = where.names
-        return pd.DataFrame(
+        parting = u_n + rows.lead
+        table = pd.DataFrame(
             {
                 "interface": np.array(names, dtype=object)[rows.interface],
                 "x": where.position[:, 0],
@@ -186,9 +189,12 @@ class LimitState:
                 "t_t": point.tangential_reaction[:, 0],
                 "u_n": u_n,
                 "u_t": u_t,
-                "state": np.select([u_n > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
+                "state": np.select([parting > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
             }
         )
+        if where.gap is not None:
+            table.insert(list(table).index("t_n"), "gap", where.gap)
+        return table
 
     @cached_property
     def interval(self) -> Interval:
