@@ -70,7 +70,7 @@ def approaching_rows(
     )
     moving = np.column_stack([np.zeros(gaps.size, np.int64), np.full(gaps.size, -1)])
     names = tuple(own.name for own in obstacles)
-    return rows, ContactPoints(places, normal, moving, names, gaps)
+    return rows, ContactPoints(places, normal, moving, names, gaps, tuple(obstacles))
 
 
 @dataclass(frozen=True)

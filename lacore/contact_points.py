@@ -21,6 +21,7 @@ from lacore.contact_geometry import Segments, interface_segments
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
 from lacore.rigid import RigidDofs
+from lacore.staging import Obstacle
 
 _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one
@@ -39,6 +40,7 @@ class ContactPoints:
         names: of the interfaces and joints that `ContactRows.interface` counts.
         gap: along a path, distances from the obstacle where the step begins, m, shape (m,); None:
             all touch.
+        obstacles: the planes of a path, by `ContactRows.interface`; elsewhere none.
     """
 
     position: Floats
@@ -46,12 +48,13 @@ class ContactPoints:
     moving: Ints
     names: tuple[str, ...]
     gap: Floats | None = None
+    obstacles: tuple[Obstacle, ...] = ()
 
     def kept(self, mask: Bools) -> "ContactPoints":
         """Those of a mask of shape (m,)."""
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
         gap = None if self.gap is None else self.gap[mask]
-        return ContactPoints(*arrays, self.names, gap)
+        return ContactPoints(*arrays, self.names, gap, self.obstacles)
 
 
 @dataclass(frozen=True)

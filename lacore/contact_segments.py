@@ -16,6 +16,7 @@ from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
 from lacore.result import LimitState
 from lacore.rigid import RigidDofs
+from lacore.staging import Obstacle
 
 _MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
 _SAME = 1e-6  # of the extent of all contact, and of unit normals
@@ -32,7 +33,8 @@ class SegmentedContact:
             an obstacle is no side.
         t_n, t_t: mean tractions on the slave, Pa, shape (k,); `t_t` along `tangent`.
         u_n, u_t: mean relative velocities of the slave, m/s, shape (k,).
-        kind: ``stick``, ``slip`` or ``open``, shape (k,).
+        kind: ``stick``, ``slip`` or ``open``, shape (k,); along a path edges of which a part is
+            away are open.
     """
 
     name: str
@@ -48,6 +50,12 @@ class SegmentedContact:
     def tangent(self) -> Floats:
         """The normals turned by +90 degrees, shape (2, k)."""
         return np.stack([-self.segments.normal[1], self.segments.normal[0]])
+
+    @property
+    def length(self) -> float:
+        """Of all segments, m."""
+        along = self.segments.end - self.segments.start
+        return float(np.linalg.norm(along, axis=0).sum())
 
     @property
     def deforms(self) -> bool:
@@ -101,7 +109,11 @@ def segmented_contacts(
     """
     d = state.discretisation
     dofs: dict[str, Dofs] = {**d.bodies, **d.assemblies, **d.frames}
-    interfaces, joints = [], []
+    interfaces = [
+        _approaching(state, index, obstacle, fastest)
+        for index, obstacle in enumerate(d.points.obstacles)
+    ]
+    joints = []
     for index, interface in enumerate(d.problem.interfaces):
         segments = interface_segments(interface, d.problem.bodies, f"Problem.interfaces[{index}]")
         slave = dofs[interface.slave[0]]
@@ -110,7 +122,8 @@ def segmented_contacts(
             master = dofs[interface.master[0]]
             sides.append((master, master.parts(segments.master)))
         number = np.full(segments.slave.size, index)
-        interfaces.append(_read(state, interface.name, segments, sides, number, fastest))
+        rows = _control_points(d, segments, sides, number)
+        interfaces.append(_read(state, interface.name, segments, sides, rows, fastest))
     first = len(d.problem.interfaces)
     for name, rigid in d.assemblies.items():
         own = rigid.body.joints
@@ -120,7 +133,8 @@ def segmented_contacts(
         segments = Segments(edges, edges, own.start, own.end, own.normal)
         sides = [(rigid, own.slave), (rigid, own.master)]
         number = first + np.arange(own.count)
-        joints.append(_read(state, name, segments, sides, number, fastest))
+        rows = _control_points(d, segments, sides, number)
+        joints.append(_read(state, name, segments, sides, rows, fastest))
         first += own.count
     return interfaces, joints
 
@@ -167,10 +181,10 @@ def _read(
     name: str,
     segments: Segments,
     sides: Sequence[tuple[Dofs, Ints]],
-    number: Ints,
+    rows: Ints,
     fastest: float,
 ) -> SegmentedContact:
-    rows = _control_points(state.discretisation, segments, sides, number)
+    """Means over the contact points of segments, `rows` of shape (copies, k)."""
     table, found = state.reactions, rows >= 0
     count = np.maximum(found.sum(axis=0), 1)
 
@@ -180,6 +194,8 @@ def _read(
 
     # A point that supports hold is no contact point: it is at rest, and its reaction unknown.
     u_n, u_t = total("u_n") / len(rows), total("u_t") / len(rows)
+    lead = np.append(state.discretisation.full.contact.lead, 0.0)
+    parting = u_n + lead[rows].mean(axis=0)
     rest = _MOVES * fastest
     return SegmentedContact(
         name=name,
@@ -189,8 +205,40 @@ def _read(
         t_t=total("t_t") / count,
         u_n=u_n,
         u_t=u_t,
-        kind=np.select([u_n > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
+        kind=np.select([parting > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
     )
+
+
+def _approaching(
+    state: LimitState, index: int, obstacle: Obstacle, fastest: float
+) -> SegmentedContact:
+    """Along a path: edges of which a point touches the plane or comes to it within the step.
+
+    The segments are where the edges stand on the plane; one that is still upright has no length.
+    """
+    d, table = state.discretisation, state.reactions
+    dofs, facets = d.bodies[obstacle.body], obstacle.facets
+    curves = dofs.curves(facets)
+    values = [curves.start, curves.end, 2 * curves.middle - (curves.start + curves.end) / 2]
+
+    def key(place: Floats, number: Ints) -> Floats:
+        return np.column_stack([place / obstacle.size, number])
+
+    tree = cKDTree(key(d.points.position, d.full.contact.interface))
+    number = np.full(facets.size, index)
+    wanted = np.stack([key(place.T, number) for place in values])
+    _, rows = tree.query(wanted, distance_upper_bound=_SAME)
+    rows = np.where(rows < len(table), rows, -1)
+    shut = np.append((table["state"] != "open").to_numpy(), False)
+    near = shut[rows].any(axis=0)
+    facets, rows = facets[near], rows[:, near]
+    normal = np.repeat(obstacle.normal[:, None], facets.size, axis=1)
+    start, end = (
+        ends[:, near] - normal * obstacle.distance(ends[:, near])
+        for ends in (curves.start, curves.end)
+    )
+    segments = Segments(facets, np.full(facets.size, -1), start, end, normal)
+    return _read(state, obstacle.name, segments, [(dofs, facets)], rows, fastest)
 
 
 def _control_points(

@@ -22,9 +22,11 @@ from lacore.plotting_blocks import (
 from lacore.plotting_contact import (
     COLOURS,
     GROUND,
+    PLANE_DEPTH,
     draw_ground,
     draw_moved,
     draw_panel,
+    draw_plane,
     draw_strips,
 )
 from lacore.plotting_continua import draw_continua
@@ -37,6 +39,8 @@ _STRETCH = 0.08  # largest displacement drawn, per size of the structure
 _TURN = 0.3  # largest rotation drawn, rad: blocks grow by half its square
 _STRIP = 0.018  # depth of strips behind contact, per size of the structure
 _GROUND = 0.03  # the same of obstacles under blocks
+_NOTHING = 1e-6  # the same: shorter contact has no panel
+_NEAR = 0.1  # of the picture: distance up to which a plane is drawn
 _POINTS = 72.0  # an inch
 _PAGE = 9.0  # inches
 _TALLEST = 6.5  # inches, of one picture
@@ -54,7 +58,9 @@ def plot_mechanism(state: LimitState) -> Figure:
     With rigid blocks or frames a second picture shows what they carry: the forces in joints as
     lines of thrust, the moments of members, the reactions of feet, and the live loads. Below,
     for each interface of a continuum, means over its edges of reactions and velocities: point
-    values of reactions oscillate and mean nothing.
+    values of reactions oscillate and mean nothing. Of a state of a path the planes are drawn that
+    bodies touch or are near to, and of contact the edges that touch, or come to do so within the
+    step. The mechanism is drawn larger than the step: what approaches may be drawn behind a plane.
 
     Args:
         state: any state with a point, whatever its status; the title says which.
@@ -69,7 +75,7 @@ def plot_mechanism(state: LimitState) -> Figure:
     extent = np.ptp(np.concatenate([places, places + stretch * velocities], axis=1), axis=1)
     extent = np.maximum(extent, _STRETCH * size)  # a single beam has no height
     interfaces, joints = segmented_contacts(state, fastest)
-    panels = [contact for contact in interfaces if contact.deforms]
+    panels = [c for c in interfaces if c.deforms and c.length > _NOTHING * size]
 
     layout = _layout(extent, _rigid_parts(state), len(panels))
     axes, *others = layout.pictures
@@ -87,8 +93,10 @@ def plot_mechanism(state: LimitState) -> Figure:
         if len(contact.sides) == 1:
             draw_ground(axes, contact, _GROUND * size)
         draw_moved(axes, contact, state, stretch, width)
+    planes = _draw_planes(axes, state)
     bodies = list(state.discretisation.problem.bodies.values())
-    handles = [*_handles(state, [*interfaces, *joints]), *hinges, *draw_axis(axes, bodies)]
+    handles = [*_handles(state, [*interfaces, *joints]), *planes, *hinges]
+    handles += draw_axis(axes, bodies)
     _frame(axes, handles, layout.columns)
     label_coordinates(axes, bodies)
     for picture in others:
@@ -107,6 +115,29 @@ def plot_mechanism(state: LimitState) -> Figure:
     layout.figure.suptitle(_title(state), fontsize=11, x=0.01, ha="left")
     layout.figure.draw_without_rendering()  # the layout needs the scales to find the margins
     return layout.figure
+
+
+def _draw_planes(axes: Axes, state: LimitState) -> list[Artist]:
+    """Of a state of a path the obstacles that bodies touch or are near to."""
+    points, number = state.discretisation.points, state.discretisation.full.contact.interface
+    low, high = np.min(axes.dataLim.get_points(), axis=0), np.max(axes.dataLim.get_points(), axis=0)
+    size = float(np.linalg.norm(high - low))
+    drawn = False
+    for index, plane in enumerate(points.obstacles):
+        places = points.position[number == index].T
+        distances = plane.distance(places)
+        if distances.min(initial=np.inf) > _NEAR * size:
+            continue
+        draw_plane(axes, plane, low, high)
+        closest = int(np.argmin(distances))
+        foot = places[:, closest] - distances[closest] * plane.normal
+        axes.update_datalim([foot - PLANE_DEPTH * size * plane.normal])
+        drawn = True
+    return [_obstacle_handle()] if drawn else []
+
+
+def _obstacle_handle() -> Patch:
+    return Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle")
 
 
 @dataclass(frozen=True)
@@ -227,7 +258,7 @@ def _handles(state: LimitState, contacts: Sequence[SegmentedContact]) -> list[Ar
         handles.append(Patch(facecolor=FIXED, edgecolor="#666666", hatch="////", label="fixed"))
     bare = [contact for contact in contacts if len(contact.sides) == 1 and not contact.deforms]
     if bare:
-        handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
+        handles.append(_obstacle_handle())
     for kind, colour in COLOURS.items():
         if any((contact.kind == kind).any() for contact in contacts):
             handles.append(Line2D([], [], color=colour, lw=5, label=f"contact: {kind}"))

@@ -12,9 +12,13 @@ from matplotlib.gridspec import SubplotSpec
 from lacore.arrays import Floats
 from lacore.contact_segments import SegmentedContact
 from lacore.result import LimitState
+from lacore.staging import Obstacle
 
 COLOURS = {"stick": "#4d4d4d", "slip": "#0072b2", "open": "#e69f00"}  # legible to the colour-blind
 GROUND = "#8a8a8a"
+PLANE_DEPTH = 0.03  # of plane obstacles, per size of the picture
+_SAME = 1e-6  # of the length of a contact, and of unit vectors
+_TINY = np.finfo(float).tiny
 _ALONG = np.linspace(0.0, 1.0, 5)  # shares of a segment: edges of continua bend
 
 
@@ -47,6 +51,34 @@ def draw_ground(axes: Axes, contact: SegmentedContact, depth: float) -> None:
         )
     )
     axes.add_collection(LineCollection(list(strips[:, :2]), colors="#222222", linewidths=1.2))
+
+
+def draw_plane(axes: Axes, plane: Obstacle, low: Floats, high: Floats) -> None:
+    """A plane obstacle as a line across a box, hatched behind; the limits stay as they are.
+
+    Args:
+        low, high: corners of the box, m, shape (2,).
+    """
+    size = float(np.linalg.norm(high - low))
+    along = np.array([-plane.normal[1], plane.normal[0]])
+    middle = (low + high) / 2
+    foot = middle - plane.normal * (plane.normal @ (middle - plane.point))
+    ends = np.stack([foot - size * along, foot + size * along])
+    strip = np.concatenate([ends, ends[::-1] - PLANE_DEPTH * size * plane.normal])
+    axes.add_collection(
+        PolyCollection(
+            [strip],
+            facecolors="white",
+            edgecolors=GROUND,
+            hatch="//////",
+            linewidths=0,
+            zorder=1.4,
+        ),
+        autolim=False,
+    )
+    axes.add_collection(
+        LineCollection([ends], colors="#222222", linewidths=1.2, zorder=1.5), autolim=False
+    )
 
 
 def _strips(contact: SegmentedContact, depth: float) -> Floats:
@@ -99,7 +131,8 @@ class _Profile:
 
     Attributes:
         axis: what `arc` is, for the label.
-        arc: place of the ends of the edges along the interface, m, shape (edges + 1,).
+        arc: place of the ends of the edges along the interface, m, shape (edges + 1,); between
+            parts of it stands an edge where all is NaN.
         t_n, t_t: mean tractions on the slave, Pa; t_t along the interface as drawn.
         u_n, u_t: mean relative velocities, m/s; u_t along the interface as drawn.
     """
@@ -123,17 +156,25 @@ def _profile(contact: SegmentedContact) -> _Profile:
     order = np.argsort(lead @ start)
     edge = contact.coarse_edges[order]
     first = np.flatnonzero(np.append(True, edge[1:] != edge[:-1]))
-    lengths = np.linalg.norm(end - start, axis=0)[order]
+    lengths = np.maximum(np.linalg.norm(end - start, axis=0), _TINY)[order]
     length = np.add.reduceat(lengths, first)
 
+    # Parts of a plane between edges that touch it.
+    last = np.append(first[1:], order.size) - 1
+    hole = (lead @ start)[order][first[1:]] - (lead @ end)[order][last[:-1]]
+    plane = np.ptp(tangent, axis=1).max() < _SAME
+    after = np.flatnonzero(plane & (hole > _SAME * length.sum())) + 1
+    widths = np.insert(length, after, hole[after - 1])
+
     def mean(values: Floats) -> Floats:
-        return np.asarray(np.add.reduceat(lengths * values[order], first) / length)
+        means = np.add.reduceat(lengths * values[order], first) / length
+        return np.asarray(np.insert(means, after, np.nan))
 
     straight = np.isclose(np.abs(tangent), 1.0).all(axis=1)
     origin = float(start[np.argmax(straight), order[0]]) if straight.any() else 0.0
     return _Profile(
         axis=f"{'xy'[int(np.argmax(straight))]} [m]" if straight.any() else "distance [m]",
-        arc=origin + np.concatenate([[0.0], np.cumsum(length)]),
+        arc=origin + np.concatenate([[0.0], np.cumsum(widths)]),
         t_n=mean(contact.t_n),
         t_t=sign * mean(contact.t_t),
         u_n=mean(contact.u_n),

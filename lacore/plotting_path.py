@@ -23,15 +23,14 @@ from lacore.loads import RigidFooting
 from lacore.nodal import corner_shapes, vertex_means
 from lacore.path import Path, Snapshot
 from lacore.plotting_axis import draw_axis, label_coordinates
-from lacore.plotting_contact import GROUND
+from lacore.plotting_contact import GROUND, PLANE_DEPTH, draw_plane
 from lacore.plotting_continua import BEFORE
-from lacore.staging import Obstacle
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
 _CURVE = 3.4  # inches: width, and where it stands below, height
 _WIDE = 0.45  # height over width of bodies: below it the load stands below them
-_MARGIN, _DEPTH = 0.04, 0.03  # beside bodies, and of obstacles, per size
+_MARGIN = 0.04  # beside bodies, per size
 _FINE = 4  # parts that an edge is cut into to be coloured
 _MANY = 2000  # elements, whose edges would cover the colours
 _FEW = 60  # steps, that have a dot each
@@ -132,7 +131,7 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
     handles += _draw_tools(axes, path, snapshot)
     low, high = _box(path)
     for obstacle in stage.obstacles:
-        _draw_plane(axes, obstacle, low, high)
+        draw_plane(axes, obstacle, low, high)
     if stage.obstacles:
         handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
     axes.set_xlim(min(low[0], 0.0) if axis else low[0], high[0])
@@ -227,7 +226,9 @@ def _box(path: Path) -> tuple[Floats, Floats]:
     nodes = [own for snap in path.snapshots for own in snap.configuration.nodes.values()]
     low = np.min([own.min(axis=1) for own in nodes], axis=0)
     high = np.max([own.max(axis=1) for own in nodes], axis=0)
-    margin = (_MARGIN + (_DEPTH if path.stage.obstacles else 0)) * float(np.linalg.norm(high - low))
+    margin = (_MARGIN + (PLANE_DEPTH if path.stage.obstacles else 0)) * float(
+        np.linalg.norm(high - low)
+    )
     return low - margin, high + margin
 
 
@@ -266,25 +267,3 @@ def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
             axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
             drawn = True
     return [Line2D([], [], color=_PLASTIC, lw=3.0, label="rigid footing")] if drawn else []
-
-
-def _draw_plane(axes: Axes, obstacle: Obstacle, low: Floats, high: Floats) -> None:
-    """A line through the picture, hatched behind."""
-    size = float(np.linalg.norm(high - low))
-    along = np.array([-obstacle.normal[1], obstacle.normal[0]])
-    middle = (low + high) / 2
-    foot = middle - obstacle.normal * (obstacle.normal @ (middle - obstacle.point))
-    ends = np.stack([foot - size * along, foot + size * along])
-    depth = _DEPTH * size * obstacle.normal
-    strip = np.concatenate([ends, ends[::-1] - depth])
-    axes.add_collection(
-        PolyCollection(
-            [strip],
-            facecolors="white",
-            edgecolors=GROUND,
-            hatch="//////",
-            linewidths=0,
-            zorder=1.4,
-        )
-    )
-    axes.add_collection(LineCollection([ends], colors="#222222", linewidths=1.2, zorder=1.5))
