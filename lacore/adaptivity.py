@@ -22,6 +22,7 @@ from lacore.mesh_checks import quality
 from lacore.meshes import split
 from lacore.problem import Problem
 from lacore.refinement import grown
+from lacore.same_domain import difference
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.static_corners import CornerError
@@ -70,13 +71,14 @@ def bracket(
         backend: name of an exact backend.
         meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given. Where the
             mesh of a problem knows nothing of its stresses, a shared one is the better choice.
-        lower_mesh: mesh to start the lower bound from, such as a `lacore.meshes.fan`. None: that of
-            the problem; where meshes are separate, with fans at its singular points.
+        lower_mesh: mesh of the same domain to start the lower bound from, such as a
+            `lacore.meshes.fan`. None: that of the problem; where meshes are separate, with fans at
+            its singular points.
         on_step: called after each solve, for progress.
 
     Raises:
         InputError: a target or a limit that is not positive, limits below the start, several
-            bodies, slivers; what a lower bound cannot state.
+            bodies, slivers, a `lower_mesh` of another domain; what a lower bound cannot state.
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
     """
     begin = time.perf_counter()
@@ -325,10 +327,33 @@ def _starts(
     _check_start("upper bound", _mesh(problem), run.max_elements)
     if lower_mesh is None:
         points = singular_points(problem, run.body)
-        lower_mesh = fanned(_mesh(problem), points, sectors_for(run.target))
-    below = _statable(_on_mesh(problem, lower_mesh))
+        below = _on_mesh(problem, fanned(_mesh(problem), points, sectors_for(run.target)))
+    else:
+        below = _given(problem, lower_mesh)
+    below = _statable(below)
     _check_start("lower bound", _mesh(below), run.max_elements)
     return [_Track(("lower",), below), _Track(("upper",), problem)]
+
+
+def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
+    """The problem on a mesh of the user, which must be one of the same domain."""
+    if type(lower_mesh) is not MeshTri:
+        raise InputError(
+            "lower_mesh",
+            type(lower_mesh).__name__,
+            "not a mesh of straight-edged triangles",
+            "give a skfem.MeshTri, such as a lacore.meshes.fan",
+        )
+    below = _on_mesh(problem, lower_mesh)
+    why = difference(_only_body(problem)[1], _only_body(below)[1])
+    if why:
+        raise InputError(
+            "lower_mesh",
+            f"mesh of {lower_mesh.nelements} elements",
+            f"covers another domain: {why}; a lower bound there is none of this problem",
+            "mesh the same outline, with the same names of its parts",
+        )
+    return below
 
 
 def _statable(problem: Problem) -> Problem:

@@ -1,5 +1,6 @@
 """Adaptive brackets: sides, targets and limits, what they are made of, and what is refused."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -11,6 +12,7 @@ from lacore.fans import fanned, singular_points
 from lacore.marking import doerfler, lower_shares, upper_shares
 from lacore.mesh_checks import quality
 from lacore.refinement import bisected, grown
+from lacore.same_domain import difference
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 
@@ -209,6 +211,91 @@ def test_too_heavy_to_stand():
 def test_what_is_refused(stated, arguments, words):
     with pytest.raises(la.InputError, match=words):
         la.bracket(stated(), **arguments)
+
+
+SQUARE = la.meshes.rectangle((0, 1), (0, 1), 4, 4)
+
+
+def hanging(mesh):
+    """A block that its weight pulls off a plate, along a smooth wall."""
+    return la.Problem(
+        {"b": la.Body(mesh, CRITERION)},
+        [la.BodyForce("b", (0, 1))],
+        [la.Fix("b", "left", "x"), la.Fix("b", "bottom", "y")],
+    )
+
+
+def renamed(mesh, **names):
+    """The mesh with some of its boundaries under names of others."""
+    known = mesh.boundaries
+    return mesh.with_boundaries({name: known[names.get(name, name)] for name in known})
+
+
+def slit(mesh):
+    """The mesh, cut open along y = 1/2 from the right to the middle."""
+    p, t = mesh.p, mesh.t.copy()
+    cut = np.flatnonzero((p[1] == 0.5) & (p[0] > 0.5))
+    above = np.flatnonzero(p[1, t].mean(axis=0) > 0.5)
+    for number, vertex in enumerate(cut.tolist()):
+        t[:, above] = np.where(t[:, above] == vertex, p.shape[1] + number, t[:, above])
+    sides = {
+        "left": lambda x: x[0] == 0,
+        "right": lambda x: x[0] == 1,
+        "bottom": lambda x: x[1] == 0,
+        "top": lambda x: x[1] == 1,
+    }
+    return MeshTri(np.concatenate([p, p[:, cut]], axis=1), t).with_boundaries(sides)
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (la.meshes.rectangle((0, 1), (0, 0.5), 4, 4), "area of 0.5 against 1 "),
+        (la.meshes.rectangle((0, 1), (0, 0.99), 4, 4), "area of 0.99 against 1 "),
+        (la.meshes.rectangle((0, 1), (0, 1 - 1e-9), 4, 4), "1e-09 not in both"),
+        (la.meshes.rectangle((0, 2), (0, 1), 4, 4), "area of 2 against 1 "),
+        (la.meshes.rectangle((0.25, 1.25), (0, 1), 4, 4), "area of 1 against 1 "),
+        (slit(SQUARE), "its boundary lies elsewhere"),
+        (renamed(SQUARE, left="right", right="left"), "boundary 'left' lies elsewhere"),
+        (renamed(SQUARE, bottom="top"), "boundary 'bottom' lies elsewhere"),
+        (la.meshes.quadrilaterals((0, 1), (0, 1), 4, 4), "lower_mesh = 'MeshQuad1'"),
+        (4, "lower_mesh = 'int'"),
+    ],
+)
+def test_a_mesh_of_another_domain_is_refused(other, words):
+    """Its lower bound would be one of another problem, and lay above the upper one at times."""
+    with pytest.raises(la.InputError, match=words) as refused:
+        la.bracket(hanging(SQUARE), 0.02, lower_mesh=other)
+    assert refused.value.field == "lower_mesh"
+    assert len(str(refused.value)) < 400
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("offset", [0.0, 1e3, 1e6])  # sizes away from the origin
+@pytest.mark.parametrize("seed", range(3))
+def test_domains_are_the_same_to_the_precision_of_coordinates(size, offset, seed):
+    """Outlines turned about, and sides divided anew by fans and by halves: oblique, with holes."""
+
+    def body(mesh, by=0.0):
+        turned = np.array([[np.cos(seed), -np.sin(seed)], [np.sin(seed), np.cos(seed)]]) @ mesh.p
+        moved = replace(mesh, doflocs=np.ascontiguousarray(size * (turned + offset + by)))
+        return la.Body(moved, CRITERION)
+
+    full = la.meshes.rectangle((0, 3), (0, 3), 9, 9)
+    x, y = full.p[:, full.t].mean(axis=1)
+    ring = MeshTri(*_kept(full, (abs(x - 1.5) > 0.5) | (abs(y - 1.5) > 0.5)))
+    first = ring.with_boundaries({"outer": lambda x: np.any((x == 0) | (x == 3), axis=0)})
+    corners = np.flatnonzero(np.all(np.isin(first.p, [1, 2]), axis=0)).tolist()
+    one, chosen = body(first), np.random.default_rng(seed).choice(first.nelements, 40)
+    for finer in (fanned(first, corners, 16), bisected(first, chosen)[0]):
+        assert finer.nelements > first.nelements
+        assert not difference(one, body(finer))
+        assert not difference(body(finer), one)
+        assert "not in both" in difference(one, body(finer, by=1e-8))
+    fans = fanned(one.mesh, corners, 16)  # vertices that are computed where the body is
+    assert not difference(one, la.Body(fans, CRITERION))
+    filled = la.Body(replace(body(full).mesh, _boundaries=None), CRITERION)
+    assert "area" in difference(filled, one)
 
 
 def test_slivers_and_other_bodies_are_refused():
