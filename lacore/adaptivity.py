@@ -13,7 +13,7 @@ from skfem import MeshTri
 from lacore.arrays import Floats
 from lacore.backend import find_backend
 from lacore.bodies import Body
-from lacore.brackets import Bracket, Ending, Step, proven, width
+from lacore.brackets import Bracket, Ending, Step, crossing, proven, width
 from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.fans import fanned, sectors_for, singular_points
 from lacore.kinematic_bound import UpperBound, upper_bound
@@ -113,6 +113,8 @@ def bracket(
     assert isinstance(lower, LowerBound)
     assert isinstance(upper, UpperBound)
     failed = [f"{kind} bound: {why}" for kind, why in sorted(run.failures.items()) if why]
+    if ending is Ending.CROSSED:
+        failed.append(crossing(lower, upper))
     return Bracket(ending, lower, upper, target_width, pd.DataFrame(run.rows), "; ".join(failed))
 
 
@@ -184,6 +186,14 @@ class _Run:
     @property
     def width(self) -> float:
         return width(self.lower, self.upper)
+
+    @property
+    def crossed(self) -> bool:
+        """Whether the lower bound lies above the upper one: either is wrong."""
+        lower, upper = self.best.get("lower"), self.best.get("upper")
+        if isinstance(lower, LowerBound) and isinstance(upper, UpperBound):
+            return bool(crossing(lower, upper))
+        return False
 
     @property
     def growth(self) -> float:
@@ -262,6 +272,8 @@ class _Run:
 
     def ending(self, tracks: Sequence[_Track]) -> Ending | None:
         """Why it ends, if it does."""
+        if self.crossed:
+            return Ending.CROSSED
         if self.width <= self.target:
             return Ending.REACHED
         if any(

@@ -10,11 +10,16 @@ import pandas as pd
 
 from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.kinematic_bound import UpperBound
+from lacore.precision import exactness
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# Round-off of a proven load factor per residual that counts as zero, of all loads: some ten times
+# that in sums over elements, and two digits in hand.
+_SUMMED = 1e3
 
 
 class Ending(Enum):
@@ -28,6 +33,7 @@ class Ending(Enum):
         " sectors (`lower_mesh`, lacore.meshes.fan)"
     )
     NO_BOUND = "not reached: a bound could not be proven; see `failure`"
+    CROSSED = "the bounds cross, so that one of them is no bound: see `failure`, and report it"
 
     @property
     def label(self) -> str:
@@ -70,7 +76,7 @@ class Bracket:
         lower_bound, upper_bound: the best ones, with their states and meshes.
         target_width: as asked for.
         history: one row a solve, see `Step`.
-        failure: what the solver said where there is no bound, else empty.
+        failure: what the solver said where there is no bound, or how far bounds cross; else empty.
     """
 
     status: Ending
@@ -97,9 +103,10 @@ class Bracket:
 
     @property
     def strict(self) -> bool:
-        """Whether both are bounds of the continuum: exact geometry."""
+        """Whether both are bounds of the continuum: exact geometry, and they do not cross."""
         rigors = (self.lower_bound.rigor, self.upper_bound.rigor)
-        return rigors == (Rigor.LOWER, Rigor.UPPER)
+        crossed = crossing(self.lower_bound, self.upper_bound)
+        return rigors == (Rigor.LOWER, Rigor.UPPER) and not crossed
 
     @cached_property
     def gaps(self) -> GapIdentity:
@@ -140,6 +147,19 @@ def width(lower: float, upper: float) -> float:
         return np.inf
     mean = abs(lower + upper) / 2
     return (upper - lower) / mean if mean > 0 else np.inf
+
+
+def crossing(lower: LowerBound, upper: UpperBound) -> str:
+    """In words how far a lower bound lies above an upper one; empty within round-off."""
+    below, above = proven(lower, -np.inf), proven(upper, np.inf)
+    if not below > above:
+        return ""
+    power = sum(float(part.sum()) for part in upper.dissipation.values())
+    size = max(abs(below), abs(above), power)  # of the sums: dead loads may cancel most of it
+    exact = exactness(dofs.body for dofs in upper.discretisation.bodies.values())
+    if below - above <= _SUMMED * exact * size:
+        return ""
+    return f"lower bound {below:.9g} above upper bound {above:.9g}, width {width(below, above):.3%}"
 
 
 def proven(bound: LowerBound | UpperBound | None, otherwise: float) -> float:

@@ -35,7 +35,10 @@ def plot_bracket(bracket: Bracket) -> Figure:
 
 def heading(lower: float, upper: float, width: float, status: str) -> str:
     """What stands above a picture."""
-    return f"{lower:.6g} <= load factor <= {upper:.6g}   (width {width:.2%}, {status})"
+    told = f"{lower:.6g} <= load factor <= {upper:.6g}"
+    if lower > upper:
+        told = f"lower bound {lower:.6g}, upper bound {upper:.6g}"
+    return f"{told}   (width {width:.2%}, {status})"
 
 
 def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying: Floats) -> Figure:

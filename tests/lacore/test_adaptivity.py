@@ -8,6 +8,8 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
+from lacore import adaptivity
+from lacore.brackets import crossing
 from lacore.fans import fanned, singular_points
 from lacore.marking import doerfler, lower_shares, upper_shares
 from lacore.mesh_checks import quality
@@ -153,6 +155,40 @@ def test_a_target_that_is_not_reached_is_not_hidden(limits, ending):
     assert found.lower <= PRANDTL <= found.upper
     if "max_elements" in limits:
         assert found.history.elements.max() <= limits["max_elements"]
+
+
+@pytest.mark.parametrize("meshes", ["separate", "shared"])
+@pytest.mark.parametrize("factor", [0.5, 0.999, -1.0])
+def test_bounds_that_cross_prove_nothing(monkeypatch, meshes, factor):
+    """Whatever the cause, such as an upper bound that is too low, here planted."""
+
+    def too_low(state):
+        found = la.upper_bound(state)
+        return replace(found, load_factor=factor * la.lower_bound(even_punch()).load_factor)
+
+    monkeypatch.setattr(adaptivity, "upper_bound", too_low)
+    found = la.bracket(even_punch(), 0.03, meshes=meshes)
+    assert found.status is la.Ending.CROSSED
+    assert not found.strict
+    assert found.lower > found.upper
+    assert "lower bound" in found.failure
+    assert "width" in found.failure
+    assert f"above upper bound {found.upper:.9g}" in found.failure
+    assert len(found.history) == 2
+    if meshes == "shared":
+        assert "crossed" in found.plot().get_suptitle()
+
+
+def test_bounds_that_touch_within_round_off_do_not_cross():
+    """Both exact: they may lie either way by the round-off of their sums."""
+    stated = deformable_block(la.Tresca(0.4), n=2)
+    lower, upper = la.lower_bound(stated), la.upper_bound(stated)
+    assert not crossing(lower, upper)
+    for share, crosses in ((1e-12, False), (1e-8, True)):
+        above = replace(lower, load_factor=upper.load_factor * (1 + share))
+        assert bool(crossing(above, upper)) is crosses
+    unsolved = replace(upper, status=la.Status.NOT_CERTIFIED)
+    assert not crossing(lower, unsolved)
 
 
 def test_picture_of_gaps():
