@@ -10,6 +10,7 @@ from lacore.dofs import BodyDofs
 from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
 from lacore.kinematic_bound import UpperBound, plastic_power
+from lacore.program import require_homogeneous
 from lacore.result import LimitState
 from lacore.static_bound import LowerBound
 from lacore.status import Status
@@ -43,6 +44,15 @@ class GapIdentity:
             [*self.interfaces.values(), *(float(gaps.min()) for gaps in self.elements.values())]
         )
 
+    def __str__(self) -> str:
+        gap, count = self.upper - self.lower, sum(gaps.size for gaps in self.elements.values())
+        pairs = len(self.interfaces)
+        return (
+            f"gap {gap:.6g} = upper {self.upper:.6g} - lower {self.lower:.6g}\n"
+            f"shares of {count} elements and {pairs} interface{'' if pairs == 1 else 's'}:"
+            f" sum {self.total:.6g} (off by {self.total - gap:.1e}), least {self.least:.1e}"
+        )
+
 
 def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdentity:
     """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
@@ -51,8 +61,8 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     stresses of the lower one. Interfaces have ``w limit ||u_t|| + int t.u``.
 
     Raises:
-        InputError: other meshes, a velocity space that gives no bounds, Coulomb friction, a bound
-            that is not there.
+        InputError: what is no bound, or not there; other meshes, a velocity space that gives no
+            bounds, Coulomb friction, a state within a step of a path that hardens.
     """
     _check(upper, lower)
     discretisation, static, t = upper.discretisation, lower.model.full, lower.point
@@ -125,11 +135,26 @@ def restriction(
 
 
 def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
-    for field, bound in (("upper", upper), ("lower", lower)):
+    for field, bound, kinds, named in (
+        ("upper", upper, UpperBound | LimitState, "upper_bound"),
+        ("lower", lower, LowerBound, "lower_bound"),
+    ):
+        if not isinstance(bound, kinds):
+            swapped = isinstance(bound, LowerBound | UpperBound | LimitState)
+            order = ", in this order: gap_identity(upper, lower)" if swapped else ""
+            raise InputError(
+                field,
+                type(bound).__name__,
+                f"not a bound from {'above' if field == 'upper' else 'below'}",
+                f"give what lacore.{named} returns{order}",
+            )
         if bound.status is not Status.SOLVED:
             raise InputError(
                 field, bound.status.label, "there is no bound", "look at its message for the reason"
             )
+    require_homogeneous(
+        upper.discretisation.program, "upper", "take the bounds of one problem, or lacore.solve's"
+    )
     continua, contact = upper.discretisation.bodies, upper.discretisation.full.contact
     if contact.coulomb.any():
         raise InputError(

@@ -18,10 +18,15 @@ from lacore.assembly import Discretisation
 from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
 from lacore.certificate import Certificate, certify
 from lacore.conversion import point_in_program, point_in_si
-from lacore.errors import InputError
 from lacore.faces import Face, faces, ray_program
 from lacore.isolation import preparing
-from lacore.program import FrozenContact, KinematicProgram, dimensionless, reaction_contact
+from lacore.program import (
+    FrozenContact,
+    KinematicProgram,
+    dimensionless,
+    reaction_contact,
+    require_homogeneous,
+)
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -112,13 +117,11 @@ def interval_of_state(
     Raises:
         InputError: a state within a step of a path: how fast it moves is given there.
     """
-    if not discretisation.program.homogeneous:
-        raise InputError(
-            "LimitState.interval",
-            None,
-            "a state within a step of a path hardens, or closes a distance, at a given speed",
-            "ask for the interval of a state of lacore.solve",
-        )
+    require_homogeneous(
+        discretisation.program,
+        "LimitState.interval",
+        "ask for the interval of a state of lacore.solve",
+    )
     engine = find_backend(backend)
     program = dimensionless(discretisation.program, discretisation.natural)
     with preparing(engine, read_options(engine, options)) as prepare:

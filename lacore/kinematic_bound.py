@@ -13,13 +13,19 @@ from lacore.conversion import point_in_program
 from lacore.errors import InputError, SolveError
 from lacore.precision import exactness
 from lacore.problem import Problem
-from lacore.program import DissipationGroup, associated_contact, dimensionless
+from lacore.program import (
+    DissipationGroup,
+    associated_contact,
+    dimensionless,
+    require_homogeneous,
+)
 from lacore.result import LimitState
 from lacore.solving import solve
 from lacore.spaces import VelocitySpace
 from lacore.status import Rigor, Status
 from lacore.velocity_projection import admissible_velocity
 
+_BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided
 
 
@@ -76,9 +82,13 @@ def upper_bound(
         backend, options, throw: see `lacore.solve`; unused with a state.
 
     Raises:
-        InputError: Coulomb friction, which has no bounds; what `lacore.solve` refuses.
+        InputError: Coulomb friction, which has no bounds; a state within a step of a path that
+            hardens or closes a distance; what `lacore.solve` refuses.
         SolveError: see `throw`.
     """
+    if isinstance(problem, LimitState | Discretisation):
+        stated = problem.discretisation if isinstance(problem, LimitState) else problem
+        require_homogeneous(stated.program, "problem", _BOUNDED)
     if isinstance(problem, LimitState):
         state = problem
     else:

@@ -321,6 +321,17 @@ def require_finite(program: KinematicProgram) -> None:
             )
 
 
+def require_homogeneous(program: KinematicProgram, field: str, mend: str) -> None:
+    """Raise `InputError` for a program of a step of a path: how fast it moves is given there."""
+    if not program.homogeneous:
+        raise InputError(
+            field,
+            None,
+            "a state within a step of a path hardens, or closes a distance, at a given speed",
+            mend,
+        )
+
+
 def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
     """Rows of both by point: `first_dim` rows of the first, then `second_dim` of the second."""
     count = first.shape[0] // first_dim

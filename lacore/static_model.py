@@ -61,7 +61,12 @@ def static_model(problem: Problem) -> StaticModel:
             that does no power.
     """
     if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+        raise InputError(
+            "problem",
+            type(problem).__name__,
+            "not a problem",
+            "give a lacore.Problem; that of a state is state.discretisation.problem",
+        )
     bodies = number_multipliers(_continua(problem))
     _check_statable(problem)
     loads = [*problem.reference_loads, *problem.dead_loads]

@@ -136,3 +136,39 @@ def test_it_sees_a_wrong_bound():
 def test_what_does_not_fit_is_refused(upper, words):
     with pytest.raises(la.InputError, match=words):
         la.gap_identity(upper(), la.lower_bound(punch()))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field", "words"),
+    [
+        (lambda upper, lower, _: (lower, upper), "upper", "'LowerBound': .* in this order"),
+        (lambda upper, lower, state: (upper, state), "lower", "'LimitState': .* in this order"),
+        (lambda upper, lower, _: (upper.load_factor, lower), "upper", "'float': not a bound"),
+        (lambda upper, lower, _: (upper, lower.load_factor), "lower", "'float': not a bound"),
+    ],
+)
+def test_what_is_no_bound_is_named(arguments, field, words):
+    stated = cantilever()
+    state = la.solve(stated)
+    upper, lower = la.upper_bound(state), la.lower_bound(stated)
+    with pytest.raises(la.InputError, match=words) as refused:
+        la.gap_identity(*arguments(upper, lower, state))
+    assert refused.value.field == field
+    assert len(str(refused.value)) < 200
+
+
+def test_a_lower_bound_takes_problems_not_states():
+    with pytest.raises(la.InputError, match=r"problem = 'LimitState': .*discretisation\.problem"):
+        la.lower_bound(la.solve(cantilever()))
+
+
+def test_it_is_told_in_two_lines():
+    stated = deformable_block(la.Tresca(0.4), n=2)
+    identity = la.gap_identity(la.solve(stated), la.lower_bound(stated))
+    told = str(identity).splitlines()
+    assert len(told) == 2
+    assert told[0].startswith(f"gap {identity.upper - identity.lower:.6g} = upper ")
+    (body,) = stated.bodies.values()
+    interfaces = len(stated.interfaces)
+    assert f"{body.mesh.nelements} elements and {interfaces} interface" in told[1]
+    assert f"least {identity.least:.1e}" in told[1]

@@ -285,3 +285,32 @@ def test_a_backend_without_hardening_says_so():
     problem = block(MESHES["triangles"], LAWS["linear"])
     with pytest.raises(la.CapabilityError, match="hardening"):
         la.sequential(problem, 0.1, 2, backend="ipopt-static")
+
+
+def hardening_path():
+    return la.sequential(block(MESHES["triangles"], LAWS["linear"]), 0.02, 2)
+
+
+def closing_path():
+    problem = block(MESHES["triangles"], LAWS["perfect"])
+    wall = la.RigidObstacle((1.1, 0.0), (-1.0, 0.0))
+    return la.sequential(
+        problem, 0.02, 2, approaching=[la.Interface(("block", "right"), wall, 0.0)]
+    )
+
+
+@pytest.mark.parametrize("stated", [hardening_path, closing_path])
+def test_a_state_within_a_step_has_no_bounds(stated):
+    """Its load goes with the speed that the step gives it: no limit load is bounded by that."""
+    path, below = stated(), la.lower_bound(block(MESHES["triangles"], LAWS["perfect"]))
+    closes = path.last.discretisation.program.contact.closing is not None
+    assert closes == (stated is closing_path)
+    for state in (path.last, path.state(1)):
+        assert not state.discretisation.program.homogeneous
+        for one in (state, state.discretisation):
+            with pytest.raises(la.InputError, match="problem: a state within a step of a path"):
+                la.upper_bound(one)
+        with pytest.raises(la.InputError, match="upper: a state within a step of a path"):
+            la.gap_identity(state, below)
+        with pytest.raises(la.InputError, match="interval: a state within a step of a path"):
+            _ = state.interval
