@@ -336,14 +336,14 @@ def _starts(
         both = _statable(problem)
         _check_start("both bounds", _mesh(both), run.max_elements)
         return [_Track(("lower", "upper"), both)]
-    _check_start("upper bound", _mesh(problem), run.max_elements)
+    _check_start("the upper bound", _mesh(problem), run.max_elements)
     if lower_mesh is None:
         points = singular_points(problem, run.body)
         below = _on_mesh(problem, fanned(_mesh(problem), points, sectors_for(run.target)))
     else:
         below = _given(problem, lower_mesh)
     below = _statable(below)
-    _check_start("lower bound", _mesh(below), run.max_elements)
+    _check_start("the lower bound", _mesh(below), run.max_elements)
     return [_Track(("lower",), below), _Track(("upper",), problem)]
 
 
@@ -420,14 +420,14 @@ def _check_start(whose: str, mesh: MeshTri, max_elements: int) -> None:
         raise InputError(
             "max_elements",
             max_elements,
-            f"the mesh of the {whose} starts with {mesh.nelements} elements",
+            f"the mesh of {whose} starts with {mesh.nelements} elements",
             "raise it, or start coarser",
         )
     shape = quality(mesh)
     worst = int(np.argmin(shape))
     if shape[worst] < _SLIVER:
         raise InputError(
-            f"mesh of the {whose}",
+            f"mesh of {whose}",
             None,
             f"element {worst} is a sliver of shape {shape[worst]:.2g} (1 is equilateral), below"
             f" {_SLIVER}",
