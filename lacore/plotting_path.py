@@ -34,6 +34,7 @@ _MARGIN = 0.04  # beside bodies, per size
 _FINE = 4  # parts that an edge is cut into to be coloured
 _MANY = 2000  # elements, whose edges would cover the colours
 _FEW = 60  # steps, that have a dot each
+_TICK, _TICK_WIDTH = 0.055, 0.005  # of an event, per height and width of the axes
 _NOTHING = 1e-6  # of the load: friction that has no line
 _MAP = "YlOrRd"
 _EVENTS = {
@@ -51,8 +52,10 @@ def plot_path(path: Path) -> Figure:
     """The bodies at the end of a path, and the load over the travel.
 
     Bodies are coloured by their equivalent strain: means around vertices
-    (`lacore.nodal.vertex_means`), linear between. Element edges are the curves that they are. Peaks
-    of the load are marked at their step, other events at the bottom.
+    (`lacore.nodal.vertex_means`), linear between, which stay below the largest strain of a point,
+    `PathStep.max_strain`. Element edges are the curves that they are. Peaks
+    of the load are marked at their step, other events at the bottom, those of one travel above each
+    other.
     """
     figure, bodies, load = page(path)
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
@@ -88,7 +91,10 @@ def page(path: Path) -> tuple[Figure, Axes, Axes]:
         pad=0.01,
         aspect=25,
     )
-    bar.set_label("equivalent strain", fontsize=9)
+    label = "equivalent strain\nmeans around vertices"
+    if not path.history.empty:
+        label += f"\n(points: up to {path.history['max_strain'].max():.3g})"
+    bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8)
     return figure, left, right
 
@@ -159,10 +165,10 @@ def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
             axes.plot(past["travel"], past[name], ".", color=colour, ms=5)
         if name == "load_factor" and not past.empty and np.isfinite(until):
             axes.plot(past["travel"].iloc[-1], past[name].iloc[-1], "o", color=colour, ms=6)
-    handles += _draw_events(axes, path, until)
     axes.set_xlabel("travel", fontsize=9)
     axes.set_ylabel("load factor", fontsize=9)
-    axes.set_xlim(0, path.snapshots[-1].travel or 1.0)
+    axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
+    handles += _draw_events(axes, path, until)
     if not table.empty:
         axes.set_ylim(bottom=min(0.0, *(float(table[name].min()) for name, *_ in parts)))
     axes.tick_params(labelsize=8)
@@ -171,6 +177,7 @@ def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
 
 def _draw_events(axes: Axes, path: Path, until: float) -> list[Artist]:
     handles: list[Artist] = []
+    marked: list[Floats] = []
     for kind, colour in _EVENTS.items():
         own = path.events[(path.events["kind"] == kind) & (path.events["travel"] <= until)]
         if not (path.events["kind"] == kind).any():
@@ -180,15 +187,21 @@ def _draw_events(axes: Axes, path: Path, until: float) -> list[Artist]:
             axes.plot(rows["travel"], rows["load_factor"], "v", color=colour, ms=7, zorder=5)
             handles.append(Line2D([], [], color=colour, marker="v", lw=0, label=kind))
             continue
-        _rug(axes, own["travel"], colour)
+        marked.append(_rug(axes, own["travel"], colour, marked))
         handles.append(Line2D([], [], color=colour, marker="|", mew=1.6, lw=0, label=kind))
     return handles
 
 
-def _rug(axes: Axes, travels: "pd.Series[float]", colour: str) -> None:
-    """Ticks on the axis below."""
+def _rug(axes: Axes, travels: "pd.Series[float]", colour: str, below: Sequence[Floats]) -> Floats:
+    """Ticks on the axis below, on top of those that stand there already; their travels."""
     at = np.unique(travels)
-    axes.vlines(at, 0, 0.045, colors=colour, lw=1.4, transform=axes.get_xaxis_transform())
+    near = _TICK_WIDTH * axes.get_xlim()[1]
+    here = [(np.abs(at[:, None] - others) < near).any(axis=1) for others in below]
+    foot = _TICK * np.sum(here, axis=0) + np.zeros(at.size)
+    axes.vlines(
+        at, foot, foot + 0.8 * _TICK, colors=colour, lw=1.6, transform=axes.get_xaxis_transform()
+    )
+    return at
 
 
 def _finish(axes: Axes, handles: Sequence[Artist]) -> None:

@@ -1,16 +1,18 @@
 """Pictures of paths, still and moving."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import pairwise
 
 import matplotlib.animation
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.collections import LineCollection
 from PIL import Image
 
 import lacore as la
 from lacore.errors import InputError
+from lacore.path import Event
 from lacore.plotting_path import strain_scale
 from tests.lacore.path_billets import PLATEN, billet, pressed, quad_billet
 from tests.lacore.pictures import drawn, words
@@ -35,6 +37,7 @@ def test_bodies_and_load(made):
         f"largest load factor {highest:.6g}",
         "3 steps, status: reached",
         *("before", "rigid footing", "obstacle", "x [m]", "equivalent strain"),
+        f"means around vertices\n(points: up to {path.history['max_strain'].max():.3g})",
         *("load factor", "plastic power", "friction", "travel"),
     ):
         assert shown in text, shown
@@ -102,6 +105,26 @@ def test_a_tube_with_a_peak():
 def test_events():
     path = pressed(5, travel=0.75, billet=lambda: billet(crossed=True))
     assert "contact closed" in words(drawn(path.plot()))
+
+
+def test_events_of_one_travel_stand_above_each_other():
+    """And the last tick is not on the edge of the axes."""
+    path = pressed(2)
+    at = path.snapshots[-1].travel
+    rows = [
+        Event("contact closed", 1, 0.1, "far from the others"),
+        Event("contact closed", 2, at, ""),
+        Event("inversion predicted", 3, at, ""),
+        Event("remeshed", 3, at, ""),
+    ]
+    figure = drawn(replace(path, events=pd.DataFrame([asdict(row) for row in rows])).plot())
+    load = figure.axes[1]
+    ticks = [own for own in load.collections if isinstance(own, LineCollection)]
+    closed, predicted, remeshed = (np.array(own.get_segments()) for own in ticks)
+    assert closed[1, 1, 1] < predicted[0, 0, 1]
+    assert predicted[0, 1, 1] < remeshed[0, 0, 1]
+    np.testing.assert_allclose(closed[:, 0, 1], 0.0, atol=1e-12)
+    assert load.get_xlim()[1] > 1.01 * at
 
 
 def test_without_a_step():
