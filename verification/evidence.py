@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from math import isnan, nan
 from typing import Any
 
@@ -93,24 +93,30 @@ def _parts(arrays: Mapping[str, Floats], name: str) -> tuple[Floats, ...]:
     return tuple(arrays[f"{name}_{n}"] for n in range(int(arrays["groups"])))
 
 
-def rechecked(run: Run, row: Row, evidence: Evidence) -> Certificate:
+@dataclass(frozen=True)
+class Proof:
+    """What a stored state proves, computed afresh.
+
+    Attributes:
+        load_factor: that the row must have.
+        certificate: of the state.
+    """
+
+    load_factor: float
+    certificate: Certificate
+
+
+def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> Proof:
     """Residuals of a stored state, computed afresh from the problem of its run.
 
     Raises:
         ValueError: there is no state, or it is not one of this problem.
     """
-    return recheck(la.discretise(run.problem()), row, evidence)
-
-
-def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> Certificate:
-    """As `rechecked`, of a run whose problem is discretised already.
-
-    Raises:
-        ValueError: there is no state, or it is not one of this problem.
-    """
     program = dimensionless(discretisation.program, discretisation.natural)
+    point = unpacked(evidence.arrays)
     laws = _LAWS[row.coupling](program.contact) if row.coupling in _LAWS else None
-    return certify(program, point_in_program(discretisation, unpacked(evidence.arrays)), laws)
+    proven = certify(program, point_in_program(discretisation, point), laws)
+    return Proof(point.load_factor, proven)
 
 
 def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:

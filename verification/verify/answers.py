@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import lacore as la
-from lacore.certificate import Certificate
 from verification.bracketing import BRACKET
 from verification.evidence import recheck
 from verification.judging import SKIPPED
@@ -27,8 +27,8 @@ class Finished:
 
     Attributes:
         outcomes: of all runs.
-        rechecked: certificates of the stored states of runs whose residuals are asked for, or why
-            there is none.
+        rechecked: what the stored states of runs prove whose residuals are asked for, or why there
+            is no proof.
     """
 
     outcomes: Mapping[str, Outcome]
@@ -50,33 +50,23 @@ def finish(questions: Sequence[Question], outcomes: Iterable[Outcome]) -> Finish
                 problems.setdefault(run.problem_key, []).append(outcome)
     rechecked: dict[str, Rechecked] = {}
     for neighbours in problems.values():
-        paths = neighbours[0].run.case.path is not None
-        rechecked |= _steps_rechecked(neighbours) if paths else _rechecked(neighbours)
+        rechecked |= _rechecked(neighbours)
     return Finished(found, rechecked)
 
 
-def _steps_rechecked(outcomes: Sequence[Outcome]) -> dict[str, Rechecked]:
-    """Of paths: each has a problem of its own at its last step."""
+def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
+    """What runs of one problem have proven; of paths each has one of its own at its last step."""
+    discretisation = cache(lambda: la.discretise(neighbours[0].run.problem()))
     found: dict[str, Rechecked] = {}
-    for own in outcomes:
+    for own in neighbours:
         try:
-            found[own.run.key] = recheck_step(own.run, own.row, own.evidence)
+            found[own.run.key] = (
+                recheck(discretisation(), own.row, own.evidence)
+                if own.run.case.path is None
+                else recheck_step(own.run, own.row, own.evidence)
+            )
         except Exception as error:  # whatever others wrote, and whatever bytes are in the store
             found[own.run.key] = f"{type(error).__name__}: {error}"
-    return found
-
-
-def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
-    try:
-        discretisation = la.discretise(neighbours[0].run.problem())
-    except Exception as error:  # whatever others wrote
-        return {outcome.run.key: f"{type(error).__name__}: {error}" for outcome in neighbours}
-    found: dict[str, Certificate | str] = {}
-    for outcome in neighbours:
-        try:
-            found[outcome.run.key] = recheck(discretisation, outcome.row, outcome.evidence)
-        except Exception as error:  # whatever bytes are in the store
-            found[outcome.run.key] = f"{type(error).__name__}: {error}"
     return found
 
 

@@ -7,15 +7,14 @@ from math import isclose, isnan, nan
 import numpy as np
 
 import lacore as la
-from lacore.certificate import Certificate
 from verification.case import SOLVER
-from verification.evidence import unpacked
+from verification.evidence import Proof
 from verification.judging import FAIL, PASS, SKIPPED
 from verification.run import Outcome
 from verification.verify.finding import Answer
 
-Rechecked = Certificate | str
-"""A certificate, or why there is none."""
+Rechecked = Proof | str
+"""A proof, or why there is none."""
 
 REGULARISED = ("equilibrium", "yield_violation", "normalisation")
 """What a regularised state is judged by: penalties let through the rest (T19)."""
@@ -37,19 +36,17 @@ def residuals(outcomes: Sequence[Outcome], rechecked: Mapping[str, Rechecked]) -
     return failed[0] if failed else max(answers, key=lambda answer: answer.measured)
 
 
-def _residuals(outcome: Outcome, certificate: Rechecked) -> Answer:
+def _residuals(outcome: Outcome, proof: Rechecked) -> Answer:
     run, row = outcome.run, outcome.row
     bar = float(run.settings.get("tolerance", SOLVER))
     allowed = f"<= {bar:g}"
-    if isinstance(certificate, str):
-        return Answer(FAIL, f"{run.label}: {certificate}", nan, allowed)
-    stored = row.load_factor  # of a path: the load is compared where it is rechecked
-    if run.case.path is None:
-        stored = unpacked(outcome.evidence.arrays).load_factor
+    if isinstance(proof, str):
+        return Answer(FAIL, f"{run.label}: {proof}", nan, allowed)
+    stored = proof.load_factor
     if not isclose(stored, row.load_factor, rel_tol=_SAME):
         why = f"{run.label}: the row says {row.load_factor:.9g}, the stored state {stored:.9g}"
         return Answer(FAIL, why, nan, allowed)
-    found: dict[str, float] = asdict(certificate)
+    found: dict[str, float] = asdict(proof.certificate)
     if not isnan(row.energy):
         found = {name: found[name] for name in REGULARISED}
     name = max(found, key=lambda key: np.nan_to_num(found[key], nan=np.inf))
