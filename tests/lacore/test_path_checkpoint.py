@@ -283,10 +283,11 @@ def test_all_that_a_step_needs_is_kept():
         assert [entry.name for entry in fields(kind)] == names
 
 
-def test_states_of_steps_are_those_of_their_rows(tmp_path):
+@pytest.mark.parametrize("scheme", ["leapfrog", "implicit-midpoint"])
+def test_states_of_steps_are_those_of_their_rows(tmp_path, scheme):
     """What the platen bears is what presses; on the way, at the end, and read from the disk."""
-    path = pressed(3, checkpoint=tmp_path / "p")
-    again = pressed(3, checkpoint=tmp_path / "p")
+    path = pressed(3, scheme=scheme, checkpoint=tmp_path / "p")
+    again = pressed(3, scheme=scheme, checkpoint=tmp_path / "p")
     for one in (path, again):
         assert one.state() is one.state(3) is one.last
         for row in one.history.itertuples():

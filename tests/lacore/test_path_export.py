@@ -18,6 +18,23 @@ meshio = pytest.importorskip("meshio")
 ROUND_OFF = 1e-12  # of sums of tens of terms of order one
 
 
+def test_a_state_within_a_step_is_as_strong_as_it_has_become(tmp_path):
+    """Where flow is uniform: yield stress times strain rate is what is dissipated."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2, crossed=False)
+    steel = la.VonMises(hardening=la.hardening.Linear(1.0, 3.0))
+    bar = la.Problem(
+        {"bar": la.Body(mesh, steel)},
+        [la.RigidFooting("bar", "right", (1, 0), rough=False)],
+        [la.Fix("bar", "left", "x"), la.Fix("bar", "bottom", "y")],
+    )
+    la.sequential(bar, 0.2, 2).state(2).to_vtu(tmp_path / "state.vtu")
+    at = {name: own for name, (own,) in meshio.read(tmp_path / "state.vtu").cell_data.items()}
+    # Uniform to the root of the solver's accuracy.
+    np.testing.assert_allclose(
+        at["yield_stress"] * at["equivalent_strain_rate"], at["dissipation"], rtol=1e-5
+    )
+
+
 @pytest.mark.parametrize(
     ("made", "kind"), [(billet, "triangle6"), (quad_billet, "quad9")], ids=["triangles", "quads"]
 )
