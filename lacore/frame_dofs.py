@@ -118,6 +118,12 @@ class FrameDofs:
         own[2] /= self.body.size
         return own
 
+    def unknowns(self, motion: Floats) -> Floats:
+        """The inverse of `motion`, shape (count,)."""
+        own = motion.copy()
+        own[2] *= self.body.size
+        return np.asarray(own.T.ravel())
+
     def hinges(self, rotation: Floats, stress: Floats) -> pd.DataFrame:
         """Table of the potential hinges from cone vectors and stresses of their group, (H,)."""
         body, pieces = self.body, self.body.pieces

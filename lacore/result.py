@@ -1,17 +1,19 @@
 """What a solve returns: the limit state, in SI units, with its proof."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.certificate import Certificate
+from lacore.checking import Table, checked
 from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState, out_of_balance
@@ -195,6 +197,50 @@ class LimitState:
         if where.gap is not None:
             table.insert(list(table).index("t_n"), "gap", where.gap)
         return table
+
+    def certify(
+        self,
+        *,
+        load_factor: float | None = None,
+        velocity: Mapping[str, ArrayLike] | None = None,
+        stress: Mapping[str, ArrayLike] | None = None,
+        reactions: Table | None = None,
+        hinges: Table | None = None,
+        point: ProgramState | None = None,
+    ) -> Certificate:
+        """Residuals, recomputed from the state as it is stored, or with parts of it replaced.
+
+        No solver is asked. ``state.certify(load_factor=1.01 * state.load_factor)`` shows how an
+        error is seen; ``.holds(state.tolerance)`` judges. By the laws of the coupling:
+        ``associated``, ``frictionless`` and ``stick`` answer other problems than the one stated.
+
+        Args:
+            load_factor: in place of `load_factor`.
+            velocity: in place of that of some bodies, as `velocity` shows it. Footings move with
+                their nodes; what supports or rigid members forbid counts as penetration.
+            stress: in place of that of some continua, as `stress` shows it. What no
+                strain rate of the body feels counts as flow that is not normal.
+            reactions: a copy of `reactions` with other `t_n` and `t_t`; nothing else is read.
+            hinges: a copy of `hinges` with another `moment`; nothing else is read.
+            point: in place of `point`, with a load factor of its own: all unknowns, SI units.
+
+        Raises:
+            InputError: a name, a shape or a table that is not one of this state.
+            ValueError: there is no state.
+        """
+        stored = self._point()
+        if np.isfinite(self.load_factor):
+            stored = replace(stored, load_factor=self.load_factor)
+        return checked(
+            self.discretisation,
+            point or stored,
+            self.coupling,
+            load_factor=load_factor,
+            velocity=velocity,
+            stress=stress,
+            reactions=reactions,
+            hinges=hinges,
+        )
 
     @cached_property
     def interval(self) -> Interval:

@@ -89,6 +89,12 @@ class RigidDofs:
         own[2] /= self.body.radius
         return own
 
+    def unknowns(self, motion: Floats) -> Floats:
+        """The inverse of `motion`, shape (count,)."""
+        own = motion.copy()
+        own[2] *= self.body.radius
+        return np.asarray(own.T.ravel())
+
     def vertex_velocity(self, motion: Floats) -> Floats:
         """Velocity at the starts of all outline edges by a `motion`, m/s, shape (2, n)."""
         edges = self.body.edges

@@ -1,7 +1,7 @@
 """States as bytes, and back: so that a stored number can be proven, and drawn, again."""
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isnan, nan
 from typing import Any
@@ -11,16 +11,8 @@ import pandas as pd
 
 import lacore as la
 from lacore.arrays import Floats
-from lacore.certificate import Certificate, certify
-from lacore.conversion import point_in_program
-from lacore.program import (
-    ContactRows,
-    FrozenContact,
-    associated_contact,
-    dimensionless,
-    frictionless_contact,
-    stick_contact,
-)
+from lacore.certificate import Certificate
+from lacore.checking import recomputed
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState
 from verification.case import SOLVER
@@ -28,12 +20,6 @@ from verification.run import Evidence, Row, Run
 
 _SINGLE = ("velocity", "normal_reaction", "tangential_reaction")
 _SEVERAL = ("stress", "mean_stress")
-_LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
-    "associated": associated_contact,
-    "frictionless": frictionless_contact,
-    "stick": stick_contact,
-}
-"""What couplings are judged by that solve another problem; the others by Coulomb's law."""
 
 
 def evidence_of(state: la.LimitState) -> Evidence:
@@ -112,11 +98,8 @@ def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> 
     Raises:
         ValueError: there is no state, or it is not one of this problem.
     """
-    program = dimensionless(discretisation.program, discretisation.natural)
     point = unpacked(evidence.arrays)
-    laws = _LAWS[row.coupling](program.contact) if row.coupling in _LAWS else None
-    proven = certify(program, point_in_program(discretisation, point), laws)
-    return Proof(point.load_factor, proven)
+    return Proof(point.load_factor, recomputed(discretisation, point, row.coupling))
 
 
 def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
