@@ -17,6 +17,7 @@ from lacore.boundaries import edges_inside
 from lacore.errors import InputError, require_known, require_positive
 from lacore.interfaces import Friction, friction_law
 from lacore.joints import JointFriction, Joints, find_joints, joint_names
+from lacore.meeting_corners import Meetings, meetings
 from lacore.polygons import (
     BlockEdges,
     Polygons,
@@ -39,7 +40,7 @@ class BlockAssembly:
     A joint is a segment that two outlines share: edges that face each other, overlap along more
     than `tolerance`, and are at most `tolerance` apart. Each joint gets two contact points, its
     ends. Corners that touch an edge or a corner make no joint; `Problem` refuses those that rest
-    inside an edge.
+    inside an edge, or on a corner with no joint beside it.
 
     Attributes:
         blocks: polygons by name, vertices (k, 2) in m, in either sense, convex or not; a sequence
@@ -53,6 +54,7 @@ class BlockAssembly:
         size: diagonal of the bounding box of all, m.
         edges: edges of all outlines, with block numbers.
         joints: see `Joints`; the master is the block that comes first.
+        meetings: corners that meet without a joint that keeps them apart, see `Meetings`.
 
     Raises:
         InputError: no block, polygons with fewer than 3 vertices, not finite, without area, that
@@ -72,6 +74,7 @@ class BlockAssembly:
     size: float = field(init=False, repr=False)
     edges: BlockEdges = field(init=False, repr=False)
     joints: Joints = field(init=False, repr=False)
+    meetings: Meetings = field(init=False, repr=False)
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
         """Pickle by the arguments."""
@@ -112,6 +115,7 @@ class BlockAssembly:
             "size": float(np.linalg.norm(np.ptp(points, axis=0))),
             "edges": edges,
             "joints": joints,
+            "meetings": meetings(edges, joints, tolerance),
         }
         for name, value in computed.items():
             object.__setattr__(self, name, value)

@@ -9,6 +9,7 @@ from lacore.arrays import Floats, Ints
 from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import Where, boundary_facets, facet_geometry, where_name
+from lacore.corners import loose_corners
 from lacore.curved import edge_curves
 from lacore.errors import InputError
 from lacore.frames import Frame
@@ -64,8 +65,8 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
     """The segments of an interface; those at nodes of a frame are points.
 
     Raises:
-        InputError: the two sides do not touch, or touch up to a small gap only; a node at a corner,
-            or against an obstacle without a normal.
+        InputError: the two sides do not touch, touch up to a small gap, or somewhere with a corner
+            only; a node at a corner, or against an obstacle without a normal.
     """
     slave = bodies[interface.slave[0]]
     numbers, edges = boundary_edges(slave, interface.slave[1], f"{field}.slave")
@@ -106,6 +107,15 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
             interface.name,
             f"does not touch {interface.master[0]}.{where_name(interface.master[1])}",
             "give two boundaries that lie on each other",
+        )
+    corners = loose_corners(edges, facing, shared, allowed)
+    if corners.size:
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides touch with a corner only at {corners[:, 0]} (such places:"
+            f" {corners.shape[1]}), where contact has no normal or no length",
+            "cut the corner off, so that edges touch there, or leave the edge out of the interface",
         )
     segments = Segments(
         slave=numbers[shared.first],

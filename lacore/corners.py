@@ -1,4 +1,4 @@
-"""Corners of blocks that rest on edges of others where no joint is: contacts nobody models."""
+"""Corners that rest on edges where no segment is shared: contacts nobody models."""
 
 import numpy as np
 import shapely
@@ -6,6 +6,9 @@ import shapely
 from lacore.arrays import Floats, Ints
 from lacore.joints import Joints
 from lacore.polygons import BlockEdges
+from lacore.touching import Edges, Shared
+
+_NEAR = 3  # tolerances: a segment may be off a corner by its gap and by the least overlap
 
 
 def resting_corners(
@@ -13,7 +16,7 @@ def resting_corners(
 ) -> tuple[Floats, Ints, Ints]:
     """Corners inside an edge of another block, away from the joints of the two.
 
-    A corner at an end of the edge, where blocks meet in a cross, is none.
+    A corner at an end of the edge, where corners meet, is none: see `lacore.meeting_corners`.
 
     Args:
         edges: of all outlines; their starts are the corners.
@@ -37,12 +40,36 @@ def resting_corners(
 
     blocks = int(edges.block.max(initial=0)) + 1
     lines = shapely.linestrings(np.stack([joints.start.T, joints.end.T], axis=1))
-    # A joint lies on its slave, and may be off the corner by the gap and by the least overlap.
     near, joint = shapely.STRtree(lines).query(
-        points[corner], predicate="dwithin", distance=3 * tolerance
+        points[corner], predicate="dwithin", distance=_NEAR * tolerance
     )
     pair = np.sort(np.stack([joints.slave, joints.master]), axis=0)[:, joint]
     own = np.sort(np.stack([here, there]), axis=0)[:, near]
     jointed = near[pair[0] * blocks + pair[1] == own[0] * blocks + own[1]]
     loose = np.setdiff1d(np.arange(corner.size), jointed)
     return edges.start[:, corner[loose]], here[loose], there[loose]
+
+
+def loose_corners(first: Edges, second: Edges, shared: Shared, tolerance: float) -> Floats:
+    """Ends of edges of one side of an interface on edges of the other, away from its segments.
+
+    Args:
+        first, second: the edges of both sides.
+        shared: the segments that they share.
+        tolerance: m.
+
+    Returns:
+        places (2, k).
+    """
+    lines = shapely.linestrings(np.stack([shared.start.T, shared.end.T], axis=1))
+    loose = [np.zeros((2, 0))]
+    for own, other in ((first, second), (second, first)):
+        places = np.unique(np.concatenate([own.start, own.end], axis=1), axis=1)
+        on, near = (
+            shapely.STRtree(geometry).query(
+                shapely.points(places.T), predicate="dwithin", distance=reach
+            )[0]
+            for geometry, reach in ((other.lines, tolerance), (lines, _NEAR * tolerance))
+        )
+        loose.append(places[:, np.setdiff1d(on, near)])
+    return np.concatenate(loose, axis=1)

@@ -14,6 +14,7 @@ from lacore.backend import find_backend, read_options
 from lacore.conversion import point_in_program
 from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
 from lacore.coupling import Coupled
+from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
 from lacore.isolation import preparing
 from lacore.problem import Problem
@@ -169,6 +170,8 @@ def coulomb_range(
         bounds, admissible = bracket(program, solver, tolerance)
         if first.status is Status.UNSAFE:
             bounds = (-np.inf, np.inf)  # of none, whatever a locked program says
+        if driven_corners(problem, None, tolerance):
+            bounds = (bounds[0], np.inf)  # contact at corners, which no program has, may carry more
         search = Search(
             program=program,
             solver=solver,
@@ -201,6 +204,8 @@ def coulomb_range(
             load_factor=end.load_factor * scale,
             solve_time=time.perf_counter() - begin,
         )
+    for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
+        first, ends = refused, {}
     nothing = np.inf if first.status is Status.LOCKED else np.nan
     return CoulombRange(
         status=Status.SOLVED if ends else first.status,

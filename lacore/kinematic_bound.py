@@ -10,6 +10,7 @@ from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
+from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError
 from lacore.precision import exactness
 from lacore.problem import Problem
@@ -114,7 +115,9 @@ def upper_bound(
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
     power = plastic_power(discretisation, velocity, _PARTS)
-    proves = max(leak, penetration) <= exactness(d.body for d in discretisation.bodies.values())
+    exact = exactness(d.body for d in discretisation.bodies.values())
+    corners = driven_corners(discretisation, velocity, state.tolerance)
+    proves = max(leak, penetration) <= exact and not corners
     rigor = Rigor.NOT_CERTIFIED
     if proves:
         bodies = discretisation.bodies.values()
@@ -139,7 +142,8 @@ def upper_bound(
         state=state,
     )
     if throw and not proves:
-        raise SolveError(f"{bound.status.label}: {bound.status.value}", bound)
+        reason = f"; {corners}" if corners else ""
+        raise SolveError(f"{bound.status.label}: {bound.status.value}{reason}", bound)
     return bound
 
 

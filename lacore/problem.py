@@ -98,9 +98,6 @@ class Problem:
                 "give at least one load",
             )
         self._split_frames()
-        for name, body in self.bodies.items():
-            if isinstance(body, BlockAssembly):
-                _check_corners(name, body)
         for attribute, items in (
             ("reference_loads", self.reference_loads),
             ("dead_loads", self.dead_loads),
@@ -122,6 +119,9 @@ class Problem:
                     "only nodes of a frame have a rotation to hold",
                     "hold x and y along an edge",
                 )
+        for name, body in self.bodies.items():
+            if isinstance(body, BlockAssembly):
+                _check_corners(name, body, [s for s in self.supports if s.body == name])
         self._check_interfaces()
         loads = {
             f"Problem.{attribute}[{index}]": load
@@ -247,7 +247,7 @@ class Problem:
                 )
 
 
-def _check_corners(name: str, body: BlockAssembly) -> None:
+def _check_corners(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> None:
     """Refuse contacts at single points, which no joint carries: blocks would fall through."""
     places, blocks, others = resting_corners(body.edges, body.joints, tolerance(body))
     if blocks.size:
@@ -258,6 +258,22 @@ def _check_corners(name: str, body: BlockAssembly) -> None:
             f"a corner of {block!r} rests on an edge of {other!r} at {places[:, 0]} without a joint"
             f" (such corners: {blocks.size})",
             "cut the corner off, so that an edge rests there, or move the blocks apart",
+        )
+    met = body.meetings
+    alone = np.flatnonzero(~met.linked)
+    if not alone.size:
+        return
+    free = np.diff(RigidDofs(body, 0).free(supports).indptr).reshape(-1, 3)
+    moves = np.asarray(free.any(axis=1))
+    alone = alone[moves[met.first[alone]] | moves[met.second[alone]]]
+    if alone.size:
+        block, other = body.names[met.first[alone[0]]], body.names[met.second[alone[0]]]
+        raise InputError(
+            f"Problem.bodies[{name!r}]",
+            (block, other),
+            f"{block!r} and {other!r} touch at {met.place[:, alone[0]]} with nothing but corners"
+            f" (such places: {alone.size}), where contact has no normal",
+            "cut a corner off, so that edges touch there, or move the blocks apart",
         )
 
 

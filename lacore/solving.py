@@ -18,6 +18,7 @@ from lacore.conversion import point_in_si
 from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.coupling import Coupled, CouplingOptions, Iterate
 from lacore.dead_collapse import collapses
+from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError, require_known
 from lacore.isolation import SolverProcess, preparing
 from lacore.loops import (
@@ -53,6 +54,7 @@ COUPLINGS: dict[str, Coupling] = {
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
+_MOVING = (Status.SOLVED, Status.FREE, Status.UNSAFE)  # claims that a mechanism makes
 
 
 def solve(
@@ -198,6 +200,12 @@ def limit_state(
     """
     final, scales = coupled.final, program.scales
     inner, point, certificate = final.inner, final.state, final.certificate
+    corners = ""
+    if coupled.status in _MOVING:
+        moved = None if point is None else discretisation.free_basis @ point.velocity
+        corners = driven_corners(discretisation, moved, tolerance)
+    if corners:
+        coupled = replace(coupled, status=Status.NOT_CERTIFIED)
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
     bound = coupled.laws is not None or not program.contact.coulomb.any()
     if bound and point is not None and certificate is not None and not regularised:
@@ -215,8 +223,12 @@ def limit_state(
     bracket = None
     if coupled.bracket is not None:
         lower, upper = (end * scales.load_factor for end in coupled.bracket)
+        if driven_corners(discretisation, None, tolerance):  # contact there may carry more
+            upper = np.inf
         bracket = (lower, upper)
         message += f"; every Coulomb load factor is in [{lower:.6g}, {upper:.6g}]"
+    if corners:
+        message += f"; {corners}"
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
