@@ -45,7 +45,7 @@ class Shares:
     @property
     def least(self) -> float:
         """The least share."""
-        return float(min(self.shares.min(), self.interfaces.min(initial=np.inf)))
+        return float(np.concatenate([self.shares, self.interfaces]).min(initial=np.inf))
 
 
 def packed_shares(found: Sequence[Shares]) -> bytes:

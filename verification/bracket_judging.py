@@ -1,12 +1,13 @@
 """Verdicts on brackets: they must contain the reference, and be as narrow as the case says."""
 
 from dataclasses import replace
-from math import inf, isfinite, isnan
+from math import inf, isfinite
 
 import lacore as la
+from lacore.brackets import width
 from verification.bracketing import PROVEN, Bracketing
 from verification.case import Band, Reference
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED, cannot_judge
 from verification.run import Row
 
 STRICT = f"{la.Rigor.LOWER.label}, {la.Rigor.UPPER.label}"
@@ -43,11 +44,13 @@ def judge_bracket(
         stated: target, and what straight edges do.
         band: gives the size of the dead loads.
     """
+    if why := cannot_judge(reference, band):
+        return FAIL, why
     if not (isfinite(row.lower) and isfinite(row.upper)):
         return FAIL, f"no bracket: {row.message}"
     found = f"[{row.lower:.7g}, {row.upper:.7g}], {100 * row.width:.2g} % wide"
     slack = PROVEN * band.size(max(abs(row.lower), abs(row.upper)))
-    if row.lower > row.upper + slack:
+    if not row.lower <= row.upper + slack:
         return FAIL, f"{found}: the lower bound is above the upper one"
     if row.rigor != STRICT and not stated.straightened:
         return SKIPPED, (
@@ -57,11 +60,12 @@ def judge_bracket(
     told = f"the reference {reference.text}, {reference.formula}"
     low = reference.low - stated.below * band.size(reference.low)
     high = reference.high + stated.above * band.size(reference.high)
-    if row.lower > high + slack or row.upper < low - slack:
+    encloses = row.lower <= high + slack and row.upper >= low - slack
+    if not (encloses or reference.unknown):
         return FAIL, f"{found}: {told}, lies outside of what is proven"
-    if row.width > stated.target_width:
+    if not (row.width <= stated.target_width and width(row.lower, row.upper) <= row.width + PROVEN):
         return FAIL, f"{found}, not {100 * stated.target_width:.2g} %: {row.message}"
-    if isnan(reference.value):
-        return PASS, f"{found}; there is nothing to compare with"
+    if reference.unknown:
+        return NO_REFERENCE, f"{found}; there is nothing to compare with"
     widened = f" (straight edges: {stated.reason})" if stated.straightened else ""
     return PASS, f"{found}, with {told}, in it{widened}"

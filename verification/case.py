@@ -25,17 +25,22 @@ JAM = {"regularised": "only the certified loop tells jamming; the reaction loop 
 CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
 
 
+UNKNOWN_KINDS = ("none", "no closed form", "unknown")
+"""Kinds that say that nothing is known; only with them a reference may be NaN."""
+
+
 @dataclass(frozen=True)
 class Reference:
     """What must come out: a load factor, an interval of them, or a status.
 
     Attributes:
         value: in units of the case; of an interval its lower end. +inf where the status is LOCKED
-            or JAM, -inf where it is UNSAFE; NaN where nothing is known: what is proven is right.
+            or JAM, -inf where it is UNSAFE; NaN where the kind says that nothing is known.
         formula: as text.
         source: where it comes from.
         kind: ``exact``, ``exact, numerical`` (integrated to all digits given), ``bracket``,
-            ``interval`` (of Coulomb load factors: any certified one inside is right) or ``status``.
+            ``interval`` (of Coulomb load factors: any certified one inside is right), ``status``,
+            or one of `UNKNOWN_KINDS`: then there is nothing to pass.
         half_width: the reference is ``value +- half_width``.
         up_to: upper end of an interval.
         status: with which a Coulomb loop must end.
@@ -54,6 +59,28 @@ class Reference:
     status: la.Status = la.Status.SOLVED
     associated: float | None = None
     complete: bool = True
+
+    @property
+    def unknown(self) -> bool:
+        """Whether its kind says that there is nothing to compare with."""
+        return self.kind in UNKNOWN_KINDS
+
+    @property
+    def wrong(self) -> str:
+        """Why nothing can be judged by it, though its kind says so; empty where all is well.
+
+        NaN and a distance without bounds are no references: comparisons with them are void.
+        """
+        if self.unknown:
+            return ""
+        if isnan(self.value):
+            return f"the reference is NaN, and its kind {self.kind!r} does not say unknown"
+        if not (isfinite(self.half_width) and self.half_width >= 0):
+            return f"the reference is known to +- {self.half_width:g} only"
+        known = (self.up_to, self.associated)
+        if any(value is not None and isnan(value) for value in known) or self.high < self.low:
+            return f"the reference [{self.low:g}, {self.high:g}] is no interval"
+        return ""
 
     @property
     def low(self) -> float:
@@ -110,6 +137,13 @@ class Band:
     above: float
     reason: str
     scale: float = 0.0
+
+    @property
+    def wrong(self) -> str:
+        """Why nothing can be judged with it; empty where all is well."""
+        if all(isfinite(own) and own >= 0 for own in (self.below, self.above, self.scale)):
+            return ""
+        return f"a band of -{self.below:g} ... +{self.above:g}, scale {self.scale:g}, is none"
 
     def size(self, value: float) -> float:
         """What the band of a value is relative to; an infinite one needs none."""

@@ -16,7 +16,7 @@ from lacore.errors import (
     suggest,
 )
 from verification.bracketing import Bracketing
-from verification.case import Band, Case, Order, Reference, Variant
+from verification.case import UNKNOWN_KINDS, Band, Case, Order, Reference, Variant
 from verification.following import STEPPING, Following
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
@@ -254,7 +254,14 @@ def _check_reference(variant: Variant, reference: object) -> None:
             f"{where}, value",
             reference.value,
             "not a number",
-            "give a load factor, or NaN where none is known",
+            "give a load factor, or NaN and a kind that says that none is known",
+        )
+    if isnan(reference.value) != reference.unknown:
+        raise InputError(
+            f"{where}, value",
+            reference.value,
+            f"does not go with the kind {reference.kind!r}",
+            f"give a number; or, where none is known, NaN and kind={UNKNOWN_KINDS[0]!r}",
         )
     if reference.status is la.Status.SOLVED and isinf(reference.value):
         raise InputError(

@@ -16,7 +16,7 @@ from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find
 from verification.execution import TIME_LIMIT, Executor, execute
 from verification.harness import RAW
-from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.provenance import code_of, describe
 from verification.run import Outcome, Row, Run
 from verification.store import Store
@@ -159,18 +159,21 @@ class Tally:
     failed: int
     skipped: int
     no_result: int
+    no_reference: int
 
     @property
     def text(self) -> str:
         """One line."""
-        text = f"{self.passed} pass, {self.failed} FAIL, {self.skipped} skipped"
-        return text + (f", {self.no_result} no result" if self.no_result else "")
+        rare = {NO_RESULT: self.no_result, NO_REFERENCE: self.no_reference}
+        parts = [f"{self.passed} pass", f"{self.failed} FAIL", f"{self.skipped} skipped"]
+        return ", ".join(parts + [f"{count} {kind}" for kind, count in rare.items() if count])
 
 
 def tally(outcomes: Sequence[Outcome]) -> Tally:
     """Count verdicts."""
     verdicts = [outcome.row.verdict for outcome in outcomes]
-    return Tally(*(verdicts.count(kind) for kind in (PASS, FAIL, SKIPPED, NO_RESULT)))
+    kinds = (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE)
+    return Tally(*(verdicts.count(kind) for kind in kinds))
 
 
 @dataclass(frozen=True)

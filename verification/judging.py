@@ -1,6 +1,6 @@
 """Verdicts: what a result must be, from the reference and the band of its case."""
 
-from math import inf, isfinite, isnan, nan
+from math import inf, isfinite, nan
 from typing import Any, Protocol
 
 import lacore as la
@@ -16,6 +16,8 @@ from verification.case import (
 )
 
 PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
+NO_REFERENCE = "no reference"
+"""Of what is proven, and cannot be compared with anything: neither right nor wrong."""
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
 BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
@@ -47,12 +49,17 @@ def judge(state: Judged, reference: Reference, band: Band, insist: bool = True) 
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
     lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
     the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
-    claims nothing, or nothing that can be judged, is none.
+    claims nothing, or nothing that can be judged, is none. Without a reference nothing passes.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
         return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
-    if isnan(reference.value):
-        return PASS, f"{state.status.label}: proven by its certificate, nothing to compare with"
+    if why := cannot_judge(reference, band):
+        return FAIL, why
+    if state.status is la.Status.SOLVED and not isfinite(state.load_factor):
+        return FAIL, f"solved without a load factor: {state.load_factor:g}"
+    if reference.unknown:
+        why = f"{state.status.label}: proven by its certificate, nothing to compare with"
+        return NO_REFERENCE, why
     allowed_of = BOUNDS.get(state.coupling, allowed_values)
     if state.coupling == "associated" and reference.associated is not None:
         reference, allowed_of = reference.of_associated(), allowed_values
@@ -63,6 +70,11 @@ def judge(state: Judged, reference: Reference, band: Band, insist: bool = True) 
     if state.regularised is not None and (too_strong := _too_strong(state, band)):
         return FAIL if insist else NO_RESULT, too_strong
     return _judge_value(state, reference, allowed_of(reference, band))
+
+
+def cannot_judge(reference: Reference, band: Band) -> str:
+    """Why a reference and a band would let anything through, or nothing; empty if they do not."""
+    return reference.wrong or band.wrong
 
 
 def _too_strong(state: Judged, band: Band) -> str:
@@ -85,6 +97,8 @@ def _judge_value(state: Judged, reference: Reference, allowed: Allowed) -> tuple
     why = f"{value:.7g} {'in' if verdict == PASS else 'not in'} {allowed}"
     if not (reference.complete or reference.low <= value <= reference.high):
         why += f"; listed are {reference.text}"
+        if verdict == PASS and reference.associated is None:
+            return NO_REFERENCE, f"{why}, and nothing bounds any other"
     return verdict, why
 
 

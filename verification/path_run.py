@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
-from math import isfinite, isnan, nan
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,15 @@ from verification.bracket_run import associated
 from verification.case import SOLVER, Band, Reference, allowed_values
 from verification.evidence import records
 from verification.following import Following
-from verification.judging import FAIL, NO_RESULT, PASS, distance
+from verification.judging import (
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    STRONG,
+    cannot_judge,
+    distance,
+)
 from verification.path_evidence import packed_step
 from verification.run import Evidence, Outcome, Row, Run
 
@@ -77,13 +85,13 @@ def run_path(
         rigor=(la.Rigor.DISCRETE if state else la.Rigor.NOT_CERTIFIED).label,
         status=solved.label,
         outer_iterations=int(history["solves"].sum()),
-        gap=float(history["gap"].max()),
+        gap=_worst(_numbers(history, "gap")),
         solve_time=seconds,
         peak_memory_mb=memory(),
         message=path.message,
         energy=state.regularised.energy if state is not None and state.regularised else nan,
         ending=path.status.label,
-        path_error=_largest(loads / exact - 1),
+        path_error=largest_error(loads, exact),
         volume_change=_volume_change(path),
         reading=nan if stated.reading is None else stated.reading.of(path),
     )
@@ -145,45 +153,63 @@ def judge_path(
 
     Loads of regularised backends may be off by their energy C (T19) on top, to either side: their
     bodies have strained a little more or less on the way. They keep volumes to their penalties.
+    What is asked for and is NaN is wrong. Without a reference a path that is right passes nothing.
     """
+    if why := cannot_judge(reference, band):
+        return FAIL, why
     if stated.ending is not None and row.ending != stated.ending.label:
         wanted = f"not '{stated.ending.label}' as it must"
         return FAIL if insist else NO_RESULT, f"the path ends {wanted}: {row.message}"
     regularised = not isnan(row.energy)
     if regularised:
-        more = max(row.energy, 0.0) / abs(row.load_factor)
+        more = max(row.energy, 0.0) / (abs(row.load_factor) or nan)
+        if not more <= STRONG:
+            why = f"regularisation too strong to judge: C is {100 * more:.3g} % of the last load"
+            return FAIL if insist else NO_RESULT, why
         band = replace(band, below=band.below + more, above=band.above + more)
     allowed, largest = allowed_values(reference, band), max(band.below, band.above)
     found: list[str] = [row.ending]
     wrong: list[str] = []
-    if not isnan(reference.value):
+    if not reference.unknown:
         inside = allowed.holds(row.load_factor)
         (found if inside else wrong).append(
             f"last load {row.load_factor:.7g} {'in' if inside else 'not in'} {allowed}"
         )
-    if isfinite(row.path_error):
+    if stated.exact is not None:
         text = f"largest error on the way {row.path_error:.3g}, {largest:.3g} allowed"
-        (found if row.path_error <= largest else wrong).append(text)
-    if isfinite(stated.volume) and not regularised:
+        (found if 0 <= row.path_error <= largest else wrong).append(text)
+    if stated.volume != inf and not regularised:
         text = f"volume changes by {row.volume_change:.2g} a step, {stated.volume:g} allowed"
-        (found if row.volume_change <= stated.volume else wrong).append(text)
+        (found if 0 <= row.volume_change <= stated.volume else wrong).append(text)
     if stated.reading is not None:
         read = stated.reading
         inside = read.low <= row.reading <= read.high
         text = f"{read.name} {row.reading:.4g}, [{read.low:.4g}, {read.high:.4g}] allowed"
         (found if inside else wrong).append(text)
     if stated.bounded:
-        slack = SOLVER * row.upper + max(np.nan_to_num(row.energy), 0.0)
-        inside = row.lower - slack <= row.start <= row.upper + slack
+        slack = SOLVER * row.upper + (max(row.energy, 0.0) if regularised else 0.0)
+        inside = -inf < row.lower - slack <= row.start <= row.upper + slack < inf
         text = f"begins at {row.start:.5g}, bounds are [{row.lower:.5g}, {row.upper:.5g}]"
         (found if inside else wrong).append(text)
-    return (FAIL, "; ".join(wrong)) if wrong else (PASS, "; ".join(found))
+    if wrong:
+        return FAIL, "; ".join(wrong)
+    if reference.unknown:
+        return NO_REFERENCE, "; ".join([*found, "there is no last load to compare with"])
+    return PASS, "; ".join(found)
 
 
-def _largest(errors: Floats) -> float:
-    """Of those that are known; NaN without any."""
-    known = np.abs(errors[np.isfinite(errors)])
-    return float(known.max()) if known.size else nan
+def largest_error(loads: Floats, exact: Floats) -> float:
+    """Relative, over the exact loads that are known; NaN without any, or where a load is none."""
+    known = ~np.isnan(exact)
+    loads, exact = loads[known], exact[known]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = np.where(loads == exact, 0.0, np.abs(loads / exact - 1))
+    return _worst(errors)
+
+
+def _worst(values: Floats) -> float:
+    """The largest; NaN where one is, or there is none."""
+    return float(values.max()) if values.size else nan
 
 
 def _volume_change(path: la.Path) -> float:

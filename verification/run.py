@@ -136,8 +136,9 @@ class Row:
         build_time, solve_time: s.
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
-        verdict: ``pass``, ``FAIL``, ``skipped``, or ``no result`` of a coupling that is not the
-            default and claims nothing; `why` says why.
+        verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference`` of what is proven and cannot be
+            compared, or ``no result`` of a coupling that is not the default and claims nothing;
+            `why` says why.
         why: the rule that gave the verdict, with its numbers.
         alpha_reg, regularised_lambda, P: the values of T19, as load factors.
         energy: C of T19.

@@ -13,7 +13,7 @@ from verification import terminal
 from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
 from verification.execution import execute
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.options import (
     cases_option,
     fresh_option,
@@ -108,9 +108,10 @@ def verify(
         print_json(document)
     else:
         _show(terminal.table_console(), findings)
+        unjudged = f", {count['no_reference']} without reference" if count["no_reference"] else ""
         click.echo(
-            f"\n{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped;"
-            f" {len(runs)} runs\nChecks:  {out / FILE}\nResults: {out / NAME}"
+            f"\n{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped"
+            f"{unjudged}; {len(runs)} runs\nChecks:  {out / FILE}\nResults: {out / NAME}"
         )
     if not count["passed"]:
         click.echo("nothing was verified: no check passed", err=True)
@@ -149,9 +150,8 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
             _cell(checks, "bracket", ".2f", 100),
             _cell(checks, "gap", ".0e"),
         )
-        skipped = all(found.verdict == SKIPPED for found in checks.values())
-        verdict = f"FAIL: {', '.join(failed)}" if failed else SKIPPED if skipped else PASS
-        style = "bold red" if failed else "dim" if skipped else ""
+        verdict = f"FAIL: {', '.join(failed)}" if failed else _verdict(checks)
+        style = "bold red" if failed else "" if verdict == PASS else "dim"
         print_line(console, line(backend, coupling, meshes, *cells, verdict), style)
     for found in findings:
         if found.verdict == FAIL:
@@ -159,6 +159,12 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
     reasons = [found.why for found in findings if found.verdict == SKIPPED]
     for why in dict.fromkeys(reasons):
         print_line(console, f"\nskipped, {reasons.count(why)} checks: {why}", "dim")
+
+
+def _verdict(checks: Mapping[str, Finding]) -> str:
+    """Of checks none of which failed: what has no reference has not passed."""
+    verdicts = {found.verdict for found in checks.values()}
+    return next(kind for kind in (NO_REFERENCE, PASS, SKIPPED) if kind in verdicts)
 
 
 def _cell(checks: Mapping[str, Finding], check: str, how: str, scale: float = 1.0) -> str:

@@ -25,7 +25,7 @@ from verification.catalogue import Catalogue, catalogue, find
 from verification.cli import main
 from verification.harness import execute
 from verification.irregular import irregular
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.report.brackets import bracket_drawings, drawn_bracket, widths
 from verification.results import load_results
 from verification.verify import Finished, answer, ask, finish, runs_of
@@ -186,7 +186,8 @@ def planted(value, half_width=0.0):
         (planted(1.99), FAIL),
         (planted(2.02, half_width=0.015), PASS),
         (planted(1.99, half_width=0.01), PASS),
-        (planted(nan), PASS),
+        (planted(nan), FAIL),
+        (lambda **_: UNKNOWN, NO_REFERENCE),
     ],
 )
 def test_a_reference_outside_of_what_is_proven_is_found(strip, reference, verdict):
@@ -204,6 +205,8 @@ def test_a_reference_outside_of_what_is_proven_is_found(strip, reference, verdic
         ({"lower": -inf}, "no bracket"),
         ({"upper": nan}, "no bracket"),
         ({"width": 0.02}, "wide, not 0.5 %"),
+        ({"width": nan}, "wide, not 0.5 %"),
+        ({"width": -0.1}, "wide, not 0.5 %"),
         ({"status": "time limit", "why": "stopped after 1 s"}, "stopped after 1 s"),
     ],
 )

@@ -12,7 +12,7 @@ from verification.case import Band, Reference, Variant
 from verification.catalogue import find
 from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
 from verification.harness import execute
-from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED, judge
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED, judge
 from verification.results import load_results
 from verification.run import NO_EVIDENCE, Run
 from verification.store import NAME
@@ -101,8 +101,8 @@ SOLVED, STUCK = la.Status.SOLVED, la.Status.NOT_CONVERGED
         (BELOW_ZERO, "certified", la.Status.UNSAFE, nan, FAIL),
         (ZERO, "certified", SOLVED, 9e-6, PASS),
         (ZERO, "certified", SOLVED, -2e-5, FAIL),
-        (UNKNOWN, "certified", SOLVED, 4.0, PASS),
-        (UNKNOWN, "certified", la.Status.UNSAFE, nan, PASS),
+        (UNKNOWN, "certified", SOLVED, 4.0, NO_REFERENCE),
+        (UNKNOWN, "certified", la.Status.UNSAFE, nan, NO_REFERENCE),
         (UNKNOWN, "certified", la.Status.NOT_CERTIFIED, nan, FAIL),
     ],
 )
@@ -225,7 +225,7 @@ def test_default_plan_has_every_case_and_backend():
 def test_a_variant_that_no_table_lists_has_nothing_to_be_compared_with():
     case, (listed,) = find("wall-1")
     (outcome,) = execute([Run(case, Variant("mu-0.5", {"mu": 0.5}), "blocks", "clarabel")])
-    assert (outcome.row.verdict, outcome.row.expected) == (PASS, "unknown")
+    assert (outcome.row.verdict, outcome.row.expected) == (NO_REFERENCE, "unknown")
     assert 0 < outcome.row.load_factor < 0.642859  # that of more friction
     with pytest.raises(LookupError):  # a variant of the case is to be in its table
         replace(case, reference=no_table).reference_of(listed)

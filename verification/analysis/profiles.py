@@ -25,18 +25,19 @@ from verification.analysis.columns import (
     table,
     truths,
 )
-from verification.judging import PASS, SKIPPED
+from verification.judging import NO_REFERENCE, PASS, SKIPPED
 
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {
         "claim": lambda results: truths(results, "claimed"),
         "certificate": lambda results: says(results, "status", SOLVED),
-        "verdict": lambda results: says(results, "verdict", PASS),
+        "verdict": lambda results: says(results, "verdict", PASS, NO_REFERENCE),
     }
 )
 """What may count as solved: the solver says so; residuals that we computed; these and a reference.
 
-A verdict also passes what ends with a status that is the right answer, such as ``locked``.
+The last as far as there is a reference. A verdict also passes what ends with a status that is the
+right answer, such as ``locked``.
 """
 UNSOLVED: Mapping[str, str] = MappingProxyType(
     {"keep": "problems that nobody solved are kept", "drop": "they are left out"}
@@ -249,16 +250,19 @@ def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
     Returns:
         Columns `by`; ``runs``; ``claimed``, runs that the solver itself called solved;
         ``certified``, runs whose recomputed residuals prove the value; ``correct``, runs that pass
-        against certificate and reference; ``wrong_claims``, claimed and not correct;
-        ``success_rate = claimed/runs``, ``certified_rate``, ``correctness_rate = correct/runs``.
+        against certificate and reference; ``unjudged``, proven, but without a reference;
+        ``wrong_claims``, claimed, and neither correct nor unjudged; ``success_rate =
+        claimed/runs``, ``certified_rate``; ``correctness_rate``, of the runs that can be judged,
+        NaN without any.
 
     Raises:
         InputError: no such column.
     """
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
-        claimed, certified, correct = (judge(part) for judge in SOLVED_BY.values())
-        count = len(part)
+        claimed, certified = (SOLVED_BY[name](part) for name in ("claim", "certificate"))
+        correct, unjudged = (says(part, "verdict", kind) for kind in (PASS, NO_REFERENCE))
+        count, judged = len(part), int((~unjudged).sum())
         rows.append(
             {
                 **names,
@@ -266,11 +270,12 @@ def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
                 "claimed": int(claimed.sum()),
                 "certified": int(certified.sum()),
                 "correct": int(correct.sum()),
-                "wrong_claims": int((claimed & ~correct).sum()),
+                "unjudged": int(unjudged.sum()),
+                "wrong_claims": int((claimed & ~correct & ~unjudged).sum()),
                 "success_rate": float(claimed.sum() / count),
                 "certified_rate": float(certified.sum() / count),
-                "correctness_rate": float(correct.sum() / count),
+                "correctness_rate": float(correct.sum() / judged) if judged else nan,
             }
         )
-    counts = ("runs", "claimed", "certified", "correct", "wrong_claims")
+    counts = ("runs", "claimed", "certified", "correct", "unjudged", "wrong_claims")
     return table(rows, [*by, *counts, "success_rate", "certified_rate", "correctness_rate"])

@@ -11,7 +11,7 @@ from verification.checks import said
 from verification.compare import Tally as Verdicts
 from verification.compare import efforts, tally
 from verification.evidence import restored
-from verification.judging import FAIL, STRONG
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, STRONG
 from verification.report import document
 from verification.report.blocks import (
     Anchor,
@@ -109,7 +109,8 @@ def _tally(count: Verdicts) -> Tally:
         Count(count.failed, "FAIL", "bad" if count.failed else "mild"),
         Count(count.skipped, "skipped"),
     ]
-    return Tally(counts + ([Count(count.no_result, "no result")] if count.no_result else []))
+    rare = [Count(count.no_result, NO_RESULT), Count(count.no_reference, NO_REFERENCE)]
+    return Tally(counts + [own for own in rare if own.number])
 
 
 def _cases_table(cases: Sequence[tuple[Case, Sequence[Outcome], pd.DataFrame]]) -> Table:
@@ -117,11 +118,14 @@ def _cases_table(cases: Sequence[tuple[Case, Sequence[Outcome], pd.DataFrame]]) 
         {"case": case.id, "title": case.title, "worst": _worst_error(own)} | vars(tally(own))
         for case, own, _ in cases
     ]
+    some = any(row["no_reference"] for row in rows)
+    unjudged = [Column("no_reference", NO_REFERENCE, ".0f")] if some else []
     columns = (
         Column("title", "case", link=Anchor("case", "case"), long=True),
         Column("passed", "pass", ".0f"),
         Column("failed", "FAIL", ".0f"),
         Column("skipped", "skipped", ".0f"),
+        *unjudged,
         Column("worst", "error %, exact, finest", ".2g", scale=100),
     )
     return Table(columns, pd.DataFrame(rows, columns=[*rows[0]] if rows else []))

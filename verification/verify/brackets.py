@@ -1,7 +1,7 @@
 """Checks of brackets: that they contain the reference, and that their gaps add up (T26)."""
 
 from collections.abc import Sequence
-from math import nan
+from math import inf, isclose, isfinite, nan
 
 import lacore as la
 from verification.bracket_evidence import Shares, unpacked_shares
@@ -16,6 +16,7 @@ DEFECT = 1e-5
 """By which the sum of shares may differ from the gap, relative to it."""
 NEGATIVE = 1e-9
 """By which a share may be below 0, relative to `Shares.scale`: by the round-off of two solves."""
+_SAME = 1e-12  # of a load factor that is stored twice
 _LEAST = 1e-6  # of `Shares.scale`: smaller gaps are as round-off leaves them, 1e-11 of the load
 _SOLVED = la.Status.SOLVED.label
 _ADAPTED = {"upper", "lower"}
@@ -34,7 +35,7 @@ def bracket(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
     run, row = outcome.run, outcome.row
     stated = run.case.bracket or Bracketing()
     allowed = f"<= {stated.target_width:g}"
-    if row.status == _SOLVED:
+    if row.status == _SOLVED and isfinite(row.n_elements):
         band = run.case.band_of(run.variant, int(row.n_elements))
         verdict, why = judge_bracket(row, reference, stated, band)
     else:
@@ -59,9 +60,15 @@ def gap(outcomes: Sequence[Outcome]) -> Answer:
         found = unpacked_shares(outcome.evidence.arrays)
     except ValueError as error:
         return Answer(FAIL, f"{run.label}: {error}", nan, allowed)
-    missing = _ADAPTED - {one.mesh for one in found}
+    by_mesh = {one.mesh: one for one in found}
+    missing = _ADAPTED - set(by_mesh)
     if missing:
         why = f"{run.label}: no gap of the mesh of the {' and the '.join(sorted(missing))} bound"
+        return Answer(FAIL, why, nan, allowed)
+    bounds = (by_mesh["lower"].lower, row.lower), (by_mesh["upper"].upper, row.upper)
+    if not all(isclose(stored, said, rel_tol=_SAME) for stored, said in bounds):
+        why = f"{run.label}: the row says [{row.lower:.9g}, {row.upper:.9g}], the stored meshes"
+        why += f" [{bounds[0][0]:.9g}, {bounds[1][0]:.9g}]"
         return Answer(FAIL, why, nan, allowed)
     defects = {one.mesh: _defect(one) for one in found}
     failed = [one for one in found if not (defects[one.mesh] <= DEFECT and _none_negative(one))]
@@ -75,10 +82,11 @@ def gap(outcomes: Sequence[Outcome]) -> Answer:
 
 
 def _defect(one: Shares) -> float:
-    """What is missing from the sum, per gap; NaN stays."""
+    """What is missing from the sum, per gap; NaN and no scale stay."""
     gap = one.upper - one.lower
-    return abs(one.total - gap) / max(abs(gap), _LEAST * one.scale)
+    size = max(abs(gap), _LEAST * one.scale)
+    return abs(one.total - gap) / size if 0 < size < inf else nan
 
 
 def _none_negative(one: Shares) -> bool:
-    return one.least >= -NEGATIVE * one.scale
+    return one.shares.size > 0 and one.least >= -NEGATIVE * one.scale

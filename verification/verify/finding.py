@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
 
 FILE = "checks.csv"
 """Of findings, in the folder of their results."""
@@ -19,7 +19,7 @@ class Answer:
     """What a check found.
 
     Attributes:
-        verdict: ``pass``, ``FAIL`` or ``skipped``.
+        verdict: ``pass``, ``FAIL``, ``skipped``, or ``no reference``: nothing to compare with.
         why: one line with the numbers.
         measured: the number that decided; NaN where it was a status, or there is none.
         allowed: what it may be, as text.
@@ -61,7 +61,8 @@ class Finding:
 def tally(findings: Sequence[Finding]) -> dict[str, int]:
     """How many questions were answered how."""
     count = Counter(finding.verdict for finding in findings)
-    return {"passed": count[PASS], "failed": count[FAIL], "skipped": count[SKIPPED]}
+    kinds = {"passed": PASS, "failed": FAIL, "skipped": SKIPPED, "no_reference": NO_REFERENCE}
+    return {name: count[kind] for name, kind in kinds.items()}
 
 
 def load_checks(folder: Path) -> pd.DataFrame:

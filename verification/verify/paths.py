@@ -8,7 +8,7 @@ import numpy as np
 import lacore as la
 from verification.case import SOLVER
 from verification.following import ORDER_TOLERANCE, ORDERS
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.path_run import judge_path
 from verification.run import Outcome
 from verification.verify.finding import Answer
@@ -21,13 +21,16 @@ def path(outcomes: Sequence[Outcome]) -> Answer:
     Judged afresh: the row of a store may be older than the reference.
     """
     answers = [_path(outcome) for outcome in outcomes]
-    failed = [one for one in answers if one.verdict == FAIL]
-    return failed[0] if failed else max(answers, key=lambda one: np.nan_to_num(one.measured))
+    for verdict in (FAIL, NO_REFERENCE):
+        found = [one for one in answers if one.verdict == verdict]
+        if found:
+            return found[0]
+    return max(answers, key=lambda one: np.nan_to_num(one.measured))
 
 
 def _path(outcome: Outcome) -> Answer:
     run, row = outcome.run, outcome.row
-    if not row.ending:  # nothing was solved
+    if not row.ending or isnan(row.n_elements):  # nothing was solved
         return Answer(FAIL, f"{run.label}: {row.why}")
     band = run.case.band_of(run.variant, int(row.n_elements))
     reference = run.case.reference_of(run.variant)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isnan
 
 import lacore as la
 from verification.bracket_judging import between
@@ -137,7 +136,7 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
         if is_regularised(backend):
             if nature.normal:
                 yield from _beside(group, exact)
-        elif nature.strict and (nature.normal or coupling) and not isnan(reference.value):
+        elif nature.strict and (nature.normal or coupling) and not reference.unknown:
             yield Question("side", tuple(group))
         yield Question("residuals", tuple(group))
         first = bool(exact) and backend == exact[0].backend

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from math import isclose, isnan, nan
+from math import inf, isclose, isfinite, isnan, nan
 
 import numpy as np
 
@@ -42,8 +42,10 @@ def _residuals(outcome: Outcome, proof: Rechecked) -> Answer:
     allowed = f"<= {bar:g}"
     if isinstance(proof, str):
         return Answer(FAIL, f"{run.label}: {proof}", nan, allowed)
+    if not 0 < bar < inf:
+        return Answer(FAIL, f"{run.label}: nothing can be above a bar of {bar:g}", nan, allowed)
     stored = proof.load_factor
-    if not isclose(stored, row.load_factor, rel_tol=_SAME):
+    if not (isfinite(stored) and isclose(stored, row.load_factor, rel_tol=_SAME)):
         why = f"{run.label}: the row says {row.load_factor:.9g}, the stored state {stored:.9g}"
         return Answer(FAIL, why, nan, allowed)
     found: dict[str, float] = asdict(proof.certificate)

@@ -3,13 +3,14 @@
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from math import inf, isnan, nan
+from math import inf, isfinite, isnan, nan
+
+import numpy as np
 
 import lacore as la
 from lacore.regularization import RegularisedValues
 from verification.case import SOLVER, Band, Reference
-from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED, distance, judge
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED, distance, judge
 from verification.run import Outcome, Row
 from verification.verify.finding import Answer
 
@@ -77,7 +78,7 @@ def _upper(outcome: Outcome, reference: Reference) -> Answer:
         why = f"{run.label}: labelled {row.rigor!r}, where a strict upper bound is to be had"
         return Answer(FAIL, why, nan, allowed)
     above = _relative(row.load_factor - reference.low, reference.low, _band(outcome))
-    verdict = PASS if above >= -SOLVER else FAIL
+    verdict = PASS if above >= -SOLVER and isfinite(row.load_factor) else FAIL
     side = f"{above:.3g} above" if above >= 0 else f"{-above:.3g} below"
     why = (
         f"{run.label}: the strict upper bound {row.load_factor:.7g} is {side} (relative) the"
@@ -107,9 +108,9 @@ def lambda_below_exact(outcomes: Sequence[Outcome], exact: Mapping[str, Outcome]
 def _lambda(outcome: Outcome, exact: Outcome) -> Answer:
     run, row, star = outcome.run, outcome.row, exact.row.load_factor
     chain = (row.P, row.alpha_reg, row.load_factor, star)
-    excess = max(_relative(low - high, star, _band(outcome)) for low, high in pairwise(chain))
+    excess = _relative(float(np.max(-np.diff(chain))), star, _band(outcome))  # NaN stays
     allowed = 2 * SOLVER  # one for each of the two
-    verdict = PASS if excess <= allowed else FAIL
+    verdict = PASS if excess <= allowed and all(map(isfinite, chain)) else FAIL
     why = (
         f"{run.label}: P = {row.P:.7g}, alpha_reg = {row.alpha_reg:.7g}, lambda ="
         f" {row.load_factor:.7g}, alpha* = {star:.7g} of {exact.row.backend}"
@@ -127,11 +128,12 @@ def _relative(difference: float, value: float, band: Band) -> float:
 
 
 def _worst(answers: Sequence[Answer], badness: Callable[[float], float]) -> Answer:
-    """The first failure, or else the answer whose measure is worst."""
+    """The first failure, or what has no reference, or else the answer whose measure is worst."""
     if not answers:
         return Answer(SKIPPED, "no run was solved: there is nothing to look at")
     failed = [answer for answer in answers if answer.verdict in (FAIL, NO_RESULT)]
     if failed:
         more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
         return Answer(FAIL, failed[0].why + more, failed[0].measured, failed[0].allowed)
+    answers = [answer for answer in answers if answer.verdict == NO_REFERENCE] or answers
     return max(answers, key=lambda a: -inf if isnan(a.measured) else badness(a.measured))
