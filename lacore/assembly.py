@@ -35,6 +35,7 @@ from lacore.program import (
     reduced,
 )
 from lacore.rigid import RigidDofs
+from lacore.slips import Slip, slips
 from lacore.volume import volume_projector
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
@@ -57,8 +58,10 @@ class Discretisation:
         bodies: continua by name.
         assemblies: rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
-        jumps: velocity jumps of the continua whose space has them (T23), by name. Groups of the
-            programs: the continua, these, the hinges of frames.
+        jumps: velocity jumps of the continua (T23), by name: of those whose space has them, and
+            of those that slip along boundaries. Groups of the programs: the continua, these, the
+            hinges of frames.
+        slips: the boundaries along which continua slip past what holds them, by name.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
@@ -76,6 +79,7 @@ class Discretisation:
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
     jumps: Mapping[str, Jumps]
+    slips: Mapping[str, Slip]
     points: ContactPoints
     shared_corners: Bools
     footings: Ints
@@ -123,18 +127,30 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
     rigid: dict[str, RigidDofs | FrameDofs] = {**assemblies, **frames}  # in order of unknowns
 
     contact, points = contact_of(problem.interfaces, {**bodies, **rigid}, n)
-    slips = {name: jumps(name, dofs, n) for name, dofs in bodies.items() if dofs.space.jumps}
+    slipping = slips(problem, bodies, footings, node_dofs.size)
+    jumping = {
+        name: jumps(name, dofs, n, slipping.get(name))
+        for name, dofs in bodies.items()
+        if dofs.space.jumps or name in slipping
+    }
     supports = [support for support in problem.supports if support.body in bodies]
     conditions = join(
         [
-            *(_support_conditions(support, bodies[support.body]) for support in supports),
             *(
-                _footing_conditions(footing, bodies[footing.body], number)
+                _support_conditions(support, bodies[support.body], slipping.get(support.body))
+                for support in supports
+            ),
+            *(
+                _footing_conditions(
+                    footing, bodies[footing.body], slipping.get(footing.body), number
+                )
                 for number, footing in enumerate(footings)
             ),
+            *(slip.conditions(bodies[name]) for name, slip in slipping.items()),
         ]
     )
-    held_nodes = np.isin(np.arange(node_dofs.shape[1]), conditions.nodes)
+    slid = [slip.nodes(bodies[name]).ravel() for name, slip in slipping.items()]
+    held_nodes = np.isin(np.arange(node_dofs.shape[1]), np.concatenate([conditions.nodes, *slid]))
     # On an axis u_r = 0 follows from continuity: no support, and no reaction.
     axes = np.concatenate([np.zeros(0, dtype=np.int64), *(b.axis_nodes for b in bodies.values())])
     conditions = join([conditions, held(axes, np.tile([1.0, 0.0], (axes.size, 1)))])
@@ -150,12 +166,12 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
             format="csr",
         )
     )
-    slips = {name: part.kept(movable(part.group, basis)) for name, part in slips.items()}
-    slips = {name: part for name, part in slips.items() if part.group.weights.size}
+    jumping = {name: part.kept(movable(part.group, basis)) for name, part in jumping.items()}
+    jumping = {name: part for name, part in jumping.items() if part.group.weights.size}
     full = KinematicProgram(
         groups=(
             *(_plasticity(name, dofs, n) for name, dofs in bodies.items()),
-            *(part.group for part in slips.values()),
+            *(part.group for part in jumping.values()),
             *(group for name, dofs in frames.items() for group in dofs.groups(name, n)),
         ),
         contact=contact,
@@ -184,7 +200,8 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
         bodies=bodies,
         assemblies=assemblies,
         frames=frames,
-        jumps=slips,
+        jumps=jumping,
+        slips=slipping,
         points=points,
         shared_corners=_shared_corners(program.contact, points, problem),
         footings=node_dofs.size + np.arange(len(footings)),
@@ -418,10 +435,12 @@ def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:
     return nodes.ravel() + dofs.first_node, np.concatenate(outward)
 
 
-def _support_conditions(support: Fix, dofs: BodyDofs) -> NodeConditions:
+def _support_conditions(support: Fix, dofs: BodyDofs, slip: Slip | None) -> NodeConditions:
     facets = _facets(dofs, support)
     if support.components in ("normal", "tangential"):
         _require_straight(support, dofs, facets)
+    if slip is not None:
+        facets = np.setdiff1d(facets, slip.of(-1))
     return support_conditions(support, *_boundary_nodes(dofs, facets))
 
 
@@ -443,5 +462,10 @@ def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
         )
 
 
-def _footing_conditions(footing: RigidFooting, dofs: BodyDofs, number: int) -> NodeConditions:
-    return footing_conditions(footing, *_boundary_nodes(dofs, _facets(dofs, footing)), number)
+def _footing_conditions(
+    footing: RigidFooting, dofs: BodyDofs, slip: Slip | None, number: int
+) -> NodeConditions:
+    facets = _facets(dofs, footing)
+    if slip is not None:
+        facets = np.setdiff1d(facets, slip.of(number))
+    return footing_conditions(footing, *_boundary_nodes(dofs, facets), number)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError
 
 _PARALLEL = 1e-12  # squared sine between directions that count as one: far above round-off
@@ -62,24 +62,7 @@ def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[
     """
     n_nodes, n_footings = node_dofs.shape[1], len(footing_names)
     d = conditions.directions
-    gram = np.zeros((n_nodes, 2, 2))
-    np.add.at(gram, conditions.nodes, d[:, :, None] * d[:, None, :])
-    moved = np.zeros((n_nodes, 2, n_footings))
-    of_footing = conditions.footing >= 0
-    for axis in (0, 1):
-        np.add.at(
-            moved[:, axis],
-            (conditions.nodes[of_footing], conditions.footing[of_footing]),
-            d[of_footing, axis] * conditions.factors[of_footing],
-        )
-    count = np.trace(gram, axis1=1, axis2=2)
-    determinant = np.linalg.det(gram)
-    fixed = determinant > _PARALLEL * np.maximum(count, 1) ** 2
-    sliding = (count > 0) & ~fixed
-
-    carried = np.zeros_like(moved)
-    carried[fixed] = np.linalg.solve(gram[fixed], moved[fixed])
-    carried[sliding] = moved[sliding] / count[sliding, None, None]
+    count, sliding, carried = _carried(conditions, n_nodes, n_footings)
     _check_consistent(conditions, carried, footing_names)
 
     tangent = np.zeros((n_nodes, 2))
@@ -112,12 +95,49 @@ def free_basis(conditions: NodeConditions, node_dofs: Ints, footing_names: list[
     return basis
 
 
-def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[str]) -> None:
+def contradictory(conditions: NodeConditions, n_nodes: int, n_footings: int) -> Ints:
+    """Nodes, ascending, at which no velocity obeys all conditions while footings move at will."""
+    _, _, carried = _carried(conditions, n_nodes, n_footings)
+    wrong = _missing(conditions, carried).max(axis=1, initial=0.0) > _CONFLICT
+    return np.unique(conditions.nodes[wrong])
+
+
+def _carried(
+    conditions: NodeConditions, n_nodes: int, n_footings: int
+) -> tuple[Floats, Bools, Floats]:
+    """Conditions at nodes, (nodes,); which may slide; how footings carry them, (nodes, 2, f)."""
+    d = conditions.directions
+    gram = np.zeros((n_nodes, 2, 2))
+    np.add.at(gram, conditions.nodes, d[:, :, None] * d[:, None, :])
+    moved = np.zeros((n_nodes, 2, n_footings))
+    of_footing = conditions.footing >= 0
+    for axis in (0, 1):
+        np.add.at(
+            moved[:, axis],
+            (conditions.nodes[of_footing], conditions.footing[of_footing]),
+            d[of_footing, axis] * conditions.factors[of_footing],
+        )
+    count = np.trace(gram, axis1=1, axis2=2)
+    determinant = np.linalg.det(gram)
+    fixed = determinant > _PARALLEL * np.maximum(count, 1) ** 2
+    sliding = (count > 0) & ~fixed
+    carried = np.zeros_like(moved)
+    carried[fixed] = np.linalg.solve(gram[fixed], moved[fixed])
+    carried[sliding] = moved[sliding] / count[sliding, None, None]
+    return count, sliding, carried
+
+
+def _missing(conditions: NodeConditions, carried: Floats) -> Floats:
+    """By how much each condition fails at a unit speed of each footing, shape (c, footings)."""
     wanted = np.zeros((conditions.nodes.size, carried.shape[2]))
     of_footing = np.flatnonzero(conditions.footing >= 0)
     wanted[of_footing, conditions.footing[of_footing]] = conditions.factors[of_footing]
     given = np.einsum("ci,cif->cf", conditions.directions, carried[conditions.nodes])
-    wrong = np.abs(given - wanted).max(axis=0, initial=0.0) > _CONFLICT
+    return np.abs(given - wanted)
+
+
+def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[str]) -> None:
+    wrong = _missing(conditions, carried).max(axis=0, initial=0.0) > _CONFLICT
     if wrong.any():
         raise InputError(
             "RigidFooting",

@@ -12,6 +12,7 @@ from lacore.errors import InputError
 from lacore.kinematic_bound import UpperBound, plastic_power
 from lacore.program import require_homogeneous
 from lacore.result import LimitState
+from lacore.slips import Slip
 from lacore.static_bound import LowerBound
 from lacore.status import Status
 
@@ -57,8 +58,9 @@ class GapIdentity:
 def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdentity:
     """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
-    Velocities and dissipation of the upper bound, that of velocity jumps half to either side;
-    stresses of the lower one. Interfaces have ``w limit ||u_t|| + int t.u``.
+    Velocities and dissipation of the upper bound, that of velocity jumps half to either side, past
+    supports and footings all to the body; stresses of the lower one. Interfaces have
+    ``w limit ||u_t|| + int t.u``.
 
     Raises:
         InputError: what is no bound, or not there; other meshes, a velocity space that gives no
@@ -77,7 +79,8 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         dissipation = plastic_power(discretisation, velocity, 1)
     restricted = np.zeros(static.n)
     for name, multipliers in lower.model.bodies.items():
-        nodes, values = restriction(discretisation.bodies[name], multipliers, velocity)
+        slip = discretisation.slips.get(name)
+        nodes, values = restriction(discretisation.bodies[name], multipliers, velocity, slip)
         restricted[2 * nodes], restricted[2 * nodes + 1] = values
     elements = {}
     for name, group, s, p in zip(
@@ -104,12 +107,13 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
 
 
 def restriction(
-    dofs: BodyDofs, multipliers: EquilibriumDofs, velocity: Floats
+    dofs: BodyDofs, multipliers: EquilibriumDofs, velocity: Floats, slip: Slip | None
 ) -> tuple[Floats, Floats]:
     """Nodes of the multipliers that do the power of a velocity on linear stresses, and values.
 
     ``2/L int N_i u ds`` at the ends of facets and means over elements. Of velocities that jump the
-    mean of both sides, which gives each element half the power of the jump.
+    mean of both sides, which gives each element half the power of the jump; where the body slips,
+    that of what holds it.
 
     Returns:
         Nodes, shape (k,), and velocities, shape (2, k).
@@ -127,6 +131,8 @@ def restriction(
             for axis in (0, 1):
                 share = corner[axis, i] + other[axis]
                 np.add.at(total[axis], (end, facets), share * 2 / 3)
+    if slip is not None:
+        total[..., slip.facets] = slip.stuck_to(total[..., slip.facets], velocity)
     sides = 1 + (mesh.f2t[1] >= 0)
     mean = (middle if quadratic else corner).mean(axis=1)
     facets = np.arange(mesh.nfacets)

@@ -1,4 +1,6 @@
-"""Velocity jumps between the elements of a body, as dissipation like any other (T23).
+"""Velocity jumps of a body, as dissipation like any other (T23).
+
+Between its elements, and along boundaries where it slips past what holds it (`lacore.slips`).
 
 A jump over an edge of length L is a layer of thickness L with the strain rate
 ``sym(n (x) [u])/L``: the criterion says what it costs, per volume L^2. Its cones stand at the
@@ -17,6 +19,7 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.dofs import BodyDofs
 from lacore.program import DissipationGroup
+from lacore.slips import Slip
 
 CONTROL = {
     1: np.eye(2),
@@ -32,7 +35,7 @@ class Jumps:
 
     Attributes:
         group: their dissipation; cone by cone along each edge.
-        elements: on both sides of each cone, shape (2, m).
+        elements: on both sides of each cone, shape (2, m); at a boundary twice the same.
         place: number of each cone among the control values of all edges, `copies` an edge, shape
             (m,); the others are zero.
         copies: control values of an edge.
@@ -54,6 +57,12 @@ class Jumps:
         )
         return Jumps(group, self.elements[:, mask], self.place[mask], self.copies)
 
+    def held_force(self, stress: Floats) -> Floats:
+        """Nodal forces of stresses of shape (m, dim) on what the body slips past, shape (n,)."""
+        outer = self.elements[0] == self.elements[1]
+        weights = np.where(outer, self.group.weights, 0.0)
+        return np.asarray(self.group.rows.T @ (weights[:, None] * stress).ravel())
+
     def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
         """Elements on both sides of edges, shape (2, e), and the power dissipated there, (e,).
 
@@ -72,14 +81,22 @@ class Jumps:
         return self.elements[:, first], strength * total / parts
 
 
-def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
-    """All jumps of a body with a discontinuous space, for n unknowns."""
+def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
+    """All jumps of a body for n unknowns: of a discontinuous space, and past what holds it."""
     mesh = dofs.body.mesh
-    inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    first, second = (_control_values(dofs, inner, side, n) for side in (0, 1))
-    x, y = (csr_matrix(b - a) for a, b in zip(first, second, strict=True))
-    copies = dofs.degree + 1
-    facets = np.repeat(inner, copies)
+    inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
+    outer = np.zeros(0, dtype=np.int64) if slip is None else slip.facets
+    facets, copies = np.concatenate([inner, outer]), dofs.degree + 1
+    own = _control_values(dofs, facets, 0, n)
+    beyond = _control_values(dofs, inner, 1, n)
+    if slip is not None:
+        held = slip.held_rows(copies, n)
+        beyond = [csr_matrix(vstack(part)) for part in zip(beyond, held, strict=True)]
+    x, y = (csr_matrix(b - a) for a, b in zip(own, beyond, strict=True))
+    elements = mesh.f2t[:, facets].astype(np.int64)
+    elements[1, inner.size :] = elements[0, inner.size :]
+    within = np.repeat(np.arange(facets.size) < inner.size, copies)
+    facets = np.repeat(facets, copies)
     along = mesh.p[:, mesh.facets[1, facets]] - mesh.p[:, mesh.facets[0, facets]]
     length = np.linalg.norm(along, axis=0)
 
@@ -87,12 +104,13 @@ def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
         share = direction / length**2
         return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
 
-    opening, slip = across(np.stack([along[1], -along[0]])), across(along)
+    # What holds a boundary, or does not, has no normal jump.
+    opening, slipping = across(np.stack([along[1], -along[0]]) * within), across(along)
     form = dofs.body.criterion.conic_form(dofs.body.kinematics).across()
     dim, count = form.rows.shape[0], length.size
     order = np.arange(dim * count).reshape(dim, count).T.ravel()
-    rows = vstack([a * opening + b * slip for a, b in form.rows], format="csr")[order]
-    volumetric = csr_matrix(form.volumetric[0] * opening + form.volumetric[1] * slip)
+    rows = vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
+    volumetric = csr_matrix(form.volumetric[0] * opening + form.volumetric[1] * slipping)
     for matrix in (rows, volumetric):
         matrix.eliminate_zeros()
     group = DissipationGroup(
@@ -104,7 +122,7 @@ def jumps(name: str, dofs: BodyDofs, n: int) -> Jumps:
         volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
     )
-    return Jumps(group, mesh.f2t[:, facets].astype(np.int64), np.arange(count), copies)
+    return Jumps(group, np.repeat(elements, copies, axis=1), np.arange(count), copies)
 
 
 def movable(group: DissipationGroup, basis: Sparse) -> Bools:

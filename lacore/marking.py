@@ -29,16 +29,24 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     """How far the dissipation of each element is above that of its mean strain rate (T26d).
 
     By convexity no less than 0, and the least share of a gap (T26) that any stress constant in the
-    element can leave. Shape (elements,), in the unit of load factors.
+    element can leave. Its slip past what holds it is strain like any other. Shape (elements,), in
+    the unit of load factors.
     """
-    groups = bound.discretisation.full.groups
+    discretisation = bound.discretisation
+    groups = discretisation.full.groups
     group = next(group for group in groups if group.name == body)
     whole = bound.dissipation[body]
     rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
         whole.size, -1, group.dim
     )
     strength = group.bound.reshape(whole.size, -1)[:, 0]
-    return np.asarray(whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1))
+    total = rates.sum(axis=1)
+    if body in discretisation.slips:
+        dofs, slip = discretisation.bodies[body], discretisation.slips[body]
+        form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+        elements = dofs.body.mesh.f2t[0, slip.facets]
+        np.add.at(total, elements, slip.layer(dofs, bound.velocity) @ form.rows.T)
+    return np.asarray(whole - strength * np.linalg.norm(total, axis=1))
 
 
 def lower_shares(bound: LowerBound, body: str) -> Floats:

@@ -125,7 +125,8 @@ class LimitState:
         W/m^3 where the load is in N, that is of axisymmetric bodies; W/m^2 per unit thickness.
         Within a step of a path bodies harden, and it is that of the yield stress by then.
 
-        That of a velocity jump goes to both elements, half each.
+        That of a velocity jump goes to both elements, half each; past supports and footings all of
+        it to the one there is.
         """
         u, d = self._point().velocity, self.discretisation
         power = {
@@ -263,6 +264,11 @@ class LimitState:
         """
         point = self._point()
         force = out_of_balance(self.discretisation.full, point)
+        jumps = self.discretisation.jumps.values()
+        for part, stress in zip(
+            jumps, point.stress[len(self.discretisation.bodies) :], strict=False
+        ):
+            force -= part.held_force(stress)  # what the body slips past pulls it back
         frames = []
         for name, dofs in self.discretisation.bodies.items():
             held = self.discretisation.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]

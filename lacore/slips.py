@@ -1,0 +1,260 @@
+"""Slip along held boundaries, where what holds them meets other conditions at a corner (T23).
+
+A continuous velocity that sticks to a support, or to a rough footing, sticks to it at its last
+vertex too. Where contact of another direction begins there, or something that moves otherwise, no
+velocity is left, on any mesh, though the continuum has one: the body yields beside what holds it.
+Its tangential velocity jumps, at ``k |[u_t]|`` per area, which is no less than what any admissible
+stress does there, so that bounds stay strict; ``[u_n] = 0`` stays. Such a boundary slips along all
+of its length, on every mesh; all others stick, as in the limit of fine meshes they may.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.conditions import footing_conditions, support_conditions
+from lacore.contact_geometry import interface_segments
+from lacore.dofs import BodyDofs
+from lacore.elimination import NodeConditions, contradictory, join
+from lacore.interfaces import RigidObstacle
+from lacore.loads import RigidFooting
+from lacore.problem import Problem
+
+_PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
+
+
+@dataclass(frozen=True)
+class Slip:
+    """Facets of a body along which it may slip past what holds it.
+
+    Attributes:
+        facets: of its mesh, shape (e,).
+        normal: outward unit normals, shape (2, e).
+        footing: number of the footing that holds each, -1 of supports, shape (e,).
+        unknown: speed of that footing among all unknowns; of supports any, shape (e,).
+        motion: velocity of what holds, per speed of the footing, shape (2, e); of supports 0.
+        pressed: whether it holds the normal velocity too, shape (e,).
+        stuck: which ends may not slip, in the order of ``mesh.facets``, shape (2, e).
+    """
+
+    facets: Ints
+    normal: Floats
+    footing: Ints
+    unknown: Ints
+    motion: Floats
+    pressed: Bools
+    stuck: Bools
+
+    @property
+    def tangent(self) -> Floats:
+        """The normals turned by +90 degrees, shape (2, e)."""
+        return np.stack([-self.normal[1], self.normal[0]])
+
+    def of(self, footing: int) -> Ints:
+        """The facets that a footing holds, or with -1 the supports."""
+        return self.facets[self.footing == footing]
+
+    def nodes(self, dofs: BodyDofs) -> Ints:
+        """Nodes on its facets, numbered among those of all bodies, shape (a, e)."""
+        return np.asarray(dofs.facet_nodes(self.facets) + dofs.first_node)
+
+    def conditions(self, dofs: BodyDofs) -> NodeConditions:
+        """What is left of the conditions on the nodes of its facets."""
+        nodes = self.nodes(dofs)
+        ends = nodes[[0, -1]]
+        parts = []
+        for wanted, at, direction in (
+            (np.broadcast_to(self.pressed, nodes.shape), nodes, self.normal),
+            (self.stuck, ends, self.tangent),
+        ):
+            facet = np.nonzero(wanted)[1]
+            along = np.sum(direction * self.motion, axis=0)
+            own = NodeConditions(at[wanted], direction.T[facet], self.footing[facet], along[facet])
+            parts.append(own)
+        return join(parts)
+
+    def held_velocity(self, velocity: Floats) -> Floats:
+        """Velocity of what holds the facets, shape (2, e), of all unknowns."""
+        return np.asarray(self.motion * velocity[self.unknown])
+
+    def held_rows(self, copies: int, n: int) -> tuple[Sparse, Sparse]:
+        """Rows of u_x and u_y of what holds the facets, `copies` a facet, for n unknowns."""
+        count = copies * self.facets.size
+        columns, start = np.repeat(self.unknown, copies), np.arange(count + 1)
+        x, y = (
+            csr_matrix((np.repeat(part, copies), columns, start), (count, n))
+            for part in self.motion
+        )
+        return x, y
+
+    def layer(self, dofs: BodyDofs, velocity: Floats) -> Floats:
+        """Strain rates (xx, yy, gamma_xy) in the layers of slip, times their volumes, (e, 3)."""
+        mesh = dofs.body.mesh
+        values = velocity[dofs.dofs[:, dofs.facet_nodes(self.facets)]]  # (2, a, e)
+        mean = np.array([1.0, 1.0] if dofs.degree == 1 else [1.0, 4.0, 1.0])
+        mean = np.einsum("iae,a->ie", values, mean / mean.sum())
+        start, end = mesh.p[:, mesh.facets[:, self.facets]].transpose(1, 0, 2)
+        length = np.linalg.norm(end - start, axis=0)
+        back = length * (self.stuck_to(mean, velocity) - mean)
+        (n_x, n_y), (u_x, u_y) = self.normal, back
+        return np.stack([n_x * u_x, n_y * u_y, n_x * u_y + n_y * u_x], axis=1)
+
+    def stuck_to(self, values: Floats, velocity: Floats) -> Floats:
+        """Velocities on the facets, shape (2, ..., e), without their slip."""
+        shape = (2, *(1,) * (values.ndim - 2), self.facets.size)
+        tangent, held = self.tangent.reshape(shape), self.held_velocity(velocity).reshape(shape)
+        slip = np.sum(tangent * (values - held), axis=0, keepdims=True)
+        return np.asarray(values - tangent * slip)
+
+
+def slips(
+    problem: Problem,
+    bodies: Mapping[str, BodyDofs],
+    footings: Sequence[RigidFooting],
+    first: int,
+) -> dict[str, Slip]:
+    """Where the bodies of a problem slip, by name; those that slip nowhere are left out.
+
+    Of straight triangles in the plane: elsewhere no load factor is a bound, and meshes of paths
+    would leave what holds them.
+
+    Args:
+        problem: the problem.
+        bodies: its continua.
+        footings: in the order of their unknowns.
+        first: number of the first of these.
+    """
+    found = {}
+    for name, dofs in bodies.items():
+        if not dofs.linear:
+            continue
+        asked, owner = _asked(problem, name, dofs, footings)
+        slip = _slip(dofs, asked, owner, footings, first, _contact(problem, name))
+        if slip is not None:
+            found[name] = slip
+    return found
+
+
+def _asked(
+    problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[RigidFooting]
+) -> tuple[NodeConditions, Ints]:
+    """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
+    parts = []
+    for support in problem.supports:
+        if support.body == name:
+            facets = boundary_facets(dofs.body, support.where, "Fix.where")
+            *_, outward = facet_geometry(dofs.body, facets)
+            parts.append((-1, support_conditions(support, facets, outward.T)))
+    for number, footing in enumerate(footings):
+        if footing.body == name:
+            facets = boundary_facets(dofs.body, footing.where, "RigidFooting.where")
+            *_, outward = facet_geometry(dofs.body, facets)
+            parts.append((number, footing_conditions(footing, facets, outward.T, number)))
+    owners = [np.full(own.nodes.size, number) for number, own in parts]
+    return join([own for _, own in parts]), np.concatenate([np.zeros(0, dtype=np.int64), *owners])
+
+
+def _contact(problem: Problem, name: str) -> Ints:
+    """Facets of a body that are in contact."""
+    facets = [np.zeros(0, dtype=np.int64)]
+    for index, interface in enumerate(problem.interfaces):
+        sides = [interface.slave[0]]
+        if not isinstance(interface.master, RigidObstacle):
+            sides.append(interface.master[0])
+        if name in sides:
+            field = f"Problem.interfaces[{index}]"
+            segments = interface_segments(interface, problem.bodies, field)
+            facets.append((segments.slave, segments.master)[sides.index(name)])
+    return np.unique(np.concatenate(facets))
+
+
+def _slip(
+    dofs: BodyDofs,
+    asked: NodeConditions,
+    asking: Ints,
+    footings: Sequence[RigidFooting],
+    first: int,
+    contact: Ints,
+) -> Slip | None:
+    mesh = dofs.body.mesh
+    facets, owner, pressed = _sticking(dofs, asked, asking)
+    apart = ~np.isin(facets, contact)
+    facets, owner, pressed = facets[apart], owner[apart], pressed[apart]
+    if not facets.size:
+        return None
+    *_, normal = facet_geometry(dofs.body, facets)
+    ends = mesh.facets[:, facets]
+    turned, straight = _meetings(dofs, facets, normal, contact)
+    corners = join(
+        [
+            NodeConditions(end, asked.directions, asked.footing, asked.factors)
+            for end in mesh.facets[:, asked.nodes].astype(np.int64)
+        ]
+    )
+    against = np.isin(ends, contradictory(corners, mesh.nvertices, len(footings)))
+    part = _parts(ends, owner)
+    kept = np.isin(part, part[(turned | against).any(axis=0)])
+    if not kept.any():
+        return None
+    motion = np.array([*(footing.direction for footing in footings), (0.0, 0.0)])
+    return Slip(
+        facets=facets[kept],
+        normal=normal[:, kept],
+        footing=owner[kept],
+        unknown=np.where(owner < 0, 0, first + owner)[kept],
+        motion=motion[owner[kept]].T,
+        pressed=pressed[kept],
+        stuck=straight[:, kept],
+    )
+
+
+def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints, Ints, Bools]:
+    """Facets whose tangential velocity one owner holds, who, and whether the normal one too."""
+    # One entry a facet and owner.
+    keys = np.stack([asked.nodes, asking])
+    (facets, owner), entry = np.unique(keys, axis=1, return_inverse=True)
+    entry = entry.ravel()
+    *_, normal = facet_geometry(dofs.body, facets)
+    n, d = normal[:, entry], asked.directions.T
+    across, along = np.sum(n * d, axis=0), n[0] * d[1] - n[1] * d[0]
+    nn, nt, tt = (
+        np.bincount(entry, values, minlength=facets.size)
+        for values in (across**2, across * along, along**2)
+    )
+    both = nn * tt - nt**2 > _PARALLEL
+    only = (tt > _PARALLEL) & (nn <= _PARALLEL)
+    owners = np.bincount(facets[tt > _PARALLEL], minlength=dofs.body.mesh.nfacets)
+    able = (both | only) & (owners[facets] == 1)
+    return facets[able], owner[able], both[able]
+
+
+def _meetings(dofs: BodyDofs, facets: Ints, normal: Floats, contact: Ints) -> tuple[Bools, Bools]:
+    """Which ends of facets meet contact in another direction, and which in their own, (2, e)."""
+    mesh = dofs.body.mesh
+    *_, facing = facet_geometry(dofs.body, contact)
+    vertices, count = mesh.facets[:, contact].ravel(), contact.size
+    touching = csr_matrix(
+        (np.ones(2 * count), (vertices, np.tile(np.arange(count), 2))), (mesh.nvertices, count)
+    )
+    end, other = touching[mesh.facets[:, facets].ravel()].nonzero()
+    n, m = normal[:, end % facets.size], facing[:, other]
+    parallel = (n[0] * m[1] - n[1] * m[0]) ** 2 <= _PARALLEL
+    turned, straight = (
+        np.isin(np.arange(2 * facets.size), end[mask]).reshape(2, -1)
+        for mask in (~parallel, parallel)
+    )
+    return turned, straight
+
+
+def _parts(ends: Ints, owner: Ints) -> Ints:
+    """Numbers of the connected parts that one owner holds, shape (e,), from ends (2, e)."""
+    count = owner.size
+    joints = np.stack([ends.ravel(), np.tile(owner, 2)])
+    _, joint = np.unique(joints, axis=1, return_inverse=True)
+    incidence = csr_matrix((np.ones(2 * count), (np.tile(np.arange(count), 2), joint.ravel())))
+    return np.asarray(connected_components(incidence @ incidence.T, directed=False)[1])
