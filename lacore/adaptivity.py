@@ -112,6 +112,10 @@ def bracket(
     lower, upper = run.best["lower"], run.best["upper"]
     assert isinstance(lower, LowerBound)
     assert isinstance(upper, UpperBound)
+    missing = {"lower": lower.message, "upper": upper.state.message}
+    for kind, bound in run.best.items():
+        if bound.status is not Status.SOLVED:
+            run.failures[kind] = run.failures[kind] or missing[kind]
     failed = [f"{kind} bound: {why}" for kind, why in sorted(run.failures.items()) if why]
     if ending is Ending.CROSSED:
         failed.append(crossing(lower, upper))

@@ -76,7 +76,8 @@ class Bracket:
         lower_bound, upper_bound: the best ones, with their states and meshes.
         target_width: as asked for.
         history: one row a solve, see `Step`.
-        failure: what the solver said where there is no bound, or how far bounds cross; else empty.
+        failure: why there is no bound, on either side: its mesh is locked or unsafe, or the solver
+            failed; or how far bounds cross; else empty.
     """
 
     status: Ending

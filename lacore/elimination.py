@@ -133,7 +133,7 @@ def _missing(conditions: NodeConditions, carried: Floats) -> Floats:
     of_footing = np.flatnonzero(conditions.footing >= 0)
     wanted[of_footing, conditions.footing[of_footing]] = conditions.factors[of_footing]
     given = np.einsum("ci,cif->cf", conditions.directions, carried[conditions.nodes])
-    return np.abs(given - wanted)
+    return np.asarray(np.abs(given - wanted))
 
 
 def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[str]) -> None:

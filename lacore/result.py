@@ -265,10 +265,9 @@ class LimitState:
         point = self._point()
         force = out_of_balance(self.discretisation.full, point)
         jumps = self.discretisation.jumps.values()
-        for part, stress in zip(
-            jumps, point.stress[len(self.discretisation.bodies) :], strict=False
-        ):
-            force -= part.held_force(stress)  # what the body slips past pulls it back
+        after = point.stress[len(self.discretisation.bodies) :]
+        for jump, stress in zip(jumps, after, strict=False):
+            force -= jump.held_force(stress)  # what the body slips past pulls it back
         frames = []
         for name, dofs in self.discretisation.bodies.items():
             held = self.discretisation.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]

@@ -57,7 +57,7 @@ class Slip:
 
     def of(self, footing: int) -> Ints:
         """The facets that a footing holds, or with -1 the supports."""
-        return self.facets[self.footing == footing]
+        return np.asarray(self.facets[self.footing == footing])
 
     def nodes(self, dofs: BodyDofs) -> Ints:
         """Nodes on its facets, numbered among those of all bodies, shape (a, e)."""

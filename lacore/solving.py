@@ -231,6 +231,11 @@ def limit_state(
         message += f"; {corners}"
     if inner.message:
         message += f" ({inner.message})"
+    if coupled.status is Status.LOCKED and discretisation.bodies:
+        message += (
+            "; of the discrete problem: a deformable body may have a motion that this mesh has not;"
+            " refine it, or ask lacore.lower_bound, which speaks of the continuum"
+        )
     if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
         message += (
             "; contact points with friction meet at a corner, where reactions, and with them the"

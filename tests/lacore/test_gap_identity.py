@@ -31,7 +31,7 @@ def test_restricted_velocities_do_the_same_power():
     kinematic, static = discretise(stated), static_model(stated)
     velocity = rng.normal(size=kinematic.full.n)
     restricted = np.zeros(static.full.n)
-    nodes, values = restriction(kinematic.bodies["block"], static.bodies["block"], velocity)
+    nodes, values = restriction(kinematic.bodies["block"], static.bodies["block"], velocity, None)
     restricted[2 * nodes], restricted[2 * nodes + 1] = values
     for mine, its in (
         (static.full.reference_load, kinematic.full.reference_load),
