@@ -143,6 +143,7 @@ def _check_consistent(conditions: NodeConditions, carried: Floats, names: list[s
             "RigidFooting",
             names[int(np.flatnonzero(wrong)[0])],
             "a support or another footing at one of its nodes keeps it from moving",
-            "end the other beside it, release the component along its direction, or, for two"
-            " footings at one place, give both one direction and one roughness",
+            "end the other beside it, release the component along its direction, for two footings"
+            " at one place give both one direction and one roughness; at a corner take a space of"
+            " straight triangles in the plane, which slip there",
         )

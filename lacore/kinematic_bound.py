@@ -45,7 +45,7 @@ class UpperBound:
         penetration: recomputed as in `Certificate`; at most the same.
         velocity: all unknowns, m/s at ``F0.u = 1``, shape (n,).
         dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
-            load factors; half of that of a velocity jump on either side.
+            load factors; half of that of a velocity jump on either side, all of it at a boundary.
         state: the solve that it was made of; its load factor is that of the vertex rule.
     """
 
