@@ -201,19 +201,22 @@ def coulomb_range(
                 options=options or {},
                 tolerance=tolerance,
             ),
-            load_factor=end.load_factor * scale,
+            load_factor=_outward(side, end.load_factor * scale, first),
             solve_time=time.perf_counter() - begin,
         )
     for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
         first, ends = refused, {}
     nothing = np.inf if first.status is Status.LOCKED else np.nan
+    si = (bounds[0] * scale, bounds[1] * scale)
+    if ends:
+        si = _about(si, ends[LOW].load_factor, ends[HIGH].load_factor)
     return CoulombRange(
         status=Status.SOLVED if ends else first.status,
         lowest=ends.get(LOW),
         highest=ends.get(HIGH),
         low=ends[LOW].load_factor if ends else nothing,
         high=ends[HIGH].load_factor if ends else nothing,
-        bracket=(bounds[0] * scale, bounds[1] * scale),
+        bracket=si,
         states=pd.DataFrame(rows, columns=_COLUMNS),
         backend=backend,
         seed=seed,
@@ -235,6 +238,25 @@ def _row(found: Found, scale: float) -> dict[str, Any]:
         "high_end": upper.status.label,
         "residual": max(lower.certificate.worst[1], upper.certificate.worst[1]),
     }
+
+
+def _outward(side: float, load_factor: float, first: LimitState) -> float:
+    """An end, and no nearer by round-off than the certified state that the search began with."""
+    if first.status is not Status.SOLVED:
+        return load_factor
+    return side * max(side * load_factor, side * first.load_factor)
+
+
+def _about(bracket: tuple[float, float], low: float, high: float) -> tuple[float, float]:
+    """Bounds that certified load factors stick out of by round-off moved to them."""
+    below, above = bracket
+    sizes = [abs(value) for value in (below, above, low, high) if np.isfinite(value)]
+    slack = _CLOSE * max(sizes)
+    if below - slack <= low < below:
+        below = low
+    if above < high <= above + slack:
+        above = high
+    return below, above
 
 
 def _reached(value: float, bound: float) -> bool:

@@ -15,13 +15,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.backend import PreparedSolver, checked_answer
+from lacore.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.certificate import certify
 from lacore.certified import averaged
 from lacore.coulomb_bounds import lower_bound, upper_bound
 from lacore.coupling import CouplingOptions, Iterate, Run
 from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact
 from lacore.state import ProgramState
+from lacore.status import Status
 
 LOW, HIGH = -1.0, 1.0
 _STEPS = 10  # of friction
@@ -102,7 +104,7 @@ class Search:
         From these once as they are, and `restarts` times shaken.
         """
         if certified is not None:
-            self._climb_both(self._found(certified, 0, "certified"))
+            self._climb_both(self._known(certified))
         for restart in range(restarts + 1):
             spread = _SHAKEN if restart else 0.0
             if not (self._bounded(LOW) and self._bounded(HIGH)):
@@ -162,8 +164,20 @@ class Search:
         if settled is None:
             return None
         state, run = settled
+        return self._noted(state, restart, origin, tuple(run.iterates))
+
+    def _known(self, certified: ProgramState) -> Found:
+        """The mechanism of a state that needs no settling, so that its own load is among those."""
+        inner = InnerSolution(Status.SOLVED, "certified", 0, 0.0, certified)
+        proof = certify(self.program, certified)
+        iterate = Iterate(0, "certified", inner, certified, proof, float("nan"))
+        return self._noted(certified, 0, "certified", (iterate,))
+
+    def _noted(
+        self, state: ProgramState, restart: int, origin: str, iterates: tuple[Iterate, ...]
+    ) -> Found:
         interval = load_factor_interval(self.program, state, self._counted, self.tolerance)
-        found = Found(restart, origin, interval, tuple(run.iterates))
+        found = Found(restart, origin, interval, iterates)
         for side in (LOW, HIGH):
             best = self.best.get(side)
             if best is None or self._beyond(side, found.end(side), best.end(side)):

@@ -72,8 +72,10 @@ class End:
 class Interval:
     """Load factors that one mechanism carries: all of [low, high].
 
-    Other mechanisms may carry others. Only the upper end can be unbounded: friction takes power, so
-    that alpha is at least the plastic dissipation less the power of the dead load.
+    Ends are rounded outward: by what their proofs leave open, and to the load factor of the state,
+    so that ``low <= load_factor <= high``. Other mechanisms may carry others. Only the upper end
+    can be unbounded: friction takes power, so that alpha is at least the plastic dissipation less
+    the power of the dead load.
 
     Attributes:
         lower, upper: the ends.
@@ -128,21 +130,22 @@ def interval_of_state(
         found = load_factor_interval(
             program, point_in_program(discretisation, point), prepare, tolerance
         )
-    return interval_in_si(discretisation, found)
+    return _in_si(discretisation, found, point)
 
 
-def interval_in_si(discretisation: Discretisation, interval: Interval) -> Interval:
-    """An interval of the dimensionless program as one of its problem."""
+def _in_si(discretisation: Discretisation, interval: Interval, state: ProgramState) -> Interval:
+    """An interval of the dimensionless program as one of its problem, about a state of it."""
     scale = discretisation.natural.load_factor
-    lower, upper = (
-        replace(
+    ends = []
+    for sign, end in ((-1.0, interval.lower), (1.0, interval.upper)):
+        there = replace(
             end,
             load_factor=end.load_factor * scale,
             point=point_in_si(discretisation, end.point),
         )
-        for end in (interval.lower, interval.upper)
-    )
-    return Interval(lower, upper)
+        known = End(end.status, state.load_factor, state, end.certificate)
+        ends.append(_further(there, known, sign))
+    return Interval(*ends)
 
 
 def load_factor_interval(
@@ -163,8 +166,18 @@ def load_factor_interval(
     if not program.contact.coulomb.any():  # the power balance of the mechanism leaves no choice
         unique = End(EndStatus.EXACT, point.load_factor, point, found)
         return Interval(unique, unique)
-    ends = (proven_end(program, point, sign, prepare, tolerance) for sign in (-1.0, 1.0))
-    return Interval(*(end or End(EndStatus.FOUND, point.load_factor, point, found) for end in ends))
+    ends = []
+    for sign in (-1.0, 1.0):
+        end = proven_end(program, point, sign, prepare, tolerance)
+        known = End(EndStatus.FOUND, point.load_factor, point, found)
+        ends.append(known if end is None else _further(end, known, sign))
+    return Interval(*ends)
+
+
+def _further(end: End, known: End, sign: float) -> End:
+    """The end, or the state itself where round-off has it beyond: it proves its own load factor."""
+    beyond = sign * (known.load_factor - end.load_factor) > 0
+    return replace(known, status=end.status) if beyond else end
 
 
 def proven_end(
@@ -199,32 +212,31 @@ def proven_end(
 def _end(
     face: Face, solved: KinematicProgram, dual: ProgramState, sign: float, tolerance: float
 ) -> End | None:
-    alpha = sign * dual.load_factor
+    bound = _bound(solved, face.contact, dual, tolerance)
+    # Outward: what the dual solution leaves open belongs to the interval.
+    alpha = sign * float(np.maximum(dual.load_factor, bound))
     point = face.state(dual, alpha)
     certificate = certify(face.original, point)
-    power = tolerance * _power(face.original, point)
-    proven = _bounds(solved, face.contact, dual, power, tolerance)
+    slack = tolerance * _power(face.original, point)
+    proven = abs(bound - dual.load_factor) <= slack
     if not (proven and certificate.holds(tolerance)):
         return None
     return End(EndStatus.EXACT, alpha, point, certificate)
 
 
-def _bounds(
-    program: KinematicProgram,
-    contact: FrozenContact,
-    dual: ProgramState,
-    power: float,
-    tolerance: float,
-) -> bool:
-    """Whether the velocity of a solution bounds, but for `power`, the load factor of a face.
+def _bound(
+    program: KinematicProgram, contact: FrozenContact, dual: ProgramState, tolerance: float
+) -> float:
+    """Bound of the load factors of a face by the velocity of a solution; NaN of none.
 
     The power that this velocity turns over is no scale: it can be 0 together with the load factor.
     """
     v, seen = dual.velocity, certify(program, dual, contact)
-    dissipated = program.plastic_dissipation(v) + program.friction_dissipation(v, contact.bound)
-    gap = dissipated - float(program.dead_load @ v) - dual.load_factor
     admissible = (seen.penetration, seen.divergence, seen.normalisation)
-    return abs(gap) <= power and all(value <= tolerance for value in admissible)
+    if not all(value <= tolerance for value in admissible):
+        return np.nan
+    dissipated = program.plastic_dissipation(v) + program.friction_dissipation(v, contact.bound)
+    return dissipated - float(program.dead_load @ v)
 
 
 def _power(program: KinematicProgram, point: ProgramState) -> float:

@@ -221,7 +221,7 @@ def test_the_interval_of_a_solved_problem_holds_its_load(name):
     state = la.solve(PROBLEMS[name]())
     interval = state.interval
     assert interval.exact
-    assert interval.low - 1e-6 <= state.load_factor <= interval.high + 1e-6
+    assert interval.low <= state.load_factor <= interval.high
 
 
 @pytest.mark.parametrize(("mu", "p"), [(0.25, 1.0), (0.35, 1.5), (0.9, 1.5), (0.9, 0.3)])
@@ -435,3 +435,56 @@ def test_a_bound_on_friction_opens_an_interval_too(backend):
     ends = [mu2 * n + mu1 * (w1 + n) for n in (w2 - most, w2 + most)]
     # Each end has a certificate at 1e-6 of the power, alpha and no less.
     assert (interval.low, interval.high) == pytest.approx(tuple(ends), rel=1e-6)
+
+
+# Outward: an interval is no narrower than what is proven.
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_load_factor_of_a_state_lies_in_its_interval(name, backend):
+    state = la.solve(PROBLEMS[name](), backend=backend)
+    if state.status is la.Status.SOLVED:
+        interval = state.interval
+        assert interval.low <= state.load_factor <= interval.high
+        for end in (interval.lower, interval.upper):
+            assert state.certify(point=end.point).holds(1e-6)
+
+
+@pytest.mark.parametrize("off", [-3e-7, 3e-7])
+def test_a_state_beside_its_interval_by_its_residuals_widens_it(off):
+    """Certified to 1e-6, it proves its own load factor; of a single block there is no other."""
+    program = sliding_block()
+    point = coulomb_state(program, "clarabel")
+    beside = replace(point, load_factor=point.load_factor + off * abs(point.load_factor))
+    assert certify(program, beside).holds(1e-6)
+    interval = load_factor_interval(program, beside, at_work("clarabel"))
+    assert interval.low <= beside.load_factor <= interval.high
+    other = interval.low if off > 0 else interval.high
+    assert other == pytest.approx(0.3, abs=1e-9)
+    assert_certified(program, interval.lower)
+    assert_certified(program, interval.upper)
+
+
+def test_what_a_dual_solution_leaves_open_belongs_to_the_interval():
+    """A velocity that is a little off bounds a little further out: the end is where it bounds."""
+    program = rough_stop()
+    point = coulomb_state(program, "clarabel")
+
+    class Rough:
+        """A solver whose static value is too low by 1e-7."""
+
+        def __init__(self, inner):
+            self.inner = inner
+
+        def solve(self, contact):
+            answer = self.inner.solve(contact)
+            lower = answer.point.load_factor - 1e-7
+            return replace(answer, point=replace(answer.point, load_factor=lower))
+
+        def close(self):
+            self.inner.close()
+
+    interval = load_factor_interval(program, point, lambda p: Rough(at_work("clarabel")(p)))
+    assert interval.exact
+    assert [interval.low, interval.high] == pytest.approx([1.2 + 1 / 15, 1.6], abs=1e-8)
