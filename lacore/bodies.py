@@ -12,6 +12,7 @@ from lacore.curved import edge_curves, vertices
 from lacore.errors import InputError, require_known
 from lacore.locking import crossed_quadrilaterals
 from lacore.mesh_checks import check_mesh
+from lacore.polygonal import geometry_of
 from lacore.spaces import SPACES, VelocitySpace
 
 _NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
@@ -37,7 +38,10 @@ class Body:
             ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
             More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
         geometry: ``exact``, or ``approximated`` where straight edges replace a curved boundary:
-            then no value is called a bound.
+            then no value is called a bound. None: what the maker of the mesh says, such as
+            `lacore.meshes.quarter_ring`; else ``approximated`` where the outline turns by small
+            angles at three corners in a row, like a polygon in place of an arc. Of a polygon that
+            is meant say ``exact``.
 
     Raises:
         InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
@@ -48,12 +52,13 @@ class Body:
     criterion: VonMises
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
-    geometry: str = "exact"
+    geometry: str | None = None
 
     def __post_init__(self) -> None:
         require_known("Body.kinematics", self.kinematics, KINEMATICS)
         require_known("Body.space", self.space, SPACES)
-        require_known("Body.geometry", self.geometry, GEOMETRIES)
+        if self.geometry is not None:
+            require_known("Body.geometry", self.geometry, GEOMETRIES)
         if not isinstance(self.criterion, VonMises):
             raise InputError(
                 "Body.criterion",
@@ -71,6 +76,8 @@ class Body:
                 "take 'p2-gauss', or 'q2' on quadrilaterals",
             )
         _check_mesh(self.mesh, space)
+        if self.geometry is None:
+            object.__setattr__(self, "geometry", geometry_of(self.mesh))
         if self.axisymmetric:
             _check_radii(self)
         incompressible = not self.criterion.conic_form(self.kinematics).compressible

@@ -25,7 +25,7 @@ _SUMMED = 1e3
 class Ending(Enum):
     """Why a bracket is as wide as it is. The text says what to do."""
 
-    REACHED = "the target width is proven"
+    REACHED = "the target width is reached"
     MAX_ELEMENTS = "not reached: the next mesh would have more elements than `max_elements`"
     TIME_LIMIT = "not reached: the next solve would end after `time_limit`"
     NO_PROGRESS = (
@@ -69,7 +69,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Bracket:
-    """A load factor between two proven ones.
+    """A load factor between two proven ones: of the body where `strict`, else of its polygon.
 
     Attributes:
         status: whether the target was reached, and if not, why.
@@ -108,6 +108,25 @@ class Bracket:
         rigors = (self.lower_bound.rigor, self.upper_bound.rigor)
         crossed = crossing(self.lower_bound, self.upper_bound)
         return rigors == (Rigor.LOWER, Rigor.UPPER) and not crossed
+
+    @property
+    def polygonal(self) -> bool:
+        """Whether straight edges stand for a curved outline: both bounds are of that polygon."""
+        bodies = self.upper_bound.discretisation.bodies.values()
+        return any(dofs.body.geometry != "exact" for dofs in bodies)
+
+    @property
+    def message(self) -> str:
+        """The status in words, what it is proven of, and what failed."""
+        proven_of = ""
+        if self.strict:
+            proven_of = "both bounds are proven"
+        elif self.polygonal:
+            proven_of = (
+                "both bounds are of the polygon that stands for a curved outline"
+                " (Body.geometry='approximated'), not of the body"
+            )
+        return "; ".join(filter(None, (self.status.value, proven_of, self.failure)))
 
     @cached_property
     def gaps(self) -> GapIdentity:

@@ -26,7 +26,8 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     named subdomains; groups without a name are left out. Nodes that no triangle uses are dropped,
     and so is a z that is constant. A mesh of second order is reduced to its vertices where its
     edges are straight, and refused where one is curved. Of a mesh of first order nobody can tell:
-    where straight edges replace a curve, say so by ``Body(geometry="approximated")``.
+    where its outline looks like a polygon in place of a curve, a `Body` takes it for one; say
+    ``Body(geometry="exact")`` of a polygon that is meant, ``"approximated"`` of other curves.
 
     Args:
         path: of the file; the ending says the format.

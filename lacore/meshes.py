@@ -17,6 +17,7 @@ from lacore.errors import InputError
 from lacore.mesh_checks import quality as quality
 from lacore.mesh_files import read as read
 from lacore.outline_mesh import remeshed as remeshed
+from lacore.polygonal import geometry_of, labelled
 
 
 def graded(
@@ -239,7 +240,7 @@ def quarter_ring(
 ) -> MeshTri:
     """Quarter ring in x, y >= 0 with boundaries `bore`, `outside`, `x_axis`, `y_axis`.
 
-    The circles are polygons with straight edges: set ``Body(geometry="approximated")``.
+    The circles are polygons with straight edges: a body of it is ``geometry="approximated"``.
 
     Args:
         inner, outer: radii.
@@ -260,9 +261,11 @@ def quarter_ring(
     bent = replace(cells, doflocs=points).to_meshtri(style="x" if crossed else None)
     flat = rectangle((inner, outer), (0, pi / 2), n_radial, n_angular, crossed, (inner, grade))
     names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
-    return bent.with_boundaries(
-        {names[name]: facets for name, facets in flat.boundaries.items()},
+    ring: MeshTri = labelled(
+        bent.with_boundaries({names[name]: facets for name, facets in flat.boundaries.items()}),
+        "approximated",
     )
+    return ring
 
 
 def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
@@ -284,12 +287,13 @@ def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
         np.concatenate([np.delete(mesh.t, chosen, axis=1), *corners], axis=1),
     )
     number = {ends: facet for facet, ends in enumerate(map(tuple, finer.facets.T.tolist()))}
-    return finer.with_boundaries(
+    named: MeshTri = finer.with_boundaries(
         {
             name: np.array([number[tuple(ends)] for ends in mesh.facets[:, facets].T.tolist()])
             for name, facets in (mesh.boundaries or {}).items()
         }
     )
+    return labelled(named, geometry_of(mesh))
 
 
 def _cells(

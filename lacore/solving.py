@@ -30,6 +30,7 @@ from lacore.loops import (
     shift_loop,
     stick,
 )
+from lacore.polygonal import POLYGON
 from lacore.problem import Problem
 from lacore.program import (
     KinematicProgram,
@@ -227,6 +228,10 @@ def limit_state(
             upper = np.inf
         bracket = (lower, upper)
         message += f"; every Coulomb load factor is in [{lower:.6g}, {upper:.6g}]"
+    rigor = _rigor(discretisation, coupled.status, coupling, regularised)
+    bodies = [dofs.body for dofs in discretisation.bodies.values()]
+    if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
+        message += f"; {POLYGON}"
     if corners:
         message += f"; {corners}"
     if inner.message:
@@ -244,7 +249,7 @@ def limit_state(
     return LimitState(
         status=coupled.status,
         load_factor=float(load_factor),
-        rigor=_rigor(discretisation, coupled.status, coupling, regularised),
+        rigor=rigor,
         backend=backend,
         coupling=coupling,
         certificate=certificate,

@@ -15,6 +15,7 @@ from lacore.certificate import Certificate, certify
 from lacore.dead_collapse import collapses
 from lacore.errors import CapabilityError, SolveError
 from lacore.isolation import preparing
+from lacore.polygonal import POLYGON
 from lacore.precision import exactness, smallest_angle
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
@@ -265,6 +266,8 @@ def _bound(
             f"solved: admissible stresses prove it, about {last.after.gap:.1e} of the power below"
             f" the best that these elements have; the solver says {last.inner.native_status!r}"
         )
+        if rigor is Rigor.DISCRETE:
+            message += f"; {POLYGON}"
     if last.inner.message:
         message += f" ({last.inner.message})"
     return LowerBound(

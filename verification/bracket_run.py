@@ -80,7 +80,7 @@ def run_bracket(
         outer_iterations=len(found.history),
         solve_time=seconds,
         peak_memory_mb=memory(),
-        message="; ".join(filter(None, (found.status.value, found.failure))),
+        message=found.message,
     )
     reference = between(run.case.reference_of(run.variant), coulomb)
     band = run.case.band_of(run.variant, int(row.n_elements))

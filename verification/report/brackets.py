@@ -8,7 +8,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from skfem import MeshTri
 
-from lacore.plotting_bracket import heading, plot_shares
+from lacore.plotting_bracket import BODY, POLYGON, heading, plot_shares
+from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.bracket_evidence import unpacked_shares
 from verification.bracketing import BRACKET
@@ -76,8 +77,9 @@ def drawn_bracket(outcome: Outcome) -> Figure:
     if not {"upper", "lower"} <= set(found):
         raise ValueError("one of the meshes is missing")
     above, below = found["upper"], found["lower"]
+    bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
     return plot_shares(
-        heading(row.lower, row.upper, row.width, row.message),
+        heading(row.lower, row.upper, row.width, row.message, bounded),
         MeshTri(above.points, above.elements),
         above.shares,
         MeshTri(below.points, below.elements),
