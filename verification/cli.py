@@ -19,6 +19,7 @@ from verification.case import KINDS
 from verification.catalogue import Catalogue, find, tagged
 from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
 from verification.execution import execute
+from verification.fuzz.fuzz_command import fuzz
 from verification.harness import RAW
 from verification.options import (
     cases_option,
@@ -324,5 +325,6 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     ctx.exit(0 if found["healthy"] else 1)
 
 
+main.add_command(fuzz)
 main.add_command(sweep)
 main.add_command(verify)

@@ -18,6 +18,7 @@ from lacore.child_process import (
     peak_memory,
 )
 from verification.case import Case, is_of_lacore
+from verification.fuzz.cases import FUZZ
 from verification.harness import Assembled, assemble, lost, perform
 from verification.run import Evidence, Outcome, Row, Run
 
@@ -51,7 +52,7 @@ class Worker:
         forget_peak_memory()
         with suppress(la.CapabilityError):  # the row says so; imports are no part of the solve
             load_backend(run.backend)
-        if run.problem_key != self._key:
+        if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
         outcome = perform(run, self._assembled, time_limit, peak_memory)
         return outcome.row, outcome.evidence

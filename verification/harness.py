@@ -12,6 +12,8 @@ import lacore as la
 from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
 from verification.evidence import evidence_of
+from verification.fuzz.cases import FUZZ
+from verification.fuzz.fuzz_run import run_random
 from verification.judging import FAIL, SKIPPED, about, distance, judge
 from verification.path_run import run_path
 from verification.run import Outcome, Row, Run
@@ -70,6 +72,8 @@ def perform(
         memory: peak memory of this process, MB.
     """
     names = _names(run)
+    if run.coupling == FUZZ:
+        return _random(run, names, memory)
     if isinstance(assembled, Exception):
         return (
             _skipped(run, names, run.skip) if run.skip else Outcome(run, _failed(names, assembled))
@@ -113,6 +117,13 @@ def perform(
     off = distance(state.load_factor, reference, band)
     names["peak_memory_mb"] = float(np.fmax(state.peak_memory, memory()))  # of either process
     return Outcome(run, _row(names, state, off, verdict, why), evidence_of(state))
+
+
+def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Outcome:
+    try:
+        return run_random(run, names, memory)
+    except Exception as error:  # of a check: its row says so
+        return Outcome(run, _failed(names, error))
 
 
 def lost(run: Run, status: la.Status, message: str) -> Outcome:

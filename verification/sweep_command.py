@@ -1,21 +1,19 @@
 """The command ``lacore sweep``."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 import pandas as pd
 
-from lacore.errors import InputError, require_positive
+from lacore.errors import require_positive
 from lacore.solving import COUPLINGS
 from verification import terminal
 from verification.catalogue import Catalogue
 from verification.compare import ON_DEMAND, run_all
-from verification.execution import Executor, execute
+from verification.executors import dask_options, executor_of, require_one_place
 from verification.harness import RAW
 from verification.judging import FAIL
 from verification.options import (
@@ -61,18 +59,7 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
     f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
 )
 @jobs_option
-@click.option(
-    "--dask",
-    "on_dask",
-    is_flag=True,
-    help="Run on a Dask cluster on this machine, of --jobs workers, until the sweep is through.",
-)
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Run on the workers of the Dask scheduler at this address, as in tcp://127.0.0.1:8786."
-    " They need the same lacore, and folders of --cases at the same place.",
-)
+@dask_options
 @time_limit_option
 @out_option("reports/sweep", "Folder for the results.")
 @fresh_option
@@ -122,11 +109,10 @@ def sweep(
     """  # noqa: D301  # click reads the backspace
     require_positive("--time-limit", time_limit)
     runs = plan(cases, vary, backends, meshes, couplings, known)
-    if on_dask and scheduler is not None:
-        raise InputError("--dask", None, "--scheduler is there too", "leave out one of them")
+    require_one_place(on_dask, scheduler)
     with (
         resumable(out / NAME),
-        _executor(jobs, on_dask, scheduler, known) as executor,
+        executor_of(jobs, on_dask, scheduler, _folders(known)) as executor,
         terminal.watching(len(runs)) as watch,
     ):
         outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
@@ -145,31 +131,10 @@ def sweep(
     ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
 
 
-@contextmanager
-def _executor(
-    jobs: int, on_dask: bool, scheduler: str | None, known: Catalogue
-) -> Iterator[Executor]:
-    """What performs the runs: processes here, or a cluster."""
-    if not on_dask and scheduler is None:
-        yield partial(execute, jobs=jobs)
-        return
-    try:
-        from verification import dask_execution
-    except ImportError as error:
-        raise InputError(
-            "--dask" if on_dask else "--scheduler",
-            scheduler,
-            "needs the package distributed",
-            "pip install 'lacore[dask]'",
-        ) from error
+def _folders(known: Catalogue) -> list[Path]:
+    """Where cases of users are."""
     paths = [Path(source) for source in known.sources.values()]
-    folders = sorted({path.parent for path in paths if path.is_file()})
-    with ExitStack() as stack:
-        if scheduler is not None:
-            client = stack.enter_context(dask_execution.connected(scheduler, folders))
-        else:
-            client = stack.enter_context(dask_execution.local(jobs))
-        yield partial(dask_execution.execute, client=client, folders=folders)
+    return sorted({path.parent for path in paths if path.is_file()})
 
 
 def _document(

@@ -1,0 +1,170 @@
+"""From a recipe to its problem: plain data, so that it can be drawn, copied, cut and kept.
+
+A recipe has ``bodies`` by name, and lists ``reference``, ``dead``, ``supports``, ``interfaces``:
+each entry the arguments of the class it names, boundaries as names or as a line of two points.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from skfem import MeshQuad, MeshTri
+
+import lacore as la
+from lacore.arrays import Bools, Floats
+
+Recipe = dict[str, Any]
+LISTS = ("reference", "dead", "supports", "interfaces")
+_NEAR = 1e-7  # of the length of a line: coordinates that were turned agree to this
+LOADS = {one.__name__: one for one in (la.Traction, la.Pressure, la.BodyForce, la.PointForce)} | {
+    "RigidFooting": la.RigidFooting
+}
+
+
+@dataclass(frozen=True)
+class OnLine:
+    """Which places (2, n) lie on a straight line between two points, m."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+    __name__: str = "line"
+
+    def __call__(self, places: Floats) -> Bools:
+        """A predicate as boundaries take it."""
+        start, end = np.reshape(self.start, (2, 1)), np.reshape(self.end, (2, 1))
+        length = np.linalg.norm(end - start)
+        along = (end - start) / length
+        rest = np.asarray(places) - start
+        away = np.abs(along[0] * rest[1] - along[1] * rest[0])
+        share = (along * rest).sum(axis=0) / length
+        return np.asarray((away <= _NEAR * length) & (share >= -_NEAR) & (share <= 1 + _NEAR))
+
+
+def as_text(recipe: Recipe) -> str:
+    """A recipe as JSON, the same for equal ones."""
+    return json.dumps(recipe, sort_keys=True)
+
+
+def copied(recipe: Recipe) -> Recipe:
+    """A recipe of its own, to be changed."""
+    made: Recipe = json.loads(as_text(recipe))
+    return made
+
+
+def build(recipe: Mapping[str, Any]) -> la.Problem:
+    """The problem of a recipe.
+
+    Raises:
+        InputError: what lacore refuses.
+    """
+    return la.Problem(
+        bodies={name: body_of(data) for name, data in recipe["bodies"].items()},
+        reference_loads=[load_of(data) for data in recipe["reference"]],
+        supports=[
+            la.Fix(data["body"], where_of(data["where"]), data.get("components", "xy"))
+            for data in recipe["supports"]
+        ],
+        interfaces=[
+            la.Interface(
+                side_of(data["slave"], f"i{number}"),
+                master_of(data["master"]),
+                law_of(data["friction"]),
+            )
+            for number, data in enumerate(recipe["interfaces"])
+        ],
+        dead_loads=[load_of(data) for data in recipe["dead"]],
+    )
+
+
+def law_of(data: Any) -> Any:
+    """A friction law: a coefficient, ``{"associated": mu}``, ``{"tresca": limit}``, or a word."""
+    if isinstance(data, Mapping):
+        ((kind, value),) = data.items()
+        return la.Tresca(value) if kind == "tresca" else la.Coulomb(value, associated=True)
+    return (
+        {"smooth": la.SMOOTH, "stick": la.STICK}.get(data, data)
+        if isinstance(data, str)
+        else float(data)
+    )
+
+
+def where_of(data: Any, name: str = "line") -> Any:
+    """A name, names, or a line between two points."""
+    if isinstance(data, str) or data is None:
+        return data
+    if isinstance(data[0], str):
+        return tuple(data)
+    (start, end) = data
+    return OnLine(tuple(start), tuple(end), name)
+
+
+def master_of(data: Any) -> Any:
+    """A rigid obstacle of the shape of what touches it, a plane one, or a side of another body."""
+    if data is None:
+        return la.RigidObstacle()
+    if isinstance(data, Mapping):
+        return la.RigidObstacle(tuple(data["point"]), tuple(data["normal"]))
+    return side_of(data, "master")
+
+
+def side_of(data: Sequence[Any], name: str) -> tuple[str, Any]:
+    """Body and boundary of one side of an interface."""
+    return data[0], where_of(data[1], name)
+
+
+def load_of(data: Mapping[str, Any]) -> Any:
+    """A load from its class and arguments."""
+    given = {name: value for name, value in data.items() if name != "load"}
+    if "where" in given:
+        given["where"] = where_of(given["where"])
+    for name in ("vector", "direction", "at"):
+        if name in given and not isinstance(given[name], str):
+            given[name] = tuple(given[name])
+    return LOADS[data["load"]](**given)
+
+
+def body_of(data: Mapping[str, Any]) -> Any:
+    """A body: a continuum on a mapped rectangle, blocks, or a frame."""
+    if data["kind"] == "continuum":
+        return la.Body(
+            mesh_of(data["mesh"]),
+            la.VonMises(shear_strength=data["strength"]),
+            kinematics=data["kinematics"],
+            space=data["space"],
+        )
+    if data["kind"] == "blocks":
+        laws = {(one, other): law_of(law) for one, other, law in data["joints"]}
+        return la.BlockAssembly(data["polygons"], law_of(data["friction"]), laws)
+    return la.Frame(
+        {name: tuple(place) for name, place in data["nodes"].items()},
+        {name: tuple(pair) for name, pair in data["members"].items()},
+        data["plastic_moment"],
+        [tuple(pair) for pair in data.get("releases", ())],
+    )
+
+
+def mesh_of(data: Mapping[str, Any]) -> MeshTri | MeshQuad:
+    """A mesh of a rectangle, its points mapped by ``map`` (2, 2) and ``shift``."""
+    x, y = tuple(data["x"]), tuple(data["y"])
+    if data["cut"] == "quads":
+        mesh: Any = la.meshes.quadrilaterals(x, y, data["nx"], data["ny"])
+    else:
+        mesh = la.meshes.rectangle(x, y, data["nx"], data["ny"], crossed=data["cut"] == "crossed")
+    matrix, shift = np.array(data["map"]), np.reshape(data["shift"], (2, 1))
+    boundaries = dict(mesh.boundaries)
+    points, cells = matrix @ mesh.p + shift, mesh.t
+    if np.linalg.det(matrix) > 0:
+        made = type(mesh)(points, cells)
+    else:  # a mirror turns the sense of each element
+        made = type(mesh)(points, cells[[0, 2, 1] if len(cells) == 3 else [0, 3, 2, 1]])
+    # Facets may be numbered anew: they are found again by their ends.
+    known = {tuple(sorted(pair)): number for number, pair in enumerate(made.facets.T.tolist())}
+    pairs = mesh.facets.T.tolist()
+    return made.with_boundaries(
+        {
+            name: np.array([known[tuple(sorted(pairs[f]))] for f in facets])
+            for name, facets in boundaries.items()
+        }
+    )

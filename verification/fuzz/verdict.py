@@ -1,0 +1,47 @@
+"""What a check says of an answer: nothing, or what is wrong."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+BAR = 1e-5
+"""Ten times what certificates let through: they sum, and scale, in other ways."""
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """One thing that is wrong.
+
+    Attributes:
+        check: its name; a smaller problem is the same find if it fails the same check.
+        text: what it is, with numbers.
+    """
+
+    check: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.check}: {self.text}"
+
+
+def beyond(check: str, what: str, values: Any, scale: Any, bar: float = BAR) -> Iterator[Wrong]:
+    """Wrong where a value is not below its scale times the bar; NaN is not below anything."""
+    values, scale = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(values, dtype=float)), np.asarray(scale, dtype=float)
+    )
+    if not values.size:
+        return
+    allowed = bar * scale
+    bad = ~(values <= allowed)
+    if bad.any():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(scale > 0, values / scale, np.inf)
+        worst = int(np.flatnonzero(bad)[np.argmax(np.nan_to_num(share[bad], nan=np.inf))])
+        yield Wrong(check, f"{what} {values[worst]:.3g} of {scale[worst]:.3g} (place {worst})")
+
+
+def first(found: Iterable[Wrong]) -> Wrong | None:
+    """The first thing that is wrong."""
+    return next(iter(found), None)
