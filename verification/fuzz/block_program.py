@@ -59,7 +59,7 @@ class _Ends:
 
 def known_of(recipe: Recipe) -> Known:
     """The programs of a recipe of one assembly, without interfaces."""
-    (body, data), *others = recipe["bodies"].items()
+    (_, data), *others = recipe["bodies"].items()
     if others or recipe["interfaces"] or data["kind"] != "blocks":
         return Known()
     blocks = rigid_blocks(recipe)

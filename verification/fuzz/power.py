@@ -120,16 +120,17 @@ def check_power(
             field = rigid_field(rng, body) if whole else random_field(rng, body)
             inner, stressed = _inside(body, field, stresses[name])
             loads = [
-                factor * _load_power(body, field, load)
+                (factor * power, abs(factor) * most)
                 for factor, key in ((state.load_factor, "reference"), (1.0, "dead"))
                 for load in recipe[key]
                 if load["body"] == name
+                for power, most in [_load_power(body, field, load)]
             ]
             at = np.stack([own["x"].to_numpy(), own["y"].to_numpy()])
             v = field.velocity(at)
             held = v[0] * own["force_x"].to_numpy() + v[1] * own["force_y"].to_numpy()
             touch = _touch(points, name, field)
-            total = inner.sum() - sum(loads) - held.sum() - touch.sum()
+            total = inner.sum() - sum(power for power, _ in loads) - held.sum() - touch.sum()
             size = (
                 stressed
                 + np.abs(loads).sum()
@@ -182,28 +183,33 @@ def _touch(points: Touches, body: str, field: Field) -> Floats:
     return np.asarray(sign * np.sum(points.force * v, axis=1))
 
 
-def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> float:
-    """Power of a load at factor one; that of a footing is in the table of support forces."""
+def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> tuple[float, float]:
+    """Power of a load at factor one, and what it would be if none of it cancelled.
+
+    That of a footing is in the table of support forces.
+    """
     kind = load["load"]
     if kind == "RigidFooting":
-        return 0.0
+        return 0.0, 0.0
     if kind == "PointForce":
-        at = np.reshape(np.array(load["at"], dtype=float), (2, 1))
-        return float(np.array(load["vector"]) @ field.velocity(at)[:, 0])
+        v = field.velocity(np.reshape(np.array(load["at"], dtype=float), (2, 1)))[:, 0]
+        return float(np.array(load["vector"]) @ v), float(np.hypot(*load["vector"]) * np.hypot(*v))
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
-        density = np.tensordot(np.array(load["vector"]), field.velocity(places), 1)
+        force = np.repeat(np.array(load["vector"], dtype=float)[:, None], places.shape[1], 1)
     else:
         start, end, outward = edges_of(body, load["where"])
         places, weights = on_edges(start, end)
+        force = np.repeat(
+            np.array(load.get("vector", (0, 0)), dtype=float)[:, None], start.shape[1], 1
+        )
         if kind == "Pressure":
-            traction = -load["value"] * outward
-        else:
-            traction = np.repeat(np.array(load["vector"], dtype=float)[:, None], start.shape[1], 1)
-        density = np.einsum("cn,cnq->nq", traction, field.velocity(places))
+            force = -load["value"] * outward
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
-    return float(np.sum(weights * density))
+    v = field.velocity(places)
+    most = np.hypot(*force)[:, None] * np.hypot(*v)
+    return float(np.sum(weights * np.einsum("cn,cnq->nq", force, v))), float(np.sum(weights * most))
 
 
 def edges_of(body: la.Body, name: str) -> tuple[Floats, Floats, Floats]:

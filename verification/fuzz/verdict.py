@@ -28,8 +28,11 @@ class Wrong:
 
 def beyond(check: str, what: str, values: Any, scale: Any, bar: float = BAR) -> Iterator[Wrong]:
     """Wrong where a value is not below its scale times the bar; NaN is not below anything."""
-    values, scale = np.broadcast_arrays(
-        np.atleast_1d(np.asarray(values, dtype=float)), np.asarray(scale, dtype=float)
+    values, scale = (
+        part.ravel()
+        for part in np.broadcast_arrays(
+            np.asarray(values, dtype=float), np.asarray(scale, dtype=float)
+        )
     )
     if not values.size:
         return
