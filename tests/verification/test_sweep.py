@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import lacore as la
 import verification.cli as cli
-from verification import sweep_command
+from verification import executors
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, find
 from verification.results import load_results
@@ -161,7 +161,7 @@ def test_resume_is_the_default(swept, monkeypatch):
         assert not runs
         yield from ()
 
-    monkeypatch.setattr(sweep_command, "execute", lambda runs, jobs, **more: nobody(runs, **more))
+    monkeypatch.setattr(executors, "execute", lambda runs, jobs, **more: nobody(runs, **more))
     result = command(*words, "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -177,7 +177,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
         yield from finished
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweep_command, "execute", interrupted)
+    monkeypatch.setattr(executors, "execute", interrupted)
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130

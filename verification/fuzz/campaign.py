@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lacore as la
-from verification.compare import Executor
+from verification.execution import Executor
 from verification.fuzz.cases import kind_of, recipe_of
 from verification.fuzz.fuzz_run import LOAD, UNKNOWN
 from verification.fuzz.shrink import check_of, shrunk

@@ -66,7 +66,7 @@ def one_body(rng: Rng, kinematics: str) -> Recipe:
             supports.append({"body": "block", "where": third, "components": _guided(rng, round_)})
         else:
             interfaces.append(_obstacle(rng, third))
-    dead = []
+    dead: list[dict[str, Any]] = []
     if rng.random() < 0.5:
         push = (
             [0.0, -number(rng, 0.05, 0.5)] if round_ else vector(rng, float(rng.uniform(0.05, 0.4)))

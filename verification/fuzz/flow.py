@@ -45,13 +45,13 @@ class Motion:
     def _local(self, cells: Any, places: Floats) -> Floats:
         """Local coordinates of places (2, n, q), each in its cell."""
         away = places - self.origin[:, cells][:, :, None]
-        return np.einsum("abn,bnq->anq", self.inverse[:, :, cells], away)
+        return np.asarray(np.einsum("abn,bnq->anq", self.inverse[:, :, cells], away))
 
     def velocity(self, cells: Any, places: Floats) -> Floats:
         """At places (2, n, q) of cells (n,)."""
         x, y = self._local(cells, places)
         terms = np.stack([x**i * y**j for i, j in self._powers])
-        return np.einsum("ctn,tnq->cnq", self.factors[:, :, cells], terms)
+        return np.asarray(np.einsum("ctn,tnq->cnq", self.factors[:, :, cells], terms))
 
     def strain_rate(self, places: Floats) -> Floats:
         """xx, yy, zz (of the hoop), 2 xy at places (2, cells, q) of all cells; (4, cells, q)."""

@@ -88,9 +88,8 @@ def _solve(program: Program) -> tuple[Floats, Floats] | float | None:
         -program.cost / size,
         A_eq=program.matrix / size,
         b_eq=program.right,
-        bounds=np.stack([program.low * size, program.high * size], axis=1),
+        bounds=list(zip(program.low * size, program.high * size, strict=True)),
         method="highs-ds",
-        options={"presolve": True},
     )
     if found.status == 2:
         return -inf

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from typing import Any
 
-from verification.compare import Executor
+from verification.execution import Executor
 from verification.fuzz.cases import recipe_of, run_of
 from verification.fuzz.recipe import LISTS, Recipe, as_text, copied
 from verification.judging import FAIL

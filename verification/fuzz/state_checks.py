@@ -7,7 +7,7 @@ from math import isfinite
 import numpy as np
 
 import lacore as la
-from verification.fuzz.flow import check_volume, dissipation_inside, load_power, motion_of
+from verification.fuzz.flow import Motion, check_volume, dissipation_inside, load_power, motion_of
 from verification.fuzz.frame_checks import check_frames, frame_powers, hinge_power
 from verification.fuzz.friction_checks import check_friction, dissipation
 from verification.fuzz.power import check_power, strain_points
@@ -46,6 +46,15 @@ def table_power(recipe: Recipe, state: la.LimitState) -> float:
     return total + sum(hinge_power(name, state) for name in frames)
 
 
+def load_powers(recipe: Recipe, name: str, motion: Motion) -> tuple[float, float]:
+    """Power of the reference and of the dead loads on a continuum."""
+    live, dead = (
+        sum((load_power(motion, load) for load in recipe[key] if load["body"] == name), 0.0)
+        for key in ("reference", "dead")
+    )
+    return live, dead
+
+
 def check_state(
     recipe: Recipe, problem: la.Problem, state: la.LimitState, rng: np.random.Generator
 ) -> Iterator[Wrong]:
@@ -77,10 +86,7 @@ def _check_powers(
             yield from check_volume(motion, state.stress[name], name, scale.power)
             used += dissipation_inside(motion)
             jumps = True
-            loads = [
-                sum(load_power(motion, load) for load in recipe[key] if load["body"] == name)
-                for key in ("reference", "dead")
-            ]
+            loads = load_powers(recipe, name, motion)
             live, dead = live + loads[0], dead + loads[1]
         elif data["kind"] == "frame":
             used += hinge_power(name, state)
