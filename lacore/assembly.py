@@ -36,6 +36,7 @@ from lacore.program import (
 )
 from lacore.rigid import RigidDofs
 from lacore.slips import Slip, slips
+from lacore.span_nodes import spanned
 from lacore.volume import volume_projector
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
@@ -108,6 +109,7 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
     """
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    problem = spanned(problem)
     footings = _footings(problem)
     bodies = number({n: b for n, b in problem.bodies.items() if isinstance(b, Body)})
     node_dofs = np.concatenate(

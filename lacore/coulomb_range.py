@@ -152,6 +152,7 @@ def coulomb_range(
         problem = discretise(problem)
     given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
     first = solve(problem, coupling="certified", **given)
+    problem = first.discretisation  # with the nodes where members under line loads hinge
     program = dimensionless(problem.program, problem.natural)
     scale = problem.natural.load_factor
     rows: list[dict[str, Any]] = []

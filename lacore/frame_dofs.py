@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError, suggest
 from lacore.frames import Frame
-from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
+from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.program import DissipationGroup
 
 COMPONENTS = {
@@ -147,10 +147,9 @@ class FrameDofs:
         if isinstance(load, PointForce):
             total[self._loaded_node(load), :2] += load.vector
         elif isinstance(load, Traction):
-            chosen = self._loaded_pieces(load)
-            half = np.outer(body.pieces.length[chosen] / 2, load.vector)
+            half = (self.line_load(load) * body.pieces.length / 2).T
             for nodes in (body.pieces.start, body.pieces.end):
-                np.add.at(total[:, :2], nodes[chosen], half)
+                np.add.at(total[:, :2], nodes, half)
         else:
             kind = type(load).__name__
             raise InputError(
@@ -160,6 +159,16 @@ class FrameDofs:
                 "give Traction along members (own weight: N/m per m of member), or PointForce",
             )
         return total.ravel()
+
+    def line_loads(self, loads: Iterable[Load]) -> Floats:
+        """All tractions of loads of this frame together, as `line_load`."""
+        tractions = [self.line_load(load) for load in loads if isinstance(load, Traction)]
+        return np.asarray(np.sum([np.zeros(self.body.pieces.along.shape), *tractions], axis=0))
+
+    def load_across(self, loads: Iterable[Load]) -> Floats:
+        """Their share across all pieces, to the left of each, N/m per m, (P,)."""
+        along = self.body.pieces.along
+        return np.asarray(np.sum(np.stack([-along[1], along[0]]) * self.line_loads(loads), axis=0))
 
     def _loaded_node(self, load: PointForce) -> int:
         if load.where is not None:
@@ -180,8 +189,8 @@ class FrameDofs:
             )
         return node
 
-    def _loaded_pieces(self, load: Traction) -> Bools:
-        """Pieces of the member, or members, that a traction acts along."""
+    def line_load(self, load: Traction) -> Floats:
+        """A traction along members on all pieces, N/m per m, (2, P): 0 on those of others."""
         wanted = (load.where,) if isinstance(load.where, str) else load.where
         if not isinstance(wanted, tuple):
             raise InputError("Traction.where", None, "not a member", "give the name of a member")
@@ -189,7 +198,8 @@ class FrameDofs:
             if name not in self.body.member_names:
                 mend = suggest(str(name), self.body.member_names)
                 raise InputError("Traction.where", name, "no such member", mend)
-        return np.isin(self.body.member_names, wanted)[self.body.pieces.member]
+        loaded = np.isin(self.body.member_names, wanted)[self.body.pieces.member]
+        return np.outer(load.vector, loaded)
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
         """Basis of the velocities that members and supports leave free, shape (count, free).

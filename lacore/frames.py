@@ -34,8 +34,7 @@ class Frame:
     A node that lies on a member, within `tolerance`, splits it: the member may hinge there, on
     either side, and is joined to what else meets there. Members that cross elsewhere pass each
     other. Where a `PointForce` acts at coordinates on a member, `Problem` adds the node. Nodes are
-    the only places of hinges: under loads along a member the load factor is exact once nodes stand
-    where it hinges, and an upper bound before.
+    the only places of hinges; under loads along a member `solve` adds those where its moments peak.
 
     Moments are per unit thickness, N m/m = N, like forces, N/m.
 
@@ -159,10 +158,7 @@ class Frame:
         for point in points:
             if frame.node_at(point) is not None:
                 continue
-            ends = frame.position[:, frame.pieces.nodes]
-            place = np.reshape(np.asarray(point, dtype=np.float64), (2, 1))
-            inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], frame._allowed)[0][:, 0]
-            crossed = [frame.member_names[m] for m in frame.pieces.member[inside]]
+            crossed = frame._members_at(point)
             if len(crossed) > 1:
                 raise InputError(
                     "PointForce.at",
@@ -171,9 +167,20 @@ class Frame:
                     "make it a node, or load one of the members beside it",
                 )
             if crossed:
-                x, y = place.ravel().tolist()
+                x, y = (float(own) for own in point)
                 frame = replace(frame, nodes={**frame.nodes, f"{crossed[0]}({x:g}, {y:g})": (x, y)})
         return frame
+
+    def crossed_at(self, point: Sequence[float]) -> bool:
+        """Whether members cross at a point that no node joins."""
+        return self.node_at(point) is None and len(self._members_at(point)) > 1
+
+    def _members_at(self, point: Sequence[float]) -> list[str]:
+        """Members with a piece that a point lies inside of."""
+        ends = self.position[:, self.pieces.nodes]
+        place = np.reshape(np.asarray(point, dtype=np.float64), (2, 1))
+        inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], self._allowed)[0][:, 0]
+        return [self.member_names[m] for m in self.pieces.member[inside]]
 
     @property
     def _allowed(self) -> float:

@@ -8,9 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Ints
 from lacore.contact_segments import rigid_sides
+from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
+from lacore.loads import PointForce
 from lacore.plotting_blocks import fill_blocks, held_blocks, outlines
 from lacore.plotting_continua import boundary_lines
 from lacore.result import LimitState
@@ -22,6 +24,7 @@ _SHORTEST = 0.3  # of the radius of the smaller block
 _ROUND_OFF = 1e-6  # of the largest load: solvers leave such forces where there are none
 _FEW = 10  # arrows that have room to be thick
 _MANY = 150  # arrows a reader tells apart
+_PART = 0.06  # of the size of a frame: of a load along a member that one arrow stands for
 _OF_FRAMES = 0.16  # of the size of a frame: length of the longest arrow
 
 
@@ -223,7 +226,24 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
         if weight.any():
             place = (dofs.nodes * weight).sum(axis=1, keepdims=True) / weight.sum()
             yield nodal.sum(axis=1, keepdims=True), place, np.array([0.25 * dofs.body.size])
-    for frame in d.frames.values():
-        nodal = d.full.reference_load[frame.offset : frame.offset + frame.count].reshape(-1, 3).T
-        sizes = np.full(nodal.shape[1], _OF_FRAMES * frame.body.size)
-        yield nodal[:2], frame.body.position, sizes
+    for name, frame in d.frames.items():
+        loads = [load for load in d.problem.reference_loads if load.body == name]
+        points = [frame.force(load) for load in loads if isinstance(load, PointForce)]
+        nodal = np.sum([np.zeros(frame.count), *points], axis=0).reshape(-1, 3)[:, :2].T
+        force, place = _along_members(frame, frame.line_loads(loads))
+        force = np.concatenate([nodal, force], axis=1)
+        place = np.concatenate([frame.body.position, place], axis=1)
+        yield force, place, np.full(force.shape[1], _OF_FRAMES * frame.body.size)
+
+
+def _along_members(frame: FrameDofs, load: Floats) -> tuple[Floats, Floats]:
+    """Loads along members, N/m per m, (2, P), as forces of short parts, and where they act."""
+    pieces, size = frame.body.pieces, frame.body.size
+    parts = np.ceil(pieces.length / (_PART * size)).astype(np.int64) * load.any(axis=0)
+    piece: Ints = np.repeat(np.arange(parts.size), parts)
+    share = (np.arange(piece.size) - np.repeat(np.cumsum(parts) - parts, parts) + 0.5) / parts[
+        piece
+    ]
+    start = frame.body.position[:, pieces.start[piece]]
+    place = start + pieces.along[:, piece] * pieces.length[piece] * share
+    return load[:, piece] * pieces.length[piece] / parts[piece], place

@@ -17,6 +17,7 @@ from lacore.frames import Frame
 from lacore.plotting_contact import COLOURS, GROUND
 from lacore.plotting_continua import BEFORE
 from lacore.result import LimitState
+from lacore.span_moments import SpanMoments, span_moments
 
 HINGE = "#b2182b"
 MOMENT = "#5e3c99"
@@ -24,6 +25,7 @@ _MEMBER = "#333333"
 _TURNS = 1e-3  # of the largest velocity over the size: what the eye would see
 _BESIDE = 0.03  # from a node to the hinges of its members, per size of the frame
 _ORDINATE = 0.12  # of the largest moment, per size of the frame
+_SAMPLES = 33  # of a curved diagram
 _FOOT = 0.035  # half the length of the ground under a foot, per size of the frame
 _SENSES = {1: "hinge, anticlockwise", -1: "hinge, clockwise"}
 _SUPPORTS = {"clamped": "s", "xy": "^", "x": ">", "y": "^", "rotation": "D"}
@@ -166,27 +168,26 @@ def draw_foot(
 
 
 def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
-    """Bending moments on the tension side of the members, straight from node to node.
+    """Bending moments on the tension side of the members, parabolas under loads along them.
 
     Returns:
         handles of a legend.
     """
     frames = state.discretisation.frames
-    ordinates = {name: _moments(state, name, dofs.body) for name, dofs in frames.items()}
-    peak = max((float(np.abs(moment).max()) for moment in ordinates.values()), default=0.0)
+    moments = {name: span_moments(state, name) for name in frames}
+    peak = max(
+        (float(max(np.abs(own.ends).max(), own.inside.max())) for own in moments.values()),
+        default=0.0,
+    )
     for name, dofs in frames.items():
-        frame = dofs.body
+        frame, own = dofs.body, moments[name]
         axes.add_collection(
             LineCollection(_lines(frame, frame.position), colors=_MEMBER, linewidths=1.6, zorder=3)
         )
         if peak > 0:
-            across = np.stack([-frame.pieces.along[1], frame.pieces.along[0]])
-            ends = frame.position[:, frame.pieces.nodes]  # (2, P, 2)
-            tips = ends + _ORDINATE * frame.size / peak * across[:, :, None] * ordinates[name]
-            faces = np.concatenate([ends, tips[:, :, ::-1]], axis=2).transpose(1, 2, 0)
             axes.add_collection(
                 PolyCollection(
-                    list(faces),
+                    _ordinates(frame, own, _ORDINATE * frame.size / peak),
                     facecolors=matplotlib.colors.to_rgba(MOMENT, 0.25),
                     edgecolors=MOMENT,
                     linewidths=0.8,
@@ -199,11 +200,14 @@ def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
     return [Patch(facecolor=matplotlib.colors.to_rgba(MOMENT, 0.25), edgecolor=MOMENT, label=text)]
 
 
-def _moments(state: LimitState, name: str, frame: Frame) -> Floats:
-    """Moments at the starts and ends of the pieces, N, (P, 2), positive: tension on the left."""
-    moments = np.zeros(frame.pieces.stiff.shape)
-    if frame.pieces.stiff.any():
-        moments[frame.pieces.stiff] = _own_hinges(state, name)["moment"].to_numpy()
-    # On the node; tension is on the left, seen along the piece, where the start is turned
-    # anticlockwise by its node, or the end clockwise.
-    return np.asarray(moments * np.array([-1.0, 1.0]))
+def _ordinates(frame: Frame, moments: SpanMoments, scale: float) -> list[Floats]:
+    """Outlines of the diagrams of the pieces, m: curved where loads act along them."""
+    straight = not np.any(moments.load)
+    share = np.linspace(0.0, 1.0, 2 if straight else _SAMPLES)
+    pieces = frame.pieces
+    across = np.stack([-pieces.along[1], pieces.along[0]])
+    start, end = (frame.position[:, ends] for ends in (pieces.start, pieces.end))
+    foot = start[:, :, None] + (end - start)[:, :, None] * share
+    tips = foot + scale * across[:, :, None] * moments.at(share)
+    faces = np.concatenate([foot[:, :, [0, -1]], tips[:, :, ::-1]], axis=2)
+    return list(faces.transpose(1, 2, 0))

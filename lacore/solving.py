@@ -20,6 +20,7 @@ from lacore.coupling import Coupled, CouplingOptions, Iterate
 from lacore.dead_collapse import collapses
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError, require_known
+from lacore.hinging import ROUNDS, excess, hinged
 from lacore.isolation import SolverProcess, preparing
 from lacore.loops import (
     Coupling,
@@ -55,6 +56,7 @@ COUPLINGS: dict[str, Coupling] = {
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
+_HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _MOVING = (Status.SOLVED, Status.FREE, Status.UNSAFE)  # claims that a mechanism makes
 
 
@@ -101,7 +103,42 @@ def solve(
         SolveError: see `throw`.
     """
     coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa)
+    given = problem.problem if isinstance(problem, Discretisation) else problem
+    state = _solved(problem, backend, coupling, coupling_options, options, on_iterate, process)
+    bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
+    for _ in range(ROUNDS):
+        if state.status is not Status.SOLVED or excess(state) <= bar:
+            break
+        last, finer = state, hinged(state, given, bar)
+        state = _solved(finer, backend, coupling, coupling_options, options, on_iterate, process)
+        built, spent = last.build_time + state.build_time, last.solve_time + state.solve_time
+        state = replace(state, build_time=built, solve_time=spent)
+    if state.status is Status.SOLVED and excess(state) > bar:
+        state = replace(
+            state,
+            status=Status.NOT_CERTIFIED,
+            load_factor=np.nan,
+            rigor=Rigor.NOT_CERTIFIED,
+            message=f"{Status.NOT_CERTIFIED.label}: moments inside members exceed the plastic"
+            f" moment by {excess(state):.1e}: put nodes where they peak",
+        )
+    if throw and state.status is not Status.SOLVED:
+        raise SolveError(state.message, state)
+    return state
+
+
+def _solved(
+    problem: Problem | Discretisation,
+    backend: str,
+    coupling: str | None,
+    coupling_options: CouplingOptions,
+    options: Mapping[str, Any] | None,
+    on_iterate: Callable[[Iterate], None] | None,
+    process: SolverProcess | None,
+) -> LimitState:
+    """The state with hinges at the nodes that there are."""
     engine, coupling, engine_options = engine_for(backend, coupling, options or {})
+    tolerance = coupling_options.tolerance
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
@@ -144,10 +181,7 @@ def solve(
         options=options or {},
         tolerance=tolerance,
     )
-    state = replace(state, solve_time=time.perf_counter() - built)
-    if throw and state.status is not Status.SOLVED:
-        raise SolveError(state.message, state)
-    return state
+    return replace(state, solve_time=time.perf_counter() - built)
 
 
 def engine_for(
