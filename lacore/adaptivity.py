@@ -12,35 +12,29 @@ from skfem import MeshTri
 
 from lacore.arrays import Floats
 from lacore.backend import find_backend
-from lacore.bodies import Body
+from lacore.bracket_starts import mesh_of, on_mesh, only_body, starts
 from lacore.brackets import Bracket, Ending, Step, crossing, proven, width
-from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.fans import fanned, sectors_for, singular_points
+from lacore.enclosing import has_coulomb
+from lacore.errors import InputError, require_count, require_positive
 from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.marking import lower_shares, shared_shares, upper_shares
 from lacore.mesh_checks import quality
-from lacore.meshes import split
 from lacore.problem import Problem
 from lacore.refinement import grown
-from lacore.same_domain import difference
 from lacore.solving import solve
 from lacore.static_bound import LowerBound, lower_bound
-from lacore.static_corners import CornerError
-from lacore.static_model import static_model
 from lacore.status import Status
 
 Bound = LowerBound | UpperBound
 
-MESHES = ("separate", "shared")
-_SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique
 _GROWTH = 2.0  # of a mesh from solve to solve
 _LEAST_GROWTH = 1.2
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 _LOOSEST, _TIGHTEST = 2e-5, 1e-9
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
-_SLIVER = 0.01  # shape of a triangle; below it strain rates lose their digits
 _RECENT = 2  # refinements whose gains count
 _SMALL = 0.5  # of the elements of the other mesh: below it a solve costs little
+_SETTLED = 0.25  # of the target width, what both ends may have left to gain
 _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
 
@@ -58,19 +52,26 @@ def bracket(
 ) -> Bracket:
     """A load factor between a strict lower and a strict upper bound, as narrow as asked for.
 
+    With Coulomb friction every Coulomb load factor, of the continuum: the lower bound is one
+    of the problem without that friction, the upper one of that with associated friction (T14), each
+    on a mesh of its own. These two may be apart however fine the meshes; then it ends where what
+    refinement still gains is small.
+
     Meshes are refined by the shares of their elements in the error: a shared one by those in the
     gap and in the error of the lower bound, separate ones each by its own, the one that gains more
     per element first. All bounds on the way are proven too (projection, T26c), and the best counts.
     Elements at corners that a lower bound cannot state are split first.
 
     Args:
-        problem: one deformable body in its velocity space ``p2-vertex``, whatever it says itself.
+        problem: one deformable body in its velocity space ``p2-vertex``, whatever it says itself,
+            and any rigid blocks in contact with it: vertices of its mesh lie where they end.
         target_width: of ``(upper - lower)/mean`` to stop at.
         max_elements: of each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
-        meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given. Where the
-            mesh of a problem knows nothing of its stresses, a shared one is the better choice.
+        meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, and with
+            Coulomb friction. Where the mesh of a problem knows nothing of its stresses, a shared
+            one is the better choice.
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
             `lacore.meshes.fan`. None: that of the problem; where meshes are separate, with fans at
             its singular points.
@@ -88,15 +89,17 @@ def bracket(
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     run = _Run(
-        _only_body(problem)[0],
+        only_body(problem)[0],
         backend,
         target_width,
         begin,
         begin + time_limit,
         max_elements,
         on_step,
+        has_coulomb(problem),
     )
-    tracks = _starts(problem, run, meshes, lower_mesh)
+    first = starts(problem, target_width, max_elements, meshes, lower_mesh)
+    tracks = [_Track(start.kinds, start.problem) for start in first]
     for number, track in enumerate(tracks):
         tracks[number] = run.solved(track, track.problem)
     while (ending := run.ending(tracks)) is None:
@@ -116,10 +119,19 @@ def bracket(
     for kind, bound in run.best.items():
         if bound.status is not Status.SOLVED:
             run.failures[kind] = run.failures[kind] or missing[kind]
-    failed = [f"{kind} bound: {why}" for kind, why in sorted(run.failures.items()) if why]
+    wrong = sorted((run.failures | run.absent).items())
+    failed = [f"{kind} bound: {why}" for kind, why in wrong if why]
     if ending is Ending.CROSSED:
         failed.append(crossing(lower, upper))
-    return Bracket(ending, lower, upper, target_width, pd.DataFrame(run.rows), "; ".join(failed))
+    return Bracket(
+        status=ending,
+        lower_bound=lower,
+        upper_bound=upper,
+        target_width=target_width,
+        history=pd.DataFrame(run.rows),
+        failure="; ".join(failed),
+        coulomb=run.coulomb,
+    )
 
 
 @dataclass(frozen=True)
@@ -131,6 +143,7 @@ class _Track:
         problem: on the mesh.
         last: bounds on it, by kind.
         gains: what the last refinements gained, in the unit of load factors.
+        rests: what they leave to gain, if errors fall as elements rise.
         seconds: of the last solves.
         too_fine: whether the next mesh has too many elements.
     """
@@ -139,12 +152,13 @@ class _Track:
     problem: Problem
     last: Mapping[str, Bound] = field(default_factory=dict)
     gains: tuple[float, ...] = ()
+    rests: tuple[float, ...] = ()
     seconds: float = 0.0
     too_fine: bool = False
 
     @property
     def mesh(self) -> MeshTri:
-        return _mesh(self.problem)
+        return mesh_of(self.problem)
 
     @property
     def elements(self) -> int:
@@ -175,8 +189,10 @@ class _Run:
     deadline: float
     max_elements: int
     on_step: Callable[[Step], None] | None
+    coulomb: bool
     best: dict[str, Bound] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
+    absent: dict[str, str] = field(default_factory=dict)
     rows: list[dict[str, Any]] = field(default_factory=list)
 
     @property
@@ -219,17 +235,24 @@ class _Run:
             last[kind] = self._solved(kind, problem)
         after = [proven(self.best.get(kind), np.nan) for kind in track.kinds]
         gain = float(np.abs(np.subtract(after, before)).sum())
+        gains, rests = track.gains, track.rests
+        if np.isfinite(gain):
+            gains = (*gains, gain)
+            rests = (*rests, gain / (mesh_of(problem).nelements / track.elements - 1))
         return replace(
             track,
             problem=problem,
             last=last,
-            gains=(*track.gains, gain) if np.isfinite(gain) else track.gains,
+            gains=gains,
+            rests=rests,
             seconds=time.perf_counter() - begin,
         )
 
     def _solved(self, kind: str, problem: Problem) -> Bound:
         # What this mesh will about prove decides how close a solve must come.
         width = max(self.width / self.growth if self.rows else np.inf, self.target)
+        if self.coulomb:  # it may stay wide
+            width = self.target
         tolerance = float(np.clip(_LOOSE * width, _TIGHTEST, _LOOSEST))
         bound = self._bound(kind, problem, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
@@ -246,8 +269,19 @@ class _Run:
         state = bound.state if isinstance(bound, UpperBound) else bound
         fails = not (holds or bound.status is few[kind])
         self.failures[kind] = (state.message or bound.status.value) if fails else ""
-        self._tell(kind, bound, _mesh(problem))
+        if self.coulomb and bound.status is few[kind]:
+            self._ask_whether_any(kind, problem)
+        self._tell(kind, bound, mesh_of(problem))
         return bound
+
+    def _ask_whether_any(self, kind: str, problem: Problem) -> None:
+        """Note a bound that no mesh has, by the other side: friction carries, or holds, all."""
+        if kind == "lower" and solve(problem, self.backend, "associated").status is Status.UNSAFE:
+            self.absent[kind] = (
+                "none; without Coulomb friction the dead loads collapse the structure"
+            )
+        if kind == "upper" and lower_bound(problem, self.backend).status is Status.LOCKED:
+            self.absent[kind] = "none; with associated friction stresses carry any load"
 
     def _bound(self, kind: str, problem: Problem, options: Mapping[str, Any]) -> Bound:
         known = {field.name for field in fields(find_backend(self.backend).Options)}
@@ -288,21 +322,28 @@ class _Run:
         closed = [self.closed(track) for track in tracks]
         if None in closed:
             return None
-        return Ending.MAX_ELEMENTS if Ending.MAX_ELEMENTS in closed else Ending.NO_PROGRESS
+        order = (Ending.MAX_ELEMENTS, Ending.SETTLED, Ending.NO_PROGRESS, Ending.NO_BOUND)
+        return next(ending for ending in order if ending in closed)
 
     def closed(self, track: _Track) -> Ending | None:
         """Why a mesh is not refined any more."""
+        if self.absent.keys() >= set(track.kinds):
+            return Ending.NO_BOUND
         if track.too_fine:
             return Ending.MAX_ELEMENTS
+        size = max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
+        rests = track.rests[-_RECENT:]
+        if self.coulomb and len(rests) == _RECENT and max(rests) <= _SETTLED * self.target * size:
+            return Ending.SETTLED
         last = track.gains[-_PATIENCE:]
-        least = _NOTHING * self.target * abs(self.upper)
+        least = _NOTHING * self.target * size
         spent = len(last) == _PATIENCE and max(last) <= least
         return Ending.NO_PROGRESS if spent else None
 
     def refined(self, track: _Track) -> Problem | None:
         """The problem on the next mesh, if that may be."""
         finer = grown(track.mesh, self.shares(track), self.growth, self.max_elements)
-        return None if finer is None else _on_mesh(track.problem, finer)
+        return None if finer is None else on_mesh(track.problem, finer)
 
     def shares(self, track: _Track) -> Floats:
         """Of elements in the error of what was solved last; all the same where nothing was."""
@@ -319,121 +360,5 @@ class _Run:
 
     def too_late(self, track: _Track, finer: Problem) -> bool:
         """Whether the next solve is expected to end after the limit."""
-        expected = track.seconds * float(_mesh(finer).nelements) / track.elements
+        expected = track.seconds * float(mesh_of(finer).nelements) / track.elements
         return time.perf_counter() + expected > self.deadline
-
-
-def _starts(
-    problem: Problem, run: _Run, meshes: str | None, lower_mesh: MeshTri | None
-) -> list[_Track]:
-    """The first meshes."""
-    if meshes is not None:
-        require_known("meshes", meshes, MESHES)
-    if lower_mesh is not None and meshes == "shared":
-        raise InputError(
-            "lower_mesh", None, "there is one mesh only", "give it as that of the problem"
-        )
-    problem = _on_mesh(problem, _mesh(problem))
-    if meshes is None:
-        meshes = "shared" if lower_mesh is None else "separate"
-    if meshes == "shared":
-        both = _statable(problem)
-        _check_start("both bounds", _mesh(both), run.max_elements)
-        return [_Track(("lower", "upper"), both)]
-    _check_start("the upper bound", _mesh(problem), run.max_elements)
-    if lower_mesh is None:
-        points = singular_points(problem, run.body)
-        below = _on_mesh(problem, fanned(_mesh(problem), points, sectors_for(run.target)))
-    else:
-        below = _given(problem, lower_mesh)
-    below = _statable(below)
-    _check_start("the lower bound", _mesh(below), run.max_elements)
-    return [_Track(("lower",), below), _Track(("upper",), problem)]
-
-
-def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
-    """The problem on a mesh of the user, which must be one of the same domain."""
-    if type(lower_mesh) is not MeshTri:
-        raise InputError(
-            "lower_mesh",
-            type(lower_mesh).__name__,
-            "not a mesh of straight-edged triangles",
-            "give a skfem.MeshTri, such as a lacore.meshes.fan",
-        )
-    below = _on_mesh(problem, lower_mesh)
-    why = difference(_only_body(problem)[1], _only_body(below)[1])
-    if why:
-        raise InputError(
-            "lower_mesh",
-            f"mesh of {lower_mesh.nelements} elements",
-            f"covers another domain: {why}; a lower bound there is none of this problem",
-            "mesh the same outline, with the same names of its parts",
-        )
-    return below
-
-
-def _statable(problem: Problem) -> Problem:
-    """With elements split at whose corners loads ask for two shear stresses in one place."""
-    try:
-        static_model(problem)
-    except CornerError as error:
-        return _on_mesh(problem, split(_mesh(problem), error.elements))
-    return problem
-
-
-def _only_body(problem: Problem) -> tuple[str, Body]:
-    if len(problem.bodies) > 1:
-        raise InputError(
-            "Problem.bodies",
-            list(problem.bodies),
-            "a bracket refines the mesh of one body, and meshes must match where bodies meet",
-            "refine by hand, with lacore.lower_bound and lacore.upper_bound",
-        )
-    ((name, body),) = problem.bodies.items()
-    if not isinstance(body, Body) or type(body.mesh) is not MeshTri:
-        raise InputError(
-            f"Problem.bodies[{name!r}]",
-            type(body.mesh if isinstance(body, Body) else body).__name__,
-            "a bracket takes a deformable body on straight-edged triangles",
-            "give a lacore.Body on a skfem.MeshTri",
-        )
-    if body.axisymmetric:
-        raise InputError(
-            f"Problem.bodies[{name!r}].kinematics",
-            body.kinematics,
-            "nothing is a strict bound of a body of revolution",
-            "take `solve`, whose value converges under refinement",
-        )
-    return name, body
-
-
-def _on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
-    ((name, body),) = problem.bodies.items()
-    assert isinstance(body, Body)
-    return replace(problem, bodies={name: replace(body, mesh=mesh, space=_SPACE)})
-
-
-def _mesh(problem: Problem) -> MeshTri:
-    (body,) = problem.bodies.values()
-    assert isinstance(body, Body)
-    return body.mesh
-
-
-def _check_start(whose: str, mesh: MeshTri, max_elements: int) -> None:
-    if mesh.nelements > max_elements:
-        raise InputError(
-            "max_elements",
-            max_elements,
-            f"the mesh of {whose} starts with {mesh.nelements} elements",
-            "raise it, or start coarser",
-        )
-    shape = quality(mesh)
-    worst = int(np.argmin(shape))
-    if shape[worst] < _SLIVER:
-        raise InputError(
-            f"mesh of {whose}",
-            None,
-            f"element {worst} is a sliver of shape {shape[worst]:.2g} (1 is equilateral), below"
-            f" {_SLIVER}",
-            "move its vertices, or mesh with larger angles",
-        )

@@ -37,6 +37,7 @@ from lacore.program import (
 from lacore.rigid import RigidDofs
 from lacore.slips import Slip, slips
 from lacore.span_nodes import spanned
+from lacore.status import Scope
 from lacore.volume import volume_projector
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
@@ -85,6 +86,11 @@ class Discretisation:
     shared_corners: Bools
     footings: Ints
     natural: Scales
+
+    @property
+    def scope(self) -> Scope:
+        """Of which problem its load factors are."""
+        return Scope.DISCRETE if self.bodies else Scope.ITSELF
 
     @property
     def n_elements(self) -> int:

@@ -32,6 +32,11 @@ class Ending(Enum):
         "not reached: refinement gains nothing more; at a singular point a lower bound needs more"
         " sectors (`lower_mesh`, lacore.meshes.fan)"
     )
+    SETTLED = (
+        "not reached: by what it last gained, refinement would move neither end by more than a"
+        " quarter of the target; Coulomb friction keeps them apart, between no friction and"
+        " associated friction"
+    )
     NO_BOUND = "not reached: a bound could not be proven; see `failure`"
     CROSSED = "the bounds cross, so that one of them is no bound: see `failure`, and report it"
 
@@ -71,6 +76,8 @@ class Step:
 class Bracket:
     """A load factor between two proven ones: of the body where `strict`, else of its polygon.
 
+    With Coulomb friction every Coulomb load factor.
+
     Attributes:
         status: whether the target was reached, and if not, why.
         lower_bound, upper_bound: the best ones, with their states and meshes.
@@ -78,6 +85,8 @@ class Bracket:
         history: one row a solve, see `Step`.
         failure: why there is no bound, on either side: its mesh is locked or unsafe, or the solver
             failed; or how far bounds cross; else empty.
+        coulomb: whether the problem has Coulomb friction: the lower bound is then one of the
+            problem without it, the upper one of that with associated friction (T14).
     """
 
     status: Ending
@@ -86,6 +95,7 @@ class Bracket:
     target_width: float
     history: pd.DataFrame
     failure: str
+    coulomb: bool = False
 
     @property
     def lower(self) -> float:
@@ -121,6 +131,8 @@ class Bracket:
         proven_of = ""
         if self.strict:
             proven_of = "both bounds are proven"
+            if self.coulomb:
+                proven_of += " of every Coulomb load factor"
         elif self.polygonal:
             proven_of = (
                 "both bounds are of the polygon that stands for a curved outline"
@@ -133,7 +145,8 @@ class Bracket:
         """Shares of the elements of the upper bound's mesh in the gap to a lower bound there (T26).
 
         Where the lower bound has a mesh of its own, from one more solve: without the fans of that
-        mesh its lower bound is a little worse.
+        mesh its lower bound is a little worse. With Coulomb friction both are of the problem with
+        associated friction.
 
         Raises:
             ValueError: there is no upper bound.
@@ -148,7 +161,9 @@ class Bracket:
 
     @property
     def one_mesh(self) -> bool:
-        """Whether both bounds were found on the same mesh."""
+        """Whether both bounds were found on the same mesh, and of the same problem."""
+        if self.coulomb:
+            return False
         (above,) = self.upper_bound.discretisation.bodies.values()
         (below,) = self.lower_bound.model.bodies.values()
         one, other = above.body.mesh, below.body.mesh

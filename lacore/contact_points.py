@@ -58,8 +58,8 @@ class ContactPoints:
 
 
 @dataclass(frozen=True)
-class _Laws:
-    """Friction of segments, each of shape (k,): see `lacore.interfaces.FrictionTerms`."""
+class Laws:
+    """Friction of segments or points, each of shape (k,): see `lacore.interfaces.FrictionTerms`."""
 
     coefficient: Floats
     limit: Floats
@@ -67,15 +67,22 @@ class _Laws:
 
 
 @dataclass(frozen=True)
-class _Station:
-    """Contact points of one interface, or of all joints of an assembly."""
+class Station:
+    """Contact points of one interface, or of all joints of an assembly.
+
+    Attributes:
+        position, normal, moving: see `ContactPoints`.
+        weights, interface: see `ContactRows`.
+        laws: friction.
+        x, y: rows of the velocity of the slave against the master, shape (m, n).
+    """
 
     position: Floats
     normal: Floats
     moving: Ints
     weights: Floats
     interface: Ints
-    laws: _Laws
+    laws: Laws
     x: Sparse
     y: Sparse
 
@@ -84,11 +91,23 @@ def contact_rows(
     interfaces: Sequence[Interface], bodies: Mapping[str, Dofs], n: int
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact rows of all interfaces and joints for n unknowns, and where they stand."""
-    stations, names = [], [interface.name for interface in interfaces]
-    for index, interface in enumerate(interfaces):
-        stations.append(_interface(interface, index, bodies, n))
-    for name, dofs in bodies.items():
-        if isinstance(dofs, RigidDofs) and dofs.body.joints.slave.size:
+    stations = [
+        interface_station(interface, index, bodies, n) for index, interface in enumerate(interfaces)
+    ]
+    rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
+    return joined(stations, interfaces, rigid, n)
+
+
+def joined(
+    stations: Sequence[Station],
+    interfaces: Sequence[Interface],
+    rigid: Mapping[str, RigidDofs],
+    n: int,
+) -> tuple[ContactRows, ContactPoints]:
+    """Rows of the stations of interfaces and, numbered after them, of all joints of blocks."""
+    stations, names = list(stations), [interface.name for interface in interfaces]
+    for name, dofs in rigid.items():
+        if dofs.body.joints.slave.size:
             stations.append(_joints(dofs, len(names), n))
             names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
     normal = np.concatenate([np.zeros((0, 2)), *(part.normal for part in stations)])
@@ -124,7 +143,10 @@ def contact_rows(
     return rows, ContactPoints(position, normal, moving, tuple(names))
 
 
-def _interface(interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int) -> _Station:
+def interface_station(
+    interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int
+) -> Station:
+    """Contact points of the interface with a number."""
     geometry = {name: dofs.body for name, dofs in bodies.items()}
     segments = interface_segments(interface, geometry, f"Problem.interfaces[{index}]")
     slave = bodies[interface.slave[0]]
@@ -132,19 +154,24 @@ def _interface(interface: Interface, index: int, bodies: Mapping[str, Dofs], n: 
     if not isinstance(interface.master, RigidObstacle):
         master = bodies[interface.master[0]]
         sides.append((master, master.parts(segments.master)))
-    strength = min(dofs.strength for dofs, _ in sides)
-    law, count = interface.law.terms(), segments.slave.size
-    # Infinite where it is far beyond any shear stress that the bodies can carry.
-    limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
-    laws = _Laws(*(np.full(count, v) for v in (law.coefficient, limit, law.dilatancy)))
+    count = segments.slave.size
+    laws = laws_of(interface, min(dofs.strength for dofs, _ in sides), count)
     return _stations(segments, np.full(count, index), laws, sides, n)
 
 
-def _joints(dofs: RigidDofs, first: int, n: int) -> _Station:
+def laws_of(interface: Interface, strength: float, count: int) -> Laws:
+    """Those of an interface at `count` places, between bodies that carry a shear `strength`, Pa."""
+    law = interface.law.terms()
+    # Infinite where it is far beyond any shear stress that the bodies can carry.
+    limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
+    return Laws(*(np.full(count, v) for v in (law.coefficient, limit, law.dilatancy)))
+
+
+def _joints(dofs: RigidDofs, first: int, n: int) -> Station:
     joints = dofs.body.joints
     nothing = np.full(joints.slave.size, -1)
     segments = Segments(nothing, nothing, joints.start, joints.end, joints.normal)
-    laws = _Laws(joints.coefficient, joints.limit, joints.dilatancy)
+    laws = Laws(joints.coefficient, joints.limit, joints.dilatancy)
     number = first + np.arange(joints.slave.size)
     sides = [(dofs, joints.slave), (dofs, joints.master)]
     return _stations(segments, number, laws, sides, n)
@@ -153,10 +180,10 @@ def _joints(dofs: RigidDofs, first: int, n: int) -> _Station:
 def _stations(
     segments: Segments,
     interface: Ints,
-    laws: _Laws,
+    laws: Laws,
     sides: Sequence[tuple[Dofs, Ints]],
     n: int,
-) -> _Station:
+) -> Station:
     """Control values of the jump on segments; sides: slave and master, and which parts of them."""
 
     def jump(points: Floats) -> Sequence[Sparse]:
@@ -187,13 +214,13 @@ def _stations(
     key = key + 0.0  # no minus zero
     _, first, point = np.unique(key, axis=0, return_index=True, return_inverse=True)
     at = first % count if count else first
-    return _Station(
+    return Station(
         position=position[:, first].T,
         normal=normal[:, first].T,
         moving=moving[at],
         weights=np.bincount(point.ravel(), weights).astype(np.float64),
         interface=interface[at],
-        laws=_Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
+        laws=Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
         x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
         y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
     )

@@ -11,6 +11,7 @@ import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import find_backend, read_options
+from lacore.continuum_range import continuum_range
 from lacore.conversion import point_in_program
 from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
 from lacore.coupling import Coupled
@@ -21,7 +22,7 @@ from lacore.problem import Problem
 from lacore.program import dimensionless
 from lacore.result import LimitState
 from lacore.solving import limit_state, solve
-from lacore.status import Status
+from lacore.status import Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
 _COLUMNS = ["restart", "origin", "low", "high", "low_end", "high_end", "residual", "solves"]
@@ -33,15 +34,22 @@ class CoulombRange:
     """The lowest and the highest Coulomb load factor found, in SI units.
 
     Each is proven to be one, by its certificate. That there is none lower or higher is proven only
-    by `bracket`, where they reach it; otherwise it is merely what the search found.
+    by `bracket`, where they reach it; otherwise it is merely what the search found. Where bodies
+    deform all this is said of the discrete problem (`scope`), whose load factors lie above those of
+    the continuum as a rule; of the continuum `continuum` is proven.
 
     Attributes:
         status: SOLVED where states were found; else what `solve` says of the problem.
         lowest, highest: their states; None where none was found. Of a mechanism that carries any
             load factor (`high` = inf) `highest` is a state with a large one.
         low, high: their load factors; NaN where nothing is certified, +inf of a LOCKED problem.
-        bracket: proven bounds of every Coulomb load factor, frictionless and associated (T14);
-            -inf and inf where there is none.
+        scope: of which problem the load factors, `bracket` and what reaches it are.
+        bracket: proven bounds of every Coulomb load factor of that problem, frictionless and
+            associated (T14); -inf and inf where there is none.
+        continuum: proven bounds of every Coulomb load factor of the continuum: a strict lower bound
+            of the problem without Coulomb friction, a strict upper bound of that with associated
+            friction; -inf and inf where there is none. `bracket` where nothing is discretised.
+        missing: why the continuum has no bound; empty where it has both.
         states: one row a certified state: restart, origin (of what reactions it settled: of the
             ``certified`` state of `solve`, the ``associated`` one, a ``continuation`` in friction,
             the ``low end`` or ``high end`` of the state before), low and high load factor of its
@@ -59,7 +67,10 @@ class CoulombRange:
     highest: LimitState | None
     low: float
     high: float
+    scope: Scope
     bracket: tuple[float, float]
+    continuum: tuple[float, float]
+    missing: str
     states: pd.DataFrame
     backend: str
     seed: int
@@ -70,22 +81,31 @@ class CoulombRange:
 
     @property
     def lowest_proven(self) -> bool:
-        """Whether there is proven to be no lower Coulomb load factor."""
+        """Whether there is proven to be no lower Coulomb load factor of the problem of `scope`."""
         return _reached(self.low, self.bracket[0])
 
     @property
     def highest_proven(self) -> bool:
-        """Whether there is proven to be no higher Coulomb load factor."""
+        """Whether there is proven to be no higher Coulomb load factor of the problem of `scope`."""
         return _reached(self.high, self.bracket[1])
 
     def summary(self) -> str:
         """What was found, and what of it is proven, as plain text."""
-        below, above = self.bracket
-        lines = [f"Coulomb load factors: {self.low:.6g} to {self.high:.6g}"]
+        of = self.scope.phrase
+        lines = [f"Coulomb load factors{of}: {self.low:.6g} to {self.high:.6g}"]
         if self.lowest is None or self.highest is None:
-            lines = [f"no certified Coulomb load factor: {self.message}"]
+            lines = [f"no certified Coulomb load factor{of}: {self.message}"]
+        if self.scope is Scope.DISCRETE:
+            below, above = self.continuum
+            lines.append(
+                f"  proven of the continuum: every one lies in [{below:.6g}, {above:.6g}]"
+                f" (lower bound frictionless, upper bound associated)"
+            )
+            if self.missing:
+                lines.append(f"  of the continuum {self.missing}")
+        below, above = self.bracket
         lines.append(
-            f"  proven: every one lies in [{below:.6g}, {above:.6g}] (frictionless, associated)"
+            f"  proven{of}: every one lies in [{below:.6g}, {above:.6g}] (frictionless, associated)"
         )
         for name, value, state, proven in (
             ("lowest", self.low, self.lowest, self.lowest_proven),
@@ -97,13 +117,13 @@ class CoulombRange:
             worst = f"(largest residual {size:.1e}, {residual})"
             other = "lower" if name == "lowest" else "higher"
             if np.isinf(value):
-                lines.append(f"  proven: a mechanism carries any higher one {worst}")
+                lines.append(f"  proven{of}: a mechanism carries any higher one {worst}")
                 continue
-            lines.append(f"  proven: {value:.6g} is one, by its certificate {worst}")
+            lines.append(f"  proven{of}: {value:.6g} is one, by its certificate {worst}")
             if proven:
-                lines.append(f"  proven: none is {other}, it reaches its bound")
+                lines.append(f"  proven{of}: none is {other}, it reaches its bound")
             else:
-                lines.append(f"  found, not proven: that none is {other}")
+                lines.append(f"  found, not proven{of}: that none is {other}")
         lines.append(
             f"  {len(self.states)} certified states in {self.solves} solves by {self.backend},"
             f" {self.restarts} restarts, seed {self.seed}, {self.solve_time:.1f} s"
@@ -121,6 +141,7 @@ def coulomb_range(
     seed: int = 0,
     restarts: int = 8,
     tolerance: float = 1e-6,
+    target_width: float | None = None,
     options: Mapping[str, Any] | None = None,
     on_progress: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> CoulombRange:
@@ -133,11 +154,14 @@ def coulomb_range(
         restarts: further searches from shaken reactions, after the one from those of the associated
             problem.
         tolerance: bar for the residuals of every state.
+        target_width: of ``(upper - lower)/mean`` of the bounds of the continuum, to which meshes of
+            their own are refined, see `lacore.bracket`. None: bounds on the mesh of the problem.
         options: of the backend, by name.
         on_progress: called with the row of each certified state as it is found.
 
     Raises:
-        InputError: an unknown name, an option out of range, a regularised backend.
+        InputError: an unknown name, an option out of range, a regularised backend; a target width
+            for a problem that `lacore.bracket` refuses.
         CapabilityError: the backend is missing, or cannot take the problem.
     """
     require_whole("seed", seed)
@@ -150,6 +174,9 @@ def coulomb_range(
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
+    continuum = None
+    if problem.scope is Scope.DISCRETE:
+        continuum = continuum_range(problem, backend, options or {}, target_width)
     given: dict[str, Any] = {"backend": backend, "tolerance": tolerance, "options": options}
     first = solve(problem, coupling="certified", **given)
     problem = first.discretisation  # with the nodes where members under line loads hinge
@@ -217,7 +244,10 @@ def coulomb_range(
         highest=ends.get(HIGH),
         low=ends[LOW].load_factor if ends else nothing,
         high=ends[HIGH].load_factor if ends else nothing,
+        scope=problem.scope,
         bracket=si,
+        continuum=si if continuum is None else (continuum.lower, continuum.upper),
+        missing="" if continuum is None else continuum.missing,
         states=pd.DataFrame(rows, columns=_COLUMNS),
         backend=backend,
         seed=seed,

@@ -42,6 +42,11 @@ class EquilibriumDofs:
         """Number of its nodes."""
         return int(2 * self.body.mesh.nfacets + self.body.mesh.nelements)
 
+    @property
+    def strength(self) -> float:
+        """Shear stress that it can carry, Pa."""
+        return self.body.criterion.k
+
     def facet_nodes(self, facets: Ints) -> Ints:
         """Nodes of W at both ends of facets, in the order of ``mesh.facets``, shape (2, k)."""
         ends = self.first_node + self.body.mesh.nfacets * np.arange(2)

@@ -10,6 +10,8 @@ from skfem import MeshTri
 from lacore.arrays import Floats
 from lacore.bodies import Body
 from lacore.boundaries import boundary_facets
+from lacore.contact_geometry import interface_segments
+from lacore.interfaces import RigidObstacle
 from lacore.loads import BodyForce, PointForce
 from lacore.problem import Problem
 from lacore.refinement import facets_between
@@ -38,11 +40,16 @@ def singular_points(problem: Problem, name: str) -> list[int]:
         for part in parts
         if not isinstance(part, BodyForce | PointForce) and part.body == name
     ]
-    wheres += [pair.slave[1] for pair in problem.interfaces if pair.slave[0] == name]
+    alike = [boundary_facets(body, where, "where") for where in wheres]
+    for index, pair in enumerate(problem.interfaces):
+        segments = interface_segments(pair, problem.bodies, f"Problem.interfaces[{index}]")
+        for side, facets in ((pair.slave, segments.slave), (pair.master, segments.master)):
+            if not isinstance(side, RigidObstacle) and side[0] == name:
+                alike.append(facets)
     boundary = mesh.boundary_facets()
-    conditions = np.zeros((mesh.nfacets, len(wheres)), dtype=bool)
-    for column, where in enumerate(wheres):
-        conditions[boundary_facets(body, where, "where"), column] = True
+    conditions = np.zeros((mesh.nfacets, len(alike)), dtype=bool)
+    for column, facets in enumerate(alike):
+        conditions[facets, column] = True
     angle = _angles(mesh)
     sides: dict[int, list[int]] = {}
     for facet in boundary.tolist():

@@ -24,7 +24,7 @@ class GapIdentity:
     Attributes:
         upper, lower: load factors.
         elements: share of each element by body, shape (elements,), in the unit of load factors.
-        interfaces: share of each interface by name.
+        interfaces: share of each interface, and of each joint of rigid blocks, by name.
     """
 
     upper: float
@@ -59,7 +59,8 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
     Velocities and dissipation of the upper bound, that of velocity jumps half to either side, past
-    supports and footings all to the body; stresses of the lower one. Interfaces have
+    supports and footings all to the body; stresses of the lower one. Interfaces, and
+    joints of rigid blocks, have
     ``w limit ||u_t|| + int t.u``.
 
     Raises:
@@ -82,6 +83,10 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         slip = discretisation.slips.get(name)
         nodes, values = restriction(discretisation.bodies[name], multipliers, velocity, slip)
         restricted[2 * nodes], restricted[2 * nodes + 1] = values
+    for name, blocks in lower.model.assemblies.items():
+        own = discretisation.assemblies[name]
+        moving = velocity[own.offset : own.offset + own.count]
+        restricted[blocks.offset : blocks.offset + blocks.count] = moving
     elements = {}
     for name, group, s, p in zip(
         lower.model.bodies, static.groups, t.stress, t.mean_stress, strict=True
@@ -161,7 +166,8 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
     require_homogeneous(
         upper.discretisation.program, "upper", "take the bounds of one problem, or lacore.solve's"
     )
-    continua, contact = upper.discretisation.bodies, upper.discretisation.full.contact
+    stated, contact = upper.discretisation, upper.discretisation.full.contact
+    continua, blocks = stated.bodies, stated.assemblies
     if contact.coulomb.any():
         raise InputError(
             "upper",
@@ -169,10 +175,14 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
             "Coulomb friction has no bounds whose difference could be split",
             "state Coulomb(mu, associated=True) for both",
         )
-    if list(continua) != list(lower.model.bodies):
+    outlines = [
+        [(name, dofs.body.names, dofs.body.edges.start.tolist()) for name, dofs in own.items()]
+        for own in (blocks, lower.model.assemblies)
+    ]
+    if list(continua) != list(lower.model.bodies) or outlines[0] != outlines[1] or stated.frames:
         raise InputError(
             "upper",
-            list(continua),
+            list(stated.problem.bodies),
             "other bodies than those of the lower bound",
             "take one problem",
         )

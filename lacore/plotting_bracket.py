@@ -14,6 +14,7 @@ from lacore.marking import lower_shares
 
 BODY = "load factor"
 POLYGON = "load factor of the polygon"  # that stands for a curved outline
+_EVERY = "every Coulomb "  # what bounds enclose where friction is Coulomb's
 _PAGE = 9.0  # inches
 _DECADES = 3.0  # of shares that the colours span
 _WIDE = 0.7  # height over width: below it pictures stand above each other
@@ -32,7 +33,7 @@ def plot_bracket(bracket: Bracket) -> Figure:
             bracket.upper,
             bracket.width,
             bracket.status.label,
-            POLYGON if bracket.polygonal else BODY,
+            f"{_EVERY if bracket.coulomb else ''}{POLYGON if bracket.polygonal else BODY}",
         ),
         bracket.upper_bound.discretisation.bodies[name].body.mesh,
         bracket.gaps.elements[name],

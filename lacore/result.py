@@ -41,7 +41,9 @@ class LimitState:
             rates) and the change that it made: below 1 the plain iteration converges, at 1 it jams
             (T11); NaN where two different ones were not seen.
         bracket: load factors that enclose every Coulomb one (T14), where a loop found none that it
-            could certify; -inf and +inf where nothing is known. None elsewhere.
+            could certify; -inf and +inf where nothing is known. None elsewhere. Where bodies
+            deform, those of the discrete problem: the lower end may lie above the load factors of
+            the continuum, which `lacore.bracket` encloses.
         regularised: the values of T19 (regularised backends), as load factors.
         history: one row an inner solve: load factor, residuals, statuses, times.
         build_time, solve_time: s, wall clock: assembly, and everything after it.

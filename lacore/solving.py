@@ -85,7 +85,8 @@ def solve(
             the paper, T9; the default and only one of regularised backends), ``shift`` (T10) or
             ``kappa`` (T11); or one solve of another problem: ``associated``, friction made
             associated, or ``stick``, no slip, both upper bounds of every Coulomb load factor, or
-            ``frictionless``, a lower one (T14).
+            ``frictionless``, a lower one (T14); of those of the discrete problem, where bodies
+            deform.
         start, damping, anderson, kappa: of ``reaction``, ``shift`` and ``kappa``, see
             `CouplingOptions`.
         tolerance, max_iterations: of all loops.
@@ -261,7 +262,8 @@ def limit_state(
         if driven_corners(discretisation, None, tolerance):  # contact there may carry more
             upper = np.inf
         bracket = (lower, upper)
-        message += f"; every Coulomb load factor is in [{lower:.6g}, {upper:.6g}]"
+        of = discretisation.scope.phrase
+        message += f"; every Coulomb load factor{of} is in [{lower:.6g}, {upper:.6g}]"
     rigor = _rigor(discretisation, coupled.status, coupling, regularised)
     bodies = [dofs.body for dofs in discretisation.bodies.values()]
     if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):

@@ -1,132 +1,201 @@
-"""Contact rows of equilibrium elements (T26b): tractions at the ends of facets."""
+"""Contact rows of equilibrium elements (T26b): tractions at the ends of facets.
+
+Tractions are linear along a facet of a deformable body, whatever it touches: an obstacle, the same
+facet of another body, or rigid blocks, which take the resultants of what acts on their part of it.
+Between rigid blocks alone the points of a joint carry all that statics asks for.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.boundaries import facet_geometry
-from lacore.contact_geometry import interface_segments
-from lacore.contact_points import ContactPoints
+from lacore.contact_geometry import Segments, interface_segments, tolerance
+from lacore.contact_points import ContactPoints, Station, interface_station, joined, laws_of
 from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
+from lacore.rigid import RigidDofs
+
+StaticDofs = EquilibriumDofs | RigidDofs
 
 _SAME_PLACE = 1e-9  # of the body size
-_UNATTAINABLE = 100.0  # times the shear strength: no admissible stress reaches it
-
-
-@dataclass(frozen=True)
-class _Station:
-    """Contact points of one interface: two a facet."""
-
-    position: Floats
-    normal: Floats
-    weights: Floats
-    sides: tuple[tuple[float, Ints], ...]  # sign and node of the velocities that make the jump
-    terms: Floats  # coefficient, limit, dilatancy
-
-    @property
-    def moving(self) -> Ints:
-        """See `ContactPoints`: each facet has nodes of its own."""
-        slave, *master = (nodes for _, nodes in self.sides)
-        return np.stack([slave, master[0] if master else np.full_like(slave, -1)], axis=1)
+_MISSING = 2.0  # times the distance up to which coordinates count as one: at either end
+# Gauss rule on (0, 1), exact up to degree 3: a shape function times the velocity of a block.
+_PLACES = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
 
 
 def traction_rows(
-    interfaces: Sequence[Interface], bodies: Mapping[str, EquilibriumDofs], n: int
+    interfaces: Sequence[Interface], bodies: Mapping[str, StaticDofs], n: int
 ) -> tuple[ContactRows, ContactPoints]:
     """Tractions at the ends of facets: linear between, they obey the convex law there too."""
-    stations = [
-        _station(interface, bodies, f"Problem.interfaces[{index}]")
-        for index, interface in enumerate(interfaces)
-    ]
-    position = np.concatenate([np.zeros((0, 2)), *(s.position for s in stations)])
-    normal = np.concatenate([np.zeros((0, 2)), *(s.normal for s in stations)])
-    count = [s.weights.size for s in stations]
-    terms = np.concatenate(
-        [
-            np.zeros((0, 3)),
-            *(np.tile(s.terms, (k, 1)) for s, k in zip(stations, count, strict=True)),
-        ]
-    )
-
-    def along(direction: Floats) -> Sparse:
-        rows, columns, values, first = [], [], [], 0
-        for station in stations:
-            own = first + np.arange(station.weights.size)
-            for sign, nodes in station.sides:
-                for axis in (0, 1):
-                    rows.append(own)
-                    columns.append(2 * nodes + axis)
-                    values.append(sign * direction[own, axis])
-            first += own.size
-        empty = np.zeros(0)
-        entries = np.concatenate([empty, *values])
-        places = (
-            np.concatenate([empty, *rows]).astype(np.int64),
-            np.concatenate([empty, *columns]).astype(np.int64),
-        )
-        matrix = csr_matrix(coo_matrix((entries, places), shape=(direction.shape[0], n)))
-        matrix.eliminate_zeros()
-        return matrix
-
-    rows = ContactRows(
-        normal=along(normal),
-        tangential=along(np.stack([-normal[:, 1], normal[:, 0]], axis=1)),
-        tangent_dim=1,
-        weights=np.concatenate([np.zeros(0), *(s.weights for s in stations)]),
-        coefficient=terms[:, 0],
-        limit=terms[:, 1],
-        dilatancy=terms[:, 2],
-        interface=np.repeat(np.arange(len(stations)), np.array(count, dtype=np.int64)),
-    )
-    none = np.zeros((0, 2), dtype=np.int64)
-    moving = np.concatenate([none, *(s.moving for s in stations)])
-    return rows, ContactPoints(position, normal, moving, tuple(i.name for i in interfaces))
+    rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
+    stations = []
+    for index, interface in enumerate(interfaces):
+        sides = (interface.slave, interface.master)
+        if all(isinstance(side, RigidObstacle) or side[0] in rigid for side in sides):
+            stations.append(interface_station(interface, index, rigid, n))
+        else:
+            stations.append(_station(interface, index, bodies, n))
+    return joined(stations, interfaces, rigid, n)
 
 
-def _station(interface: Interface, bodies: Mapping[str, EquilibriumDofs], field: str) -> _Station:
+def _station(interface: Interface, index: int, bodies: Mapping[str, StaticDofs], n: int) -> Station:
+    """Two points a facet of the deformable side, of the slave where both are."""
+    field = f"Problem.interfaces[{index}]"
     geometry = {name: dofs.body for name, dofs in bodies.items()}
     segments = interface_segments(interface, geometry, field)
-    slave = bodies[interface.slave[0]]
-    start, end, outward = facet_geometry(slave.body, segments.slave)
-    touching = [slave]
-    sides: list[tuple[float, Ints]] = [(1.0, slave.facet_nodes(segments.slave).ravel())]
+    sides = [(bodies[interface.slave[0]], segments.slave)]
     if not isinstance(interface.master, RigidObstacle):
-        master = bodies[interface.master[0]]
-        touching.append(master)
-        nodes = _matched(master, interface, segments.master, start, end, field)
-        sides.append((-1.0, nodes))
-    strength = min(dofs.body.criterion.k for dofs in touching)
-    law = interface.law.terms()
-    limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
-    return _Station(
+        sides.append((bodies[interface.master[0]], segments.master))
+    strength = min(dofs.strength for dofs, _ in sides)
+    turned = isinstance(sides[0][0], RigidDofs)
+    (carrier, touched), *others = sides[::-1] if turned else sides
+    assert isinstance(carrier, EquilibriumDofs)
+    facets, facet = np.unique(touched, return_inverse=True)
+    start, end, outward = facet_geometry(carrier.body, facets)
+    nodes = carrier.facet_nodes(facets).ravel()
+    x, y = _selected(nodes, n)
+    moving = np.stack([nodes, np.full_like(nodes, -1)])
+    for other, edges in others:
+        if isinstance(other, RigidDofs):
+            parts = _Parts.of(start, end, facet, segments)
+            allowed = _MISSING * max(tolerance(carrier.body), tolerance(other.body))
+            _check_covered(parts, interface, allowed, field)
+            blocks = other.parts(edges)[parts.order]
+            facing, moving[1] = parts.means(other, blocks, n), np.tile(blocks[parts.first], 2)
+        else:
+            ends = (a[:, facet] for a in (start, end))
+            moving[1] = _matched(other, interface, edges, *ends, field)
+            facing = _selected(moving[1], n)
+        x, y = csr_matrix(x - facing[0]), csr_matrix(y - facing[1])
+    sign = -1.0 if turned else 1.0
+    return Station(
         position=np.concatenate([start, end], axis=1).T,
-        normal=-np.tile(outward.T, (2, 1)),
+        normal=-sign * np.tile(outward.T, (2, 1)),
+        moving=(moving[::-1] if turned else moving).T,
         weights=np.tile(np.linalg.norm(end - start, axis=0) / 2, 2),
-        sides=tuple(sides),
-        terms=np.array([law.coefficient, limit, law.dilatancy]),
+        interface=np.full(nodes.size, index),
+        laws=laws_of(interface, strength, nodes.size),
+        x=csr_matrix(sign * x),
+        y=csr_matrix(sign * y),
     )
+
+
+def _selected(nodes: Ints, n: int) -> tuple[Sparse, Sparse]:
+    """Rows of u_x and u_y of nodes of multipliers, each of shape (nodes, n)."""
+    one, start = np.ones(nodes.size), np.arange(nodes.size + 1)
+    x, y = (csr_matrix((one, 2 * nodes + axis, start), shape=(nodes.size, n)) for axis in (0, 1))
+    return x, y
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Segments as parts of f facets: facet by facet, and along each from 0 to 1.
+
+    Attributes:
+        order: numbers of the segments, shape (k,).
+        facet: of each, ascending, shape (k,).
+        first: place in `order` of the first one of each facet, shape (f,).
+        low, high: their ends as shares of the facet, shape (k,).
+        start, along: of the facets, shape (2, f).
+    """
+
+    order: Ints
+    facet: Ints
+    first: Ints
+    low: Floats
+    high: Floats
+    start: Floats
+    along: Floats
+
+    @classmethod
+    def of(cls, start: Floats, end: Floats, facet: Ints, segments: Segments) -> "_Parts":
+        """Segments on the facets from `start` to `end`, by the number of the facet of each."""
+        along = end - start
+        shares = [
+            np.sum((place - start[:, facet]) * along[:, facet], axis=0)
+            / np.sum(along**2, axis=0)[facet]
+            for place in (segments.start, segments.end)
+        ]
+        low, high = np.sort(shares, axis=0)
+        order = np.lexsort((low, facet))
+        _, first = np.unique(facet[order], return_index=True)
+        return cls(order, facet[order], first, low[order], high[order], start, along)
+
+    @property
+    def holes(self) -> tuple[Ints, Floats, Floats]:
+        """What no segment covers: facets, from where to where, shares, shape (k + f,) each."""
+        begin = np.append(0.0, self.high[:-1])
+        begin[self.first] = 0.0
+        last = self._last
+        return (
+            np.append(self.facet, self.facet[last]),
+            np.append(begin, self.high[last]),
+            np.append(self.low, np.ones(last.size)),
+        )
+
+    @property
+    def _last(self) -> Ints:
+        return np.append(self.first[1:], self.facet.size) - 1
+
+    def means(self, dofs: RigidDofs, blocks: Ints, n: int) -> tuple[Sparse, Sparse]:
+        """Rows of ``2/L int N_i u ds`` of blocks over the facets, first the starts: (2 f, n).
+
+        What does the power of a traction that is linear along the facet on rigid motions: so what
+        acts on blocks is what acts on the body, resultants and moments. Without the holes.
+        """
+        low = self.low.copy()
+        low[self.first] = 0.0
+        high = np.append(low[1:], 1.0)
+        high[self._last] = 1.0
+        count, segment = self.first.size, np.arange(blocks.size)
+        total = [[csr_matrix((count, n)) for _ in range(2)] for _ in range(2)]  # axes, ends
+        for place in _PLACES:
+            share = low + place * (high - low)
+            points = self.start[:, self.facet] + share * self.along[:, self.facet]
+            rows = dofs.velocity_rows(blocks, points, n)
+            for end, shape in enumerate((1 - share, share)):
+                entries = (shape * (high - low), (self.facet, segment))
+                weights = csr_matrix(entries, shape=(count, blocks.size))
+                for axis in (0, 1):
+                    total[axis][end] = csr_matrix(total[axis][end] + weights @ rows[axis])
+        x, y = (csr_matrix(vstack(ends, format="csr")) for ends in total)
+        return x, y
+
+
+def _check_covered(parts: _Parts, interface: Interface, allowed: float, field: str) -> None:
+    """Raise `InputError` where blocks touch a part of a facet only.
+
+    Tractions that are linear along all of it, and zero beside the blocks, would be zero.
+    """
+    facet, begin, end = parts.holes
+    length = np.linalg.norm(parts.along, axis=0)[facet]
+    for hole in np.flatnonzero((end - begin) * length > allowed)[:1]:
+        share = begin[hole] if begin[hole] * length[hole] > allowed else end[hole]
+        place = parts.start[:, facet[hole]] + share * parts.along[:, facet[hole]]
+        raise InputError(
+            field,
+            interface.name,
+            f"contact with rigid blocks ends at {place}, inside an edge of an element: tractions"
+            " that are linear along all of the edge would be zero",
+            "put a vertex of the mesh there",
+        )
 
 
 def _matched(
-    master: EquilibriumDofs,
-    interface: Interface,
-    facets: Ints,
-    start: Floats,
-    end: Floats,
-    field: str,
+    master: StaticDofs, interface: Interface, facets: Ints, start: Floats, end: Floats, field: str
 ) -> Ints:
     """Nodes of the master at the starts, then at the ends of the slave's facets, shape (2 k,).
 
     Raises:
         InputError: facets of both sides that are not the same.
     """
+    assert isinstance(master, EquilibriumDofs)
     a, b, _ = facet_geometry(master.body, facets)
     near = _SAME_PLACE * master.body.size
 

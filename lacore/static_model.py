@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
+from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
+from lacore.blocks import BlockAssembly
 from lacore.bodies import Body
 from lacore.boundaries import boundary_facets, facet_geometry
 from lacore.conditions import footing_conditions, support_conditions
@@ -18,6 +20,7 @@ from lacore.errors import InputError
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, Scales, kept_points, reduced
+from lacore.rigid import RigidDofs
 from lacore.static_contact import traction_rows
 from lacore.static_corners import check_corners
 
@@ -33,8 +36,9 @@ class StaticModel:
         full: the program for all multipliers, SI units.
         program: the program for the free unknowns, SI units; stresses, reactions and load factor
             are its multipliers.
-        bodies: by name.
-        points: geometry of the contact points, the ends of facets.
+        bodies: continua by name.
+        assemblies: rigid blocks by name.
+        points: geometry of the contact points, the ends of facets and of joints.
         natural: scales in which the quantities of the answer are of order one.
     """
 
@@ -42,21 +46,24 @@ class StaticModel:
     full: KinematicProgram
     program: KinematicProgram
     bodies: Mapping[str, EquilibriumDofs]
+    assemblies: Mapping[str, RigidDofs]
     points: ContactPoints
     natural: Scales
 
     @property
     def n_elements(self) -> int:
-        """Triangles."""
-        return sum(int(dofs.body.mesh.nelements) for dofs in self.bodies.values())
+        """Triangles and rigid blocks."""
+        triangles = sum(int(dofs.body.mesh.nelements) for dofs in self.bodies.values())
+        return triangles + sum(len(dofs.body.names) for dofs in self.assemblies.values())
 
 
 def static_model(problem: Problem) -> StaticModel:
     """Assemble the lower bound problem.
 
     Raises:
-        InputError: what equilibrium elements cannot state (bodies that are no straight triangles,
-            point forces, friction that is not associated, interfaces whose meshes do not match,
+        InputError: what equilibrium elements cannot state (bodies that are no straight triangles
+            and no rigid blocks, point forces on continua, friction that is not associated,
+            interfaces whose meshes do not match, blocks whose edges end inside one of an element,
             loads that ask for two shear stresses at a corner of one element), a reference load
             that does no power.
     """
@@ -74,24 +81,44 @@ def static_model(problem: Problem) -> StaticModel:
     nodes = sum(dofs.count for dofs in bodies.values())
     node_dofs = np.arange(2 * nodes).reshape(-1, 2).T
     n = 2 * nodes + len(footings)
+    assemblies: dict[str, RigidDofs] = {}
+    for name, body in problem.bodies.items():
+        if isinstance(body, BlockAssembly):
+            assemblies[name] = RigidDofs(body, n)
+            n += assemblies[name].count
 
-    contact, points = traction_rows(problem.interfaces, bodies, n)
+    contact, points = traction_rows(problem.interfaces, {**bodies, **assemblies}, n)
     full = KinematicProgram(
         groups=tuple(dofs.group(name, n) for name, dofs in bodies.items()),
         contact=contact,
-        reference_load=_load_vector(problem.reference_loads, bodies, footings, n),
-        dead_load=_load_vector(problem.dead_loads, bodies, footings, n),
+        reference_load=_load_vector(problem.reference_loads, bodies, assemblies, footings, n),
+        dead_load=_load_vector(problem.dead_loads, bodies, assemblies, footings, n),
     )
     conditions = join(
         [
-            *(support_conditions(s, *_ends(bodies[s.body], s)) for s in problem.supports),
+            *(
+                support_conditions(s, *_ends(bodies[s.body], s))
+                for s in problem.supports
+                if s.body in bodies
+            ),
             *(
                 footing_conditions(footing, *_ends(bodies[footing.body], footing), number)
                 for number, footing in enumerate(footings)
             ),
         ]
     )
-    basis = free_basis(conditions, node_dofs, [footing.name for footing in footings])
+    basis = csr_matrix(
+        block_diag(
+            [
+                free_basis(conditions, node_dofs, [footing.name for footing in footings]),
+                *(
+                    dofs.free([s for s in problem.supports if s.body == name])
+                    for name, dofs in assemblies.items()
+                ),
+            ],
+            format="csr",
+        )
+    )
     check_corners(full, basis, bodies)
     program = reduced(full, basis)
     # What a support takes altogether needs no reaction.
@@ -110,6 +137,7 @@ def static_model(problem: Problem) -> StaticModel:
         full=full,
         program=program,
         bodies=bodies,
+        assemblies=assemblies,
         points=points.kept(kept),
         natural=Scales(
             length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
@@ -122,13 +150,15 @@ def static_model(problem: Problem) -> StaticModel:
 def _continua(problem: Problem) -> dict[str, Body]:
     bodies: dict[str, Body] = {}
     for name, body in problem.bodies.items():
+        if isinstance(body, BlockAssembly):
+            continue
         if not isinstance(body, Body):
             raise InputError(
                 f"Problem.bodies[{name!r}]",
                 type(body).__name__,
-                "a lower bound takes deformable bodies only",
-                "make it a lacore.Body or a RigidObstacle; `solve` brackets rigid blocks and frames"
-                " by coupling='frictionless' and 'associated'",
+                "a lower bound takes deformable bodies and rigid blocks only",
+                "make it a lacore.Body or a BlockAssembly; `solve` bounds problems of frames by"
+                " coupling='frictionless' and 'associated'",
             )
         if type(body.mesh) is not MeshTri1:
             raise InputError(
@@ -146,13 +176,21 @@ def _continua(problem: Problem) -> dict[str, Body]:
                 "take `solve`, whose value converges, and is no bound",
             )
         bodies[name] = body
+    if not bodies:
+        raise InputError(
+            "Problem.bodies",
+            list(problem.bodies),
+            "a lower bound takes rigid blocks beside deformable bodies only",
+            "take `solve`: of rigid blocks alone what it certifies is exact, and coupling="
+            "'frictionless' and 'associated' bound every Coulomb load factor",
+        )
     return bodies
 
 
 def _check_statable(problem: Problem) -> None:
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
-            if isinstance(load, PointForce):
+            if isinstance(load, PointForce) and isinstance(problem.bodies[load.body], Body):
                 raise InputError(
                     f"Problem.{attribute}[{index}]",
                     load.vector,
@@ -168,6 +206,15 @@ def _check_statable(problem: Problem) -> None:
                 "give Coulomb(mu, associated=True), or SMOOTH, whose lower bound is one of every"
                 " Coulomb load factor too",
             )
+    for name, body in problem.bodies.items():
+        if isinstance(body, BlockAssembly) and np.any(body.joints.coefficient > 0):
+            raise InputError(
+                f"Problem.bodies[{name!r}].friction",
+                None,
+                "Coulomb friction of joints is not associated, and the bound theorems do not hold"
+                " with it",
+                "give Coulomb(mu, associated=True), or SMOOTH",
+            )
 
 
 def _facets(dofs: EquilibriumDofs, part: Fix | Traction | Pressure | RigidFooting) -> Ints:
@@ -181,18 +228,24 @@ def _unloaded(footing: RigidFooting) -> RigidFooting:
 def _load_vector(
     loads: Sequence[Load],
     bodies: Mapping[str, EquilibriumDofs],
+    assemblies: Mapping[str, RigidDofs],
     footings: Sequence[RigidFooting],
     n: int,
 ) -> Floats:
     """Forces on the multipliers, shape (n,), N/m; those of a footing on its own unknown."""
     total = np.zeros(n)
+    first = 2 * sum(dofs.count for dofs in bodies.values())  # of the footings
     for load in loads:
+        if load.body in assemblies:
+            own = assemblies[load.body]
+            total[own.offset : own.offset + own.count] += own.force(load)
+            continue
         dofs = bodies[load.body]
         if isinstance(load, BodyForce):
             force = element_geometry(dofs.body)[0] * np.reshape(load.vector, (2, 1))
             nodes = dofs.element_nodes
         elif isinstance(load, RigidFooting):
-            place = n - len(footings) + footings.index(_unloaded(load))
+            place = first + footings.index(_unloaded(load))
             total[place] += load.pressure * float(dofs.lengths(_facets(dofs, load)).sum())
             continue
         else:

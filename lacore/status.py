@@ -66,6 +66,18 @@ _WITH_POINT = frozenset(
 )
 
 
+class Scope(Enum):
+    """Of which problem an interval of Coulomb load factors is proven."""
+
+    ITSELF = "the problem: rigid blocks and frames have no discretisation"
+    DISCRETE = "the discrete problem: velocities of the space, on the mesh"
+
+    @property
+    def phrase(self) -> str:
+        """What to add to a claim, with a blank before it; empty where nothing is discretised."""
+        return " of the discrete problem" if self is Scope.DISCRETE else ""
+
+
 class Rigor(Enum):
     """What a load factor proves (T16). No number is printed without one."""
 

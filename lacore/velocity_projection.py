@@ -8,13 +8,15 @@ a crossing of edges) get a shift, which refinement undoes.
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
-from lacore.arrays import Floats, Sparse
+from lacore.arrays import Bools, Floats, Sparse
 from lacore.linear_algebra import SingularError, SuperLU
 from lacore.program import KinematicProgram
 
 _SHIFT = 1e-11  # of rows of length 1
 _REFINEMENTS = 5
 _FINISHED = 0.5  # a refinement that leaves more than this has come to round-off
+_ROUND_OFF = 1e-13  # of the largest speed: penetration that is none
+_ROUNDS = 4  # of projections, each with what the one before has closed
 _CLOSE = 1e-6  # of the largest speed: contact that could be lost by the projection
 
 
@@ -25,7 +27,35 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
         program: dimensionless.
         velocity: almost admissible, shape (n,).
     """
-    rows = _conditions(program, velocity)
+    contact = program.contact
+    fastest = float(np.abs(velocity).max())
+    close = _beyond(program, velocity) > -_CLOSE * fastest
+    rests = np.isinf(contact.limit)
+    rests |= close & (contact.dilatancy > 0) & (np.abs(_slip(program, velocity)) < _CLOSE * fastest)
+    moved = velocity
+    for _ in range(_ROUNDS):
+        moved = _nearest(_conditions(program, velocity, close, rests), velocity)
+        wrong = _beyond(program, moved) > _ROUND_OFF * fastest
+        if not np.any(wrong & ~(close & (rests | (contact.dilatancy == 0)))):
+            break
+        # Slip that was noise has turned round, or what was open has closed: no motion there.
+        close, rests = close | wrong, rests | (wrong & (contact.dilatancy > 0))
+    return moved / float(program.reference_load @ moved)
+
+
+def _slip(program: KinematicProgram, velocity: Floats) -> Floats:
+    return program.contact.slip(velocity)[:, 0]
+
+
+def _beyond(program: KinematicProgram, velocity: Floats) -> Floats:
+    """How far contact points penetrate, against what their slip dilates, shape (m,)."""
+    contact = program.contact
+    dilated = contact.dilatancy * np.abs(_slip(program, velocity))
+    return np.asarray(dilated - contact.opening(velocity))
+
+
+def _nearest(rows: Sparse, velocity: Floats) -> Floats:
+    """The nearest velocity on which all rows vanish, to round-off if that can be."""
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     rows = csr_matrix(diags_array(1 / length) @ rows)
     matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
@@ -39,7 +69,7 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
         pass  # what is left tells
     finally:
         solver.close()
-    return velocity / float(program.reference_load @ velocity)
+    return velocity
 
 
 def _projected(rows: Sparse, velocity: Floats, solver: SuperLU) -> Floats:
@@ -56,24 +86,25 @@ def _projected(rows: Sparse, velocity: Floats, solver: SuperLU) -> Floats:
     return velocity
 
 
-def _conditions(program: KinematicProgram, velocity: Floats) -> Sparse:
-    """Rows that must be zero: no divergence, no slip that sticks, no penetration.
+def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests: Bools) -> Sparse:
+    """Rows that must be zero: no divergence, no slip where contact rests, no penetration.
 
     Contact that is open by far plays no part; where it hardly is, it is closed: rows that depend
     on each other, of a body that is held all around, contradict unless all ask for zero. Where
     dilatant points slip, the cone of their law is one of its faces; where they hardly do, they
     stick.
+
+    Args:
+        program: dimensionless.
+        velocity: whose slip says which face.
+        close: contact points that touch, shape (m,).
+        rests: those that do not slip, shape (m,).
     """
     contact = program.contact
-    opening, slip = contact.opening(velocity), contact.slip(velocity)[:, 0]
-    fastest = float(np.abs(velocity).max())
-    stick = np.isinf(contact.limit)
-    close = opening - contact.dilatancy * np.abs(slip) < _CLOSE * fastest
-    slow = close & (contact.dilatancy > 0) & (np.abs(slip) < _CLOSE * fastest)
-    face = diags_array(contact.dilatancy * np.sign(slip)) @ contact.tangential
+    face = diags_array(contact.dilatancy * np.sign(_slip(program, velocity))) @ contact.tangential
     parts = [
         *(group.volumetric for group in program.groups),
-        contact.tangential[stick | slow],
+        contact.tangential[rests],
         csr_matrix(contact.normal - face)[close],
     ]
     rows = csr_matrix(vstack(parts, format="csr"))

@@ -1,0 +1,169 @@
+"""What a bracket starts from: which problems, on which meshes (T26d)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from skfem import MeshTri
+
+from lacore.blocks import BlockAssembly
+from lacore.bodies import Body
+from lacore.enclosing import associated, frictionless, has_coulomb
+from lacore.errors import InputError, require_known
+from lacore.fans import fanned, sectors_for, singular_points
+from lacore.mesh_checks import quality
+from lacore.meshes import split
+from lacore.problem import Problem
+from lacore.same_domain import difference
+from lacore.static_corners import CornerError
+from lacore.static_model import static_model
+
+MESHES = ("separate", "shared")
+_SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique
+_SLIVER = 0.01  # shape of a triangle; below it strain rates lose their digits
+
+
+@dataclass(frozen=True)
+class Start:
+    """A problem on its first mesh, and which bounds of it count: ``lower``, ``upper`` or both."""
+
+    kinds: tuple[str, ...]
+    problem: Problem
+
+
+def starts(
+    problem: Problem,
+    target_width: float,
+    max_elements: int,
+    meshes: str | None,
+    lower_mesh: MeshTri | None,
+) -> list[Start]:
+    """The first meshes: arguments as of `lacore.bracket`."""
+    if meshes is not None:
+        require_known("meshes", meshes, MESHES)
+    if lower_mesh is not None and meshes == "shared":
+        raise InputError(
+            "lower_mesh", None, "there is one mesh only", "give it as that of the problem"
+        )
+    coulomb = has_coulomb(problem)
+    if coulomb and meshes == "shared":
+        raise InputError(
+            "meshes",
+            meshes,
+            "Coulomb friction: the lower bound is one without friction, the upper one that of"
+            " associated friction, two problems whose errors lie elsewhere",
+            "leave it out",
+        )
+    if meshes is None:
+        meshes = "separate" if coulomb or lower_mesh is not None else "shared"
+    problem = on_mesh(problem, mesh_of(problem))
+    if meshes == "shared":
+        both = _statable(problem)
+        _check("both bounds", mesh_of(both), max_elements)
+        return [Start(("lower", "upper"), both)]
+    above, below = associated(problem), frictionless(problem)
+    _check("the upper bound", mesh_of(above), max_elements)
+    if lower_mesh is None:
+        points = singular_points(below, only_body(below)[0])
+        below = on_mesh(below, fanned(mesh_of(below), points, sectors_for(target_width)))
+    else:
+        below = _given(below, lower_mesh)
+    below = _statable(below)
+    _check("the lower bound", mesh_of(below), max_elements)
+    return [Start(("lower",), below), Start(("upper",), above)]
+
+
+def only_body(problem: Problem) -> tuple[str, Body]:
+    """Name of the body whose mesh is refined, and that body; rigid blocks have no mesh."""
+    meshed = {n: b for n, b in problem.bodies.items() if not isinstance(b, BlockAssembly)}
+    if not meshed:
+        raise InputError(
+            "Problem.bodies",
+            list(problem.bodies),
+            "a bracket refines the mesh of one body, and rigid blocks have none",
+            "take lacore.solve or coulomb_range: of rigid blocks alone there is nothing to refine",
+        )
+    if len(meshed) > 1:
+        raise InputError(
+            "Problem.bodies",
+            list(meshed),
+            "a bracket refines the mesh of one body, and meshes must match where bodies meet",
+            "refine by hand, with lacore.lower_bound and lacore.upper_bound",
+        )
+    ((name, body),) = meshed.items()
+    if not isinstance(body, Body) or type(body.mesh) is not MeshTri:
+        raise InputError(
+            f"Problem.bodies[{name!r}]",
+            type(body.mesh if isinstance(body, Body) else body).__name__,
+            "a bracket takes a deformable body on straight-edged triangles",
+            "give a lacore.Body on a skfem.MeshTri",
+        )
+    if body.axisymmetric:
+        raise InputError(
+            f"Problem.bodies[{name!r}].kinematics",
+            body.kinematics,
+            "nothing is a strict bound of a body of revolution",
+            "take `solve`, whose value converges under refinement",
+        )
+    return name, body
+
+
+def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
+    """The problem with its body on another mesh, in the velocity space of upper bounds."""
+    name, body = only_body(problem)
+    finer = replace(body, mesh=mesh, space=_SPACE)
+    return replace(problem, bodies={**problem.bodies, name: finer})
+
+
+def mesh_of(problem: Problem) -> MeshTri:
+    """The mesh that is refined."""
+    return only_body(problem)[1].mesh
+
+
+def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
+    """The problem on a mesh of the user, which must be one of the same domain."""
+    if type(lower_mesh) is not MeshTri:
+        raise InputError(
+            "lower_mesh",
+            type(lower_mesh).__name__,
+            "not a mesh of straight-edged triangles",
+            "give a skfem.MeshTri, such as a lacore.meshes.fan",
+        )
+    below = on_mesh(problem, lower_mesh)
+    why = difference(only_body(problem)[1], only_body(below)[1])
+    if why:
+        raise InputError(
+            "lower_mesh",
+            f"mesh of {lower_mesh.nelements} elements",
+            f"covers another domain: {why}; a lower bound there is none of this problem",
+            "mesh the same outline, with the same names of its parts",
+        )
+    return below
+
+
+def _statable(problem: Problem) -> Problem:
+    """With elements split at whose corners loads ask for two shear stresses in one place."""
+    try:
+        static_model(problem)
+    except CornerError as error:
+        return on_mesh(problem, split(mesh_of(problem), error.elements))
+    return problem
+
+
+def _check(whose: str, mesh: MeshTri, max_elements: int) -> None:
+    if mesh.nelements > max_elements:
+        raise InputError(
+            "max_elements",
+            max_elements,
+            f"the mesh of {whose} starts with {mesh.nelements} elements",
+            "raise it, or start coarser",
+        )
+    shape = quality(mesh)
+    worst = int(np.argmin(shape))
+    if shape[worst] < _SLIVER:
+        raise InputError(
+            f"mesh of {whose}",
+            None,
+            f"element {worst} is a sliver of shape {shape[worst]:.2g} (1 is equilateral), below"
+            f" {_SLIVER}",
+            "move its vertices, or mesh with larger angles",
+        )

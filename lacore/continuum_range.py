@@ -1,0 +1,85 @@
+"""Bounds of every Coulomb load factor of the continuum (T14), by strict bounds of two problems."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from lacore.adaptivity import bracket
+from lacore.assembly import Discretisation
+from lacore.enclosing import associated, frictionless
+from lacore.errors import CapabilityError, InputError
+from lacore.kinematic_bound import UpperBound, upper_bound
+from lacore.static_bound import LowerBound, lower_bound
+from lacore.status import Rigor
+
+
+@dataclass(frozen=True)
+class ContinuumRange:
+    """Two load factors with every Coulomb one of the continuum between them.
+
+    Attributes:
+        lower, upper: strict bounds of the problem without Coulomb friction and of that with
+            associated friction; -inf and inf where there is none.
+        missing: why there is none; empty where there are both.
+    """
+
+    lower: float
+    upper: float
+    missing: str
+
+
+def continuum_range(
+    stated: Discretisation,
+    backend: str,
+    options: Mapping[str, Any],
+    target_width: float | None,
+) -> ContinuumRange:
+    """Bounds on the mesh of the problem, or on meshes refined to a target, see `lacore.bracket`.
+
+    Args:
+        stated: a problem with deformable bodies.
+        backend: name of an exact one.
+        options: of the backend, for bounds on the mesh of the problem.
+        target_width: of ``(upper - lower)/mean``; None: no refinement.
+
+    Raises:
+        InputError: a target that no bracket of this problem can be made for.
+    """
+    if stated.points.obstacles or not stated.program.homogeneous:
+        return ContinuumRange(-inf, inf, "a state within a step of a path has none")
+    if target_width is not None:
+        found = bracket(stated.problem, target_width, backend=backend)
+        ends = _strict(found.lower_bound), _strict(found.upper_bound)
+        why = "" if ends[0] > -inf and ends[1] < inf else found.failure or _NOT_STRICT
+        return ContinuumRange(*ends, why)
+    lower, upper, missing = -inf, inf, []
+    try:
+        below = lower_bound(frictionless(stated.problem), backend, options=options)
+        lower = _strict(below)
+        if lower == -inf:
+            missing.append(f"no lower bound: {_why(below, below.message)}")
+    except (InputError, CapabilityError) as error:
+        missing.append(f"no lower bound: {error}")
+    try:
+        above = upper_bound(associated(stated.problem), backend, options=options)
+        upper = _strict(above)
+        if upper == inf:
+            missing.append(f"no upper bound: {_why(above, above.state.message)}")
+    except (InputError, CapabilityError) as error:
+        missing.append(f"no upper bound: {error}")
+    return ContinuumRange(lower, upper, "; ".join(missing))
+
+
+_NOT_STRICT = "straight edges stand for curved ones"
+
+
+def _strict(bound: LowerBound | UpperBound) -> float:
+    """Load factor of a bound of the continuum; else what bounds nothing."""
+    if isinstance(bound, LowerBound):
+        return bound.load_factor if bound.rigor is Rigor.LOWER else -inf
+    return bound.load_factor if bound.rigor is Rigor.UPPER else inf
+
+
+def _why(bound: LowerBound | UpperBound, message: str) -> str:
+    return _NOT_STRICT if bound.rigor is Rigor.DISCRETE else message

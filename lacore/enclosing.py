@@ -1,0 +1,54 @@
+"""The two problems with bounds that enclose every Coulomb load factor of a problem (T14)."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from lacore.blocks import BlockAssembly
+from lacore.interfaces import SMOOTH, Coulomb, Friction, friction_law
+from lacore.problem import Problem
+
+
+def has_coulomb(problem: Problem) -> bool:
+    """Whether there is Coulomb friction that is not associated, in interfaces or joints."""
+    joints = (body.joints for body in problem.bodies.values() if isinstance(body, BlockAssembly))
+    return any(_follows_pressure(pair.law) for pair in problem.interfaces) or any(
+        bool((own.coefficient > 0).any()) for own in joints
+    )
+
+
+def frictionless(problem: Problem) -> Problem:
+    """Without Coulomb friction: its load factor is no larger than any Coulomb one."""
+    return _with_laws(problem, lambda law: SMOOTH if _follows_pressure(law) else law)
+
+
+def associated(problem: Problem) -> Problem:
+    """With Coulomb friction made associated: its load factor is no smaller than any Coulomb one."""
+
+    def dilating(law: Friction) -> Friction:
+        return replace(law, associated=True) if isinstance(law, Coulomb) else law
+
+    return _with_laws(problem, dilating)
+
+
+def _follows_pressure(law: Friction) -> bool:
+    return law.terms().coefficient > 0
+
+
+def _with_laws(problem: Problem, changed: Callable[[Friction], Friction]) -> Problem:
+    if not has_coulomb(problem):
+        return problem
+    bodies = {
+        name: replace(
+            body,
+            friction=changed(friction_law(body.friction, "BlockAssembly.friction")),
+            joint_friction={
+                pair: changed(friction_law(law, "BlockAssembly.joint_friction"))
+                for pair, law in (body.joint_friction or {}).items()
+            },
+        )
+        if isinstance(body, BlockAssembly)
+        else body
+        for name, body in problem.bodies.items()
+    }
+    pairs = [replace(pair, friction=changed(pair.law)) for pair in problem.interfaces]
+    return replace(problem, bodies=bodies, interfaces=pairs)
