@@ -36,7 +36,9 @@ def in_equilibrium(program: KinematicProgram, state: ProgramState) -> ProgramSta
     """
     normal, tangential = _mobility(program, state)
     stiffness = _stiffness(program, normal, tangential)
-    scale = 1 / np.sqrt(np.maximum(stiffness.diagonal(), np.finfo(float).tiny))
+    diagonal = stiffness.diagonal()
+    # A block that nothing rubs has no stiffness along its base, and there any scale will do.
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, diagonal.max()))
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
     matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
     matrix.sort_indices()

@@ -246,7 +246,7 @@ def test_too_heavy_to_stand():
             "one mesh only",
         ),
         (lambda: "punch", {}, "give a lacore.Problem"),
-        (lambda: deformable_block(0.3), {}, "not associated"),
+        (lambda: deformable_block(0.3), {"meshes": "shared"}, "two problems"),
     ],
 )
 def test_what_is_refused(stated, arguments, words):
