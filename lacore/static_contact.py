@@ -69,8 +69,8 @@ def _station(interface: Interface, index: int, bodies: Mapping[str, StaticDofs],
             blocks = other.parts(edges)[parts.order]
             facing, moving[1] = parts.means(other, blocks, n), np.tile(blocks[parts.first], 2)
         else:
-            ends = (a[:, facet] for a in (start, end))
-            moving[1] = _matched(other, interface, edges, *ends, field)
+            whole = start[:, facet], end[:, facet]
+            moving[1] = _matched(other, interface, edges, whole, field)
             facing = _selected(moving[1], n)
         x, y = csr_matrix(x - facing[0]), csr_matrix(y - facing[1])
     sign = -1.0 if turned else 1.0
@@ -188,7 +188,11 @@ def _check_covered(parts: _Parts, interface: Interface, allowed: float, field: s
 
 
 def _matched(
-    master: StaticDofs, interface: Interface, facets: Ints, start: Floats, end: Floats, field: str
+    master: StaticDofs,
+    interface: Interface,
+    facets: Ints,
+    slaves: tuple[Floats, Floats],
+    field: str,
 ) -> Ints:
     """Nodes of the master at the starts, then at the ends of the slave's facets, shape (2 k,).
 
@@ -196,7 +200,7 @@ def _matched(
         InputError: facets of both sides that are not the same.
     """
     assert isinstance(master, EquilibriumDofs)
-    a, b, _ = facet_geometry(master.body, facets)
+    (start, end), (a, b, _) = slaves, facet_geometry(master.body, facets)
     near = _SAME_PLACE * master.body.size
 
     def same(p: Floats, q: Floats) -> Bools:

@@ -10,6 +10,7 @@ from skfem import MeshTri
 
 import lacore as la
 from lacore.arrays import Floats
+from lacore.enclosing import associated, has_coulomb
 from lacore.marking import lower_shares
 from verification.bracket_evidence import Shares, packed_shares
 from verification.bracket_judging import STRICT, between, judge_bracket
@@ -23,17 +24,6 @@ _LIMIT = 600.0  # s, where none is given
 _PART = 0.8  # of the time limit; what follows the bracket takes the rest
 _SOLVED = la.Status.SOLVED
 _FEW = (la.Status.UNSAFE, la.Status.LOCKED)
-
-
-def associated(problem: la.Problem) -> tuple[la.Problem, bool]:
-    """The problem with Coulomb friction made associated, and whether there is any."""
-    pairs = []
-    for pair in problem.interfaces:
-        law = pair.law
-        mu = law.terms().coefficient
-        pairs.append(replace(pair, friction=la.Coulomb(mu, associated=True)) if mu > 0 else pair)
-    coulomb = any(pair.law.terms().coefficient > 0 for pair in problem.interfaces)
-    return (replace(problem, interfaces=pairs) if coulomb else problem), coulomb
 
 
 def run_bracket(
@@ -57,7 +47,7 @@ def run_bracket(
         CapabilityError: the backend cannot take it.
     """
     stated = run.case.bracket or Bracketing()
-    problem, coulomb = associated(problem)
+    coulomb, problem = has_coulomb(problem), associated(problem)
     begin = time.perf_counter()
     found = la.bracket(
         problem,
@@ -110,9 +100,9 @@ def _residuals(found: la.Bracket) -> dict[str, float]:
 
 def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterator[Shares]:
     """On the mesh of the problem, on one without any order, and on those of both bounds."""
-    ((name, body),) = problem.bodies.items()
-    assert isinstance(body, la.Body)
-    disordered = replace(problem, bodies={name: replace(body, mesh=irregular(body.mesh))})
+    ((name, body),) = ((n, b) for n, b in problem.bodies.items() if isinstance(b, la.Body))
+    finer = replace(body, mesh=irregular(body.mesh))
+    disordered = replace(problem, bodies={**problem.bodies, name: finer})
     for mesh, stated in (("uniform", problem), ("irregular", disordered)):
         lower = la.lower_bound(stated, backend)
         upper = la.upper_bound(stated, backend)

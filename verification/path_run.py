@@ -11,8 +11,8 @@ import pandas as pd
 
 import lacore as la
 from lacore.arrays import Floats
+from lacore.enclosing import associated
 from lacore.errors import InputError
-from verification.bracket_run import associated
 from verification.case import SOLVER, Band, Reference, allowed_values
 from verification.evidence import records
 from verification.following import Following
@@ -115,7 +115,7 @@ def start_bounds(problem: la.Problem) -> tuple[float, float]:
         for name, body in problem.bodies.items()
         if isinstance(body, la.Body)
     }
-    above, _ = associated(replace(problem, bodies=bodies))
+    above = associated(replace(problem, bodies=bodies))
     pairs = [
         replace(pair, friction=la.SMOOTH) if pair.law.terms().coefficient > 0 else pair
         for pair in problem.interfaces
