@@ -59,9 +59,8 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
     Velocities and dissipation of the upper bound, that of velocity jumps half to either side, past
-    supports and footings all to the body; stresses of the lower one. Interfaces, and
-    joints of rigid blocks, have
-    ``w limit ||u_t|| + int t.u``.
+    supports and footings all to the body; stresses of the lower one. Interfaces, and joints of
+    rigid blocks, have ``w limit ||u_t|| + int t.u``.
 
     Raises:
         InputError: what is no bound, or not there; other meshes, a velocity space that gives no
