@@ -46,7 +46,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class _Ends:
+class Ends:
     """Ends of joints, (m, 2) each, block numbers, laws (m, 3), and lengths each stands for."""
 
     place: Floats
@@ -63,13 +63,13 @@ def known_of(recipe: Recipe) -> Known:
     if others or recipe["interfaces"] or data["kind"] != "blocks":
         return Known()
     blocks = rigid_blocks(recipe)
-    ends = _joints(data)
+    ends = joints_of(data)
     highest = _largest(blocks, ends, friction=True)
     lowest = _largest(blocks, ends, friction=False)
     return Known(lowest, highest, _carried_alone(blocks, ends))
 
 
-def _joints(data: Recipe) -> _Ends:
+def joints_of(data: Recipe) -> Ends:
     """Ends of the parts that edges of two polygons share."""
     polygons = {name: np.array(p, dtype=float) for name, p in data["polygons"].items()}
     numbers = {name: number for number, name in enumerate(polygons)}
@@ -82,7 +82,7 @@ def _joints(data: Recipe) -> _Ends:
             for place in (start, end):
                 rows.append((*place, *normal, numbers[other], numbers[one], *law, half))
     table = np.array(rows, dtype=float).reshape(-1, 10)
-    return _Ends(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5], table[:, 6:9], table[:, 9])
+    return Ends(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5], table[:, 6:9], table[:, 9])
 
 
 def _turned(polygon: Floats) -> Floats:
@@ -112,7 +112,7 @@ def _shared(one: Floats, other: Floats) -> list[tuple[Floats, Floats, Floats]]:
     return found
 
 
-def _columns(blocks: Blocks, ends: _Ends, force: Floats) -> Floats:
+def _columns(blocks: Blocks, ends: Ends, force: Floats) -> Floats:
     """What forces (m, 2) on slaves, one a column, do to the balance of the free blocks."""
     m = len(force)
     rows = np.zeros((len(blocks.parts), 3, m))
@@ -125,7 +125,7 @@ def _columns(blocks: Blocks, ends: _Ends, force: Floats) -> Floats:
     return rows[~blocks.held].reshape(-1, m)
 
 
-def _program(blocks: Blocks, ends: _Ends, friction: bool, dead: bool) -> Program:
+def _program(blocks: Blocks, ends: Ends, friction: bool, dead: bool) -> Program:
     """Balance with forces along the edges of each friction cone, or within Tresca's limits.
 
     Without `friction` Coulomb's is left out; without `dead` loads, and limits, a ray is sought.
@@ -161,14 +161,14 @@ def _scaled(program: Program) -> Program:
     )
 
 
-def _largest(blocks: Blocks, ends: _Ends, friction: bool) -> float:
+def _largest(blocks: Blocks, ends: Ends, friction: bool) -> float:
     program = _program(blocks, ends, friction, dead=True)
     size = float(np.abs(program.right).max(initial=0.0)) or 1.0
     value = maximum(_scaled(program)).value
     return value * size if isfinite(value) else value
 
 
-def _carried_alone(blocks: Blocks, ends: _Ends) -> bool | None:
+def _carried_alone(blocks: Blocks, ends: Ends) -> bool | None:
     """Whether forces without friction carry the reference load alone."""
     program = _program(blocks, ends, friction=False, dead=False)
     high = program.high.copy()

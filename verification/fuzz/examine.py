@@ -11,6 +11,7 @@ from verification.fuzz.copies import COPIES, has_coulomb, strengthened, with_law
 from verification.fuzz.draw import Rng
 from verification.fuzz.paths import examine_path
 from verification.fuzz.recipe import Recipe
+from verification.fuzz.rigid_motions import refuted_words
 from verification.fuzz.solving import FREE, Answer, Asked, answer
 from verification.fuzz.verdict import BAR, Wrong
 
@@ -90,6 +91,8 @@ class Found:
         if self._base.wrong is not None:
             yield self._base.wrong
         yield from self._against_programs()
+        if self._base.word and self._base.problem is not None and self._base.state is not None:
+            yield from refuted_words(self._recipe, self._base.problem, self._base.state.status)
         yield from self._against_associated()
         kinds = [self._copy, self._frictionless, self._other_backend, self._bounds, self._monotony]
         for place in self._rng.permutation(len(kinds))[:_EXTRAS]:

@@ -95,9 +95,11 @@ def check_blocks(
     arm_length = np.maximum(blocks.radius, 1e-300)[:, None]
     size = np.hypot(*(alpha * blocks.live[:, :2]).T) + np.hypot(*blocks.dead[:, :2].T)
     size += (np.abs(alpha * blocks.live[:, 2]) + np.abs(blocks.dead[:, 2])) / arm_length[:, 0]
+    force = points.force
+    # A block that nothing loads has no forces of its own: what counts is the round-off of others.
+    size = np.where(size > 0, size, np.abs(force).sum())
     motion = _motions(blocks, state)
     jump = np.zeros_like(points.place)
-    force = points.force
     rigid = np.ones(len(points.place), dtype=bool)
     for number, part in enumerate(blocks.parts):
         sign = points.of(part)

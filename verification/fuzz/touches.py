@@ -114,8 +114,8 @@ def _sides(
     known = {}
     for data, interface in zip(recipe["interfaces"], problem.interfaces, strict=True):
         master = data["master"]
-        other = _part(recipe, master) if isinstance(master, list) else OBSTACLE
-        known[interface.name] = (_part(recipe, data["slave"]), other, law_terms(data["friction"]))
+        other = part_of(recipe, master) if isinstance(master, list) else OBSTACLE
+        known[interface.name] = (part_of(recipe, data["slave"]), other, law_terms(data["friction"]))
     for body, data in recipe["bodies"].items():
         if data["kind"] == "blocks":
             names = list(data["polygons"])
@@ -131,7 +131,7 @@ def _sides(
     return known
 
 
-def _part(recipe: Recipe, side: list[Any]) -> Part:
+def part_of(recipe: Recipe, side: list[Any]) -> Part:
     """Who has a boundary: a body, or the block that both ends of a line are corners of."""
     body, where = side
     data = recipe["bodies"][body]
