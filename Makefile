@@ -7,11 +7,12 @@ READY := $(VENV)/.ready
 # One that dies is not replaced: the run ends there and says so, where it could wait for ever.
 PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --max-worker-restart 0
 
-.PHONY: help compare verify test test-all test-browser lint bench bench-page readme reference clean
+.PHONY: help compare verify fuzz test test-all test-browser lint bench bench-page readme reference clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
 	@echo "make verify    check every case: values, sides, residuals, orders, brackets; two minutes"
+	@echo "make fuzz      1 000 random problems, judged without the solver; two minutes"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
@@ -33,6 +34,9 @@ compare: $(READY)
 
 verify: $(READY)
 	$(BIN)/lacore verify --out reports/verify
+
+fuzz: $(READY)
+	$(BIN)/lacore fuzz --count 1000 --out reports/fuzz
 
 test: $(READY)
 	$(PARALLEL) $(PYTEST_ARGS)

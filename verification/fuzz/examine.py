@@ -9,6 +9,7 @@ import lacore as la
 from verification.fuzz.block_program import Known, known_of
 from verification.fuzz.copies import COPIES, has_coulomb, strengthened, with_law
 from verification.fuzz.draw import Rng
+from verification.fuzz.existence import carries
 from verification.fuzz.paths import examine_path
 from verification.fuzz.recipe import Recipe
 from verification.fuzz.rigid_motions import refuted_words
@@ -79,7 +80,7 @@ class Found:
             return self._known.has_load
         if self._solvable:
             return True
-        return False if self._base.word else None
+        return False if self._base.word else carries(self._recipe, self._rng)
 
     @property
     def bounds(self) -> tuple[float, float]:

@@ -123,7 +123,7 @@ def check_volume(motion: Motion, stress: Floats, name: str, power: float) -> Ite
 
 
 def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
-    """Power of a load at factor one."""
+    """Power of a load at factor one; of footings see `footing_power`."""
     body, kind = motion.body, load["load"]
     if kind == "BodyForce":
         places, weights = in_cells(body.mesh.p, body.mesh.t)
@@ -136,19 +136,30 @@ def load_power(motion: Motion, load: Mapping[str, Any]) -> float:
         v = motion.velocity(cells, places)
         if kind == "Pressure":
             density = -load["value"] * np.einsum("cn,cnq->nq", outward, v)
-        elif kind == "Traction":
-            density = np.tensordot(np.array(load["vector"], dtype=float), v, 1)
         else:
-            density = load.get("pressure", 1.0) * _footing_speed(load, outward, v)
+            density = np.tensordot(np.array(load["vector"], dtype=float), v, 1)
     if body.axisymmetric:
         weights = weights * 2 * np.pi * places[0]
     return float(np.sum(weights * density))
 
 
-def _footing_speed(load: Mapping[str, Any], outward: Floats, v: Floats) -> Floats:
-    """Along its direction; a smooth one is known by how it moves across its face."""
+def footing_power(motion: Motion, load: Mapping[str, Any], speed: float) -> float:
+    """Power of a footing that moves at a speed; the body may slip along it (T23)."""
+    start, end, _ = edges_of(motion.body, load["where"])
+    length = np.linalg.norm(end - start, axis=0)
+    if motion.body.axisymmetric:
+        length = length * np.pi * (start[0] + end[0])
+    return float(load.get("pressure", 1.0) * length.sum() * speed)
+
+
+def check_footing(
+    motion: Motion, load: Mapping[str, Any], speed: float, largest: float
+) -> Iterator[Wrong]:
+    """That the face of a body stays on the footing, which does not turn."""
+    start, end, outward = edges_of(motion.body, load["where"])
+    places, _ = on_edges(start, end)
+    cells = motion.body.mesh.f2t[0, np.asarray(motion.body.mesh.boundaries[load["where"]])]
+    across = np.einsum("cn,cnq->nq", outward, motion.velocity(cells, places))
     direction = np.array(load["direction"]) / np.hypot(*load["direction"])
-    if load["rough"]:
-        return np.tensordot(direction, v, 1)
-    across = direction @ outward
-    return np.asarray(np.einsum("cn,cnq->nq", outward, v) / across[:, None])
+    off = np.abs(across - speed * (direction @ outward)[:, None])
+    yield from beyond("footing", "face leaves it at", off, largest)

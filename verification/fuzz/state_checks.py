@@ -7,7 +7,15 @@ from math import isfinite
 import numpy as np
 
 import lacore as la
-from verification.fuzz.flow import Motion, check_volume, dissipation_inside, load_power, motion_of
+from verification.fuzz.flow import (
+    Motion,
+    check_footing,
+    check_volume,
+    dissipation_inside,
+    footing_power,
+    load_power,
+    motion_of,
+)
 from verification.fuzz.frame_checks import check_frames, frame_powers, hinge_power
 from verification.fuzz.friction_checks import check_friction, dissipation
 from verification.fuzz.power import check_power, strain_points
@@ -32,7 +40,10 @@ NO_SCALE = Scale(0.0, 0.0)
 def scale_of(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Scale:
     """Dissipation and power of dead loads: what load factors are compared by."""
     lost = float(dissipation(touches(recipe, problem, state)).sum()) + table_power(recipe, state)
-    speed = max(float(np.abs(part[:2]).max(initial=0.0)) for part in state.velocity.values())
+    assert state.point is not None
+    moving = [part[:2] for part in state.velocity.values()]
+    moving.append(state.point.velocity[state.discretisation.footings][None])
+    speed = max(float(np.abs(part).max(initial=0.0)) for part in moving)
     return Scale(lost + abs(lost - state.load_factor), speed)
 
 
@@ -46,13 +57,31 @@ def table_power(recipe: Recipe, state: la.LimitState) -> float:
     return total + sum(hinge_power(name, state) for name in frames)
 
 
-def load_powers(recipe: Recipe, name: str, motion: Motion) -> tuple[float, float]:
+def load_powers(
+    recipe: Recipe, name: str, motion: Motion, state: la.LimitState
+) -> tuple[float, float]:
     """Power of the reference and of the dead loads on a continuum."""
     live, dead = (
-        sum((load_power(motion, load) for load in recipe[key] if load["body"] == name), 0.0)
+        sum(
+            (
+                footing_power(motion, load, footing_speed(state))
+                if load["load"] == "RigidFooting"
+                else load_power(motion, load)
+                for load in recipe[key]
+                if load["body"] == name
+            ),
+            0.0,
+        )
         for key in ("reference", "dead")
     )
     return live, dead
+
+
+def footing_speed(state: la.LimitState) -> float:
+    """Of the one footing of a problem, along its direction."""
+    assert state.point is not None
+    (speed,) = state.point.velocity[state.discretisation.footings]
+    return float(speed)
 
 
 def check_state(
@@ -84,9 +113,12 @@ def _check_powers(
         if data["kind"] == "continuum":
             motion = motion_of(state, name)
             yield from check_volume(motion, state.stress[name], name, scale.power)
+            for load in recipe["reference"]:
+                if load["load"] == "RigidFooting" and load["body"] == name:
+                    yield from check_footing(motion, load, footing_speed(state), scale.speed)
             used += dissipation_inside(motion)
             jumps = True
-            loads = load_powers(recipe, name, motion)
+            loads = load_powers(recipe, name, motion, state)
             live, dead = live + loads[0], dead + loads[1]
         elif data["kind"] == "frame":
             used += hinge_power(name, state)
