@@ -23,7 +23,7 @@ from verification.fuzz.verdict import Wrong
 
 _FELT = 1e-6  # of the size of the reference load: a motion that feels more is felt
 _UNFELT = 1e-9
-_AXES = {"x": [[1.0, 0.0]], "y": [[0.0, 1.0]], "xy": [[1.0, 0.0], [0.0, 1.0]]}
+_AXES: Mapping[str, Any] = {"x": [[1.0, 0.0]], "y": [[0.0, 1.0]], "xy": [[1.0, 0.0], [0.0, 1.0]]}
 
 
 def refuted_words(recipe: Recipe, problem: la.Problem, status: la.Status) -> Iterator[Wrong]:
@@ -109,7 +109,7 @@ class Wholes:
                 continue
             ends, normal = self._ends(body, where)
             turned = [-normal[1], normal[0]]
-            axes = _AXES | {"normal": [normal], "tangential": [turned]}
+            axes = {**_AXES, "normal": [normal], "tangential": [turned]}
             for axis in axes[support.get("components", "xy")]:
                 self._equal += [self._row((body, ""), end, axis) for end in ends]
 
@@ -127,9 +127,9 @@ class Wholes:
         for name, data in self._recipe["bodies"].items():
             if data["kind"] == "blocks":
                 names = [(name, block) for block in data["polygons"]]
-                ends = joints_of(data)
+                found = joints_of(data)
                 for place, normal, slave, master, law in zip(
-                    ends.place, ends.normal, ends.slave, ends.master, ends.law, strict=True
+                    found.place, found.normal, found.slave, found.master, found.law, strict=True
                 ):
                     self._contact(names[int(slave)], names[int(master)], place, normal, law)
         for pair in self._recipe["interfaces"]:
@@ -182,13 +182,14 @@ class Wholes:
         if load["load"] == "BodyForce":
             places, weights = in_cells(body.mesh.p, body.mesh.t)
             place = (places * weights).sum(axis=(1, 2)) / weights.sum()
-            return float(weights.sum()) * self._row(part, place, load["vector"])
+            return np.asarray(float(weights.sum()) * self._row(part, place, load["vector"]))
         start, end, outward = edges_of(body, load["where"])
         length = np.linalg.norm(end - start, axis=0)
         place = ((start + end) / 2 @ length) / length.sum()
         if load["load"] == "Pressure":
-            return -load["value"] * float(length.sum()) * self._row(part, place, outward[:, 0])
-        return float(length.sum()) * self._row(part, place, load["vector"])
+            size = float(load["value"] * length.sum())
+            return -size * self._row(part, place, outward[:, 0])
+        return np.asarray(float(length.sum()) * self._row(part, place, load["vector"]))
 
     def largest(self, live: Floats, further: list[Floats]) -> float:
         """Largest power of a load at motions of at most one; powers in `further` not below 0."""
