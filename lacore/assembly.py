@@ -38,6 +38,7 @@ from lacore.rigid import RigidDofs
 from lacore.slips import Slip, slips
 from lacore.span_nodes import spanned
 from lacore.status import Scope
+from lacore.sticking import yielding
 from lacore.volume import volume_projector
 
 _STRAIGHT = 1 - 1e-9  # cosine between (or mean length of) normals of edges on one line
@@ -134,7 +135,8 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
             n += frames[name].count
     rigid: dict[str, RigidDofs | FrameDofs] = {**assemblies, **frames}  # in order of unknowns
 
-    contact, points = contact_of(problem.interfaces, {**bodies, **rigid}, n)
+    interfaces = yielding(problem, bodies, footings)
+    contact, points = contact_of(interfaces, {**bodies, **rigid}, n)
     slipping = slips(problem, bodies, footings, node_dofs.size)
     jumping = {
         name: jumps(name, dofs, n, slipping.get(name))

@@ -25,6 +25,7 @@ from lacore.interfaces import RigidObstacle
 from lacore.loads import RigidFooting
 from lacore.problem import Problem
 
+_NONE = np.zeros(0, dtype=np.int64)
 _PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
 
 
@@ -130,17 +131,19 @@ def slips(
         first: number of the first of these.
     """
     found = {}
+    touched = [contact_facets(problem, index) for index in range(len(problem.interfaces))]
     for name, dofs in bodies.items():
         if not dofs.linear:
             continue
-        asked, owner = _asked(problem, name, dofs, footings)
-        slip = _slip(dofs, asked, owner, footings, first, _contact(problem, name))
+        asked, owner = asked_of(problem, name, dofs, footings)
+        contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
+        slip = _slip(dofs, asked, owner, footings, first, np.unique(contact))
         if slip is not None:
             found[name] = slip
     return found
 
 
-def _asked(
+def asked_of(
     problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[RigidFooting]
 ) -> tuple[NodeConditions, Ints]:
     """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
@@ -156,21 +159,17 @@ def _asked(
             *_, outward = facet_geometry(dofs.body, facets)
             parts.append((number, footing_conditions(footing, facets, outward.T, number)))
     owners = [np.full(own.nodes.size, number) for number, own in parts]
-    return join([own for _, own in parts]), np.concatenate([np.zeros(0, dtype=np.int64), *owners])
+    return join([own for _, own in parts]), np.concatenate([_NONE, *owners])
 
 
-def _contact(problem: Problem, name: str) -> Ints:
-    """Facets of a body that are in contact."""
-    facets = [np.zeros(0, dtype=np.int64)]
-    for index, interface in enumerate(problem.interfaces):
-        sides = [interface.slave[0]]
-        if not isinstance(interface.master, RigidObstacle):
-            sides.append(interface.master[0])
-        if name in sides:
-            field = f"Problem.interfaces[{index}]"
-            segments = interface_segments(interface, problem.bodies, field)
-            facets.append((segments.slave, segments.master)[sides.index(name)])
-    return np.unique(np.concatenate(facets))
+def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
+    """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
+    interface = problem.interfaces[index]
+    segments = interface_segments(interface, problem.bodies, f"Problem.interfaces[{index}]")
+    touched = {interface.slave[0]: np.unique(segments.slave)}
+    if not isinstance(interface.master, RigidObstacle):
+        touched[interface.master[0]] = np.unique(segments.master)
+    return touched
 
 
 def _slip(
@@ -189,14 +188,12 @@ def _slip(
         return None
     *_, normal = facet_geometry(dofs.body, facets)
     ends = mesh.facets[:, facets]
-    turned, straight = _meetings(dofs, facets, normal, contact)
-    corners = join(
-        [
-            NodeConditions(end, asked.directions, asked.footing, asked.factors)
-            for end in mesh.facets[:, asked.nodes].astype(np.int64)
-        ]
-    )
-    against = np.isin(ends, contradictory(corners, mesh.nvertices, len(footings)))
+    turned, straight = meetings(dofs, facets, contact)
+    corners = [
+        NodeConditions(end, asked.directions, asked.footing, asked.factors)
+        for end in mesh.facets[:, asked.nodes].astype(np.int64)
+    ]
+    against = np.isin(ends, contradictory(join(corners), mesh.nvertices, len(footings)))
     part = _parts(ends, owner)
     kept = np.isin(part, part[(turned | against).any(axis=0)])
     if not kept.any():
@@ -233,11 +230,12 @@ def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints
     return facets[able], owner[able], both[able]
 
 
-def _meetings(dofs: BodyDofs, facets: Ints, normal: Floats, contact: Ints) -> tuple[Bools, Bools]:
-    """Which ends of facets meet contact in another direction, and which in their own, (2, e)."""
+def meetings(dofs: BodyDofs, facets: Ints, others: Ints) -> tuple[Bools, Bools]:
+    """Which ends of facets meet others in another direction, and which in their own, (2, e)."""
     mesh = dofs.body.mesh
-    *_, facing = facet_geometry(dofs.body, contact)
-    vertices, count = mesh.facets[:, contact].ravel(), contact.size
+    *_, normal = facet_geometry(dofs.body, facets)
+    *_, facing = facet_geometry(dofs.body, others)
+    vertices, count = mesh.facets[:, others].ravel(), others.size
     touching = csr_matrix(
         (np.ones(2 * count), (vertices, np.tile(np.arange(count), 2))), (mesh.nvertices, count)
     )
