@@ -140,7 +140,8 @@ class Interface:
             touch along straight parts; their meshes need not match.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
             STICK forbids slip wherever the body is, also where it lifts off, and opening is
-            free: the limit mu -> infinity of associated friction, not of Coulomb friction.
+            free: the limit mu -> infinity of associated friction, not of Coulomb friction. No
+            body carries more shear than its strength: see `lacore.sticking` for corners.
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.

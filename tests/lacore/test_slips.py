@@ -136,6 +136,37 @@ def test_the_passive_pressure_is_that_of_the_literature():
     assert passive_pressure(0.2) == pytest.approx(2.375, abs=5e-4)
 
 
+def on_a_base_that_sticks(space="p2-vertex", n=3):
+    """The passive wall on STICK in place of a support."""
+    stated = passive(n, space)
+    base = la.Interface(("soil", "bottom"), la.RigidObstacle(), la.STICK)
+    return replace(stated, supports=stated.supports[1:], interfaces=[base])
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_passive_wall_on_a_base_that_sticks(space):
+    """The same in the continuum, but that the soil may lift off the base: nothing lifts it."""
+    stated = on_a_base_that_sticks(space)
+    upper, lower = la.upper_bound(stated), la.lower_bound(stated)
+    held = la.upper_bound(passive(3, space))
+    assert upper.load_factor >= 2 - ROUND_OFF
+    assert upper.state.load_factor <= held.state.load_factor + SOLVED  # it holds all velocities
+    assert lower.load_factor == pytest.approx(2.0, abs=SOLVED)
+    identity = la.gap_identity(upper, lower)
+    assert identity.total == pytest.approx(identity.upper - identity.lower, abs=ROUND_OFF)
+    assert identity.least >= -ROUND_OFF
+
+
+def test_what_sticks_beside_things_at_rest_sticks():
+    """Supports and obstacles at rest leave all velocities that vanish at the corner."""
+    stated = replace(on_a_base_that_sticks(), reference_loads=[la.BodyForce("soil", (1, 0))])
+    assert np.isinf(la.discretise(stated).full.contact.limit).all()
+    assert not np.isinf(la.discretise(on_a_base_that_sticks()).full.contact.limit).any()
+    quadrilaterals = la.Body(la.meshes.quadrilaterals((0, 2), (0, 1), 4, 2), CRITERION, space="q2")
+    kept = la.discretise(replace(on_a_base_that_sticks(), bodies={"soil": quadrilaterals}))
+    assert np.isinf(kept.full.contact.limit).all()
+
+
 # What the jump is.
 
 
