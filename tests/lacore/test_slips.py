@@ -132,7 +132,18 @@ def test_passive_wall_with_friction(mu):
     assert errors[1] < 0.05
 
 
-def test_the_passive_pressure_is_that_of_the_literature():
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_brackets_of_a_passive_wall_with_friction(mu):
+    found = la.bracket(pushed(mu), 0.025)
+    assert found.status is la.Ending.REACHED
+    assert found.strict
+    assert found.lower <= passive_pressure(mu) <= found.upper
+    gaps = found.gaps
+    assert gaps.total == pytest.approx(gaps.upper - gaps.lower, abs=ROUND_OFF)
+
+
+def test_the_passive_pressure_by_slip_lines():
+    """To the digits that are given: 2.375 for a friction of 0.2."""
     assert passive_pressure(0.2) == pytest.approx(2.375, abs=5e-4)
 
 
