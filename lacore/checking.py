@@ -44,13 +44,18 @@ _READ = ("t_n", "t_t")
 Table = pd.DataFrame | Mapping[str, ArrayLike]
 
 
+def laws_of(coupling: str, rows: ContactRows) -> FrozenContact | None:
+    """The contact that states of a coupling are judged by; None: the laws as they are stated."""
+    return _LAWS[coupling](rows) if coupling in _LAWS else None
+
+
 def recomputed(discretisation: Discretisation, point: ProgramState, coupling: str) -> Certificate:
     """Residuals of a state of a problem, in SI units and all unknowns, by the laws of a coupling.
 
     A velocity that supports, rigid footings or rigid members forbid counts as penetration.
     """
     program = dimensionless(discretisation.program, discretisation.natural)
-    laws = _LAWS[coupling](program.contact) if coupling in _LAWS else None
+    laws = laws_of(coupling, program.contact)
     inside = point_in_program(discretisation, point)
     found = certify(program, inside, laws)
     scale = discretisation.natural.velocity

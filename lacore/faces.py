@@ -22,8 +22,8 @@ from scipy.sparse import csr_matrix, diags_array, vstack
 from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Bools, Floats, Sparse
+from lacore.own_unknown import with_own_unknown
 from lacore.program import (
-    DissipationGroup,
     FrozenContact,
     KinematicProgram,
     associated_contact,
@@ -258,29 +258,16 @@ def ray_program(face: Face, sign: float) -> tuple[KinematicProgram, FrozenContac
     F0 is its dead load. The load factor belongs to an unknown of its own, which touches nothing
     and ends it at 1.
     """
-    program, n = face.program, face.program.n
-
-    def wide(rows: Sparse) -> Sparse:
-        return csr_matrix((rows.data, rows.indices, rows.indptr), (rows.shape[0], n + 1))
-
-    own, none = csr_matrix(([1.0], ([0], [n])), (1, n + 1)), csr_matrix((1, n + 1))
-    ending = DissipationGroup("end of a ray", own, 1, np.ones(1), np.ones(1), none, 0.0)
-    groups = [
-        replace(g, rows=wide(g.rows), volumetric=wide(g.volumetric), bound=np.zeros(g.bound.size))
-        for g in program.groups
-    ]
-    rows = program.contact
-    contact = replace(
-        rows,
-        normal=wide(rows.normal),
-        tangential=wide(rows.tangential),
-        limit=np.where(np.isinf(rows.limit), rows.limit, 0.0),
-    )
-    ray = replace(
+    program, rows = face.program, face.program.contact
+    contact = replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0))
+    groups = (replace(group, bound=np.zeros(group.bound.size)) for group in program.groups)
+    unloaded = replace(
         program,
-        groups=(*groups, ending),
+        groups=tuple(groups),
         contact=contact,
-        reference_load=np.append(np.zeros(n), 1.0),
-        dead_load=np.append(sign * program.reference_load, 0.0),
+        reference_load=np.zeros(program.n),
+        dead_load=sign * program.reference_load,
     )
-    return ray, replace(associated_contact(contact), shift=face.contact.shift)
+    ray = with_own_unknown(unloaded, "end of a ray")
+    ray.reference_load[-1] = 1.0
+    return ray, replace(associated_contact(ray.contact), shift=face.contact.shift)

@@ -16,6 +16,7 @@ from lacore.certificate import Certificate
 from lacore.checking import Table, checked
 from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
+from lacore.stability import Stability, stability_of
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Rigor, Status
 from lacore.volume import volume_projector
@@ -255,6 +256,31 @@ class LimitState:
         return interval_of_state(
             self.discretisation, self._point(), self.backend, self.options, self.tolerance
         )
+
+    @cached_property
+    def stability(self) -> Stability:
+        """Whether the dead loads alone are carried, and which load factors are.
+
+        One conic program more where they are, a few where they are not; none without dead loads.
+        Computed when first asked for, by the backend of this state, whatever its status.
+        """
+        known = self.load_factor if self.status in (Status.SOLVED, Status.LOCKED) else np.nan
+        return stability_of(
+            self.discretisation, self.backend, self.options, self.coupling, self.tolerance, known
+        )
+
+    def __str__(self) -> str:
+        """What was found, what it is worth, and `stability`, which is computed for it."""
+        named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
+        lines = [f"load factor {self.load_factor:.6g} ({self.rigor.value}; {named})"]
+        if self.certificate is not None:
+            residual, size = self.certificate.worst
+            lines.append(f"largest residual {size:.1e} ({residual})")
+        if self.status is not Status.SOLVED:
+            lines.append(self.message)
+        if self.discretisation.program.homogeneous:
+            lines.append(str(self.stability))
+        return "\n".join(lines)
 
     @cached_property
     def support_reactions(self) -> pd.DataFrame:

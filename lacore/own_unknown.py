@@ -1,0 +1,37 @@
+"""A program with one more unknown, which touches nothing: what programs of rays and shares need."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.arrays import Sparse
+from lacore.program import DissipationGroup, KinematicProgram
+
+
+def with_own_unknown(program: KinematicProgram, name: str) -> KinematicProgram:
+    """The program with an unknown, the last, that dissipates its size and that no load drives.
+
+    Its group, the last, gets the name.
+    """
+    n = program.n
+
+    def wide(rows: Sparse) -> Sparse:
+        return csr_matrix((rows.data, rows.indices, rows.indptr), (rows.shape[0], n + 1))
+
+    own, none = csr_matrix(([1.0], ([0], [n])), (1, n + 1)), csr_matrix((1, n + 1))
+    alone = DissipationGroup(name, own, 1, np.ones(1), np.ones(1), none, 0.0)
+    rows = program.contact
+    return replace(
+        program,
+        groups=(
+            *(
+                replace(group, rows=wide(group.rows), volumetric=wide(group.volumetric))
+                for group in program.groups
+            ),
+            alone,
+        ),
+        contact=replace(rows, normal=wide(rows.normal), tangential=wide(rows.tangential)),
+        reference_load=np.append(program.reference_load, 0.0),
+        dead_load=np.append(program.dead_load, 0.0),
+    )
