@@ -25,6 +25,7 @@ from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.sequential import sequential
 from lacore.solving import solve
+from lacore.stability import Stability, Standing
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
 
@@ -63,6 +64,8 @@ __all__ = [
     "Rigor",
     "SolveError",
     "SolverProcess",
+    "Stability",
+    "Standing",
     "Status",
     "Time",
     "Traction",

@@ -4,8 +4,8 @@
 
 Its value beta, in [0, 1], is the largest share of the dead load, up to all of it, that stresses and
 reactions can carry (T7): the multipliers do. Below 1 the velocity is a mechanism that the dead load
-drives, ``Fd.u > D(u)``, and nothing can carry it. The program has a solution whatever the structure,
-and each answer is judged by residuals of our own.
+drives, ``Fd.u > D(u)``, and nothing can carry it. The program has a solution whatever the
+structure, and each answer is judged by residuals of our own.
 """
 
 from collections.abc import Callable

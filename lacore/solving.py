@@ -42,6 +42,7 @@ from lacore.program import (
 from lacore.regularization import RegularisedValues
 from lacore.result import LimitState
 from lacore.spaces import SPACES
+from lacore.stability import warning
 from lacore.status import Rigor, Status
 
 COUPLINGS: dict[str, Coupling] = {
@@ -270,6 +271,8 @@ def limit_state(
         message += f"; {POLYGON}"
     if corners:
         message += f"; {corners}"
+    if wary := warning(coupled, load_factor):
+        message += f"; {wary}"
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.LOCKED and discretisation.bodies:

@@ -149,8 +149,8 @@ def warning(coupled: Coupled, load_factor: float) -> str:
         return ""
     if first.kind == "associated" and first.inner.status is Status.LOCKED:
         return (
-            "no larger load is excluded by equilibrium (associated: +inf), so that it may hold above"
-            " this load factor and not below: `state.stability` says"
+            "equilibrium excludes no larger load (associated: +inf): it may hold above this load"
+            " factor and not below, `state.stability` says"
         )
     if load_factor < 0:
         return (

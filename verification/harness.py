@@ -116,6 +116,7 @@ def perform(
         names |= about(reference)
     off = distance(state.load_factor, reference, band)
     names["peak_memory_mb"] = float(np.fmax(state.peak_memory, memory()))  # of either process
+    names |= _standing(state)
     return Outcome(run, _row(names, state, off, verdict, why), evidence_of(state))
 
 
@@ -124,6 +125,19 @@ def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Out
         return run_random(run, names, memory)
     except Exception as error:  # of a check: its row says so
         return Outcome(run, _failed(names, error))
+
+
+def _standing(state: la.LimitState) -> dict[str, Any]:
+    """Columns of the stability of a state; the exact ones of a problem speak for all."""
+    if la.find_backend(state.backend).capabilities.regularised:
+        return {}
+    found = state.stability
+    return {
+        "standing": found.standing.label,
+        "side": found.side,
+        "carried_low": found.low,
+        "carried_high": found.high,
+    }
 
 
 def lost(run: Run, status: la.Status, message: str) -> Outcome:

@@ -131,6 +131,10 @@ class Row:
         volume_change: largest of a step of a path, of the volume.
         start: load factor with which a path begins; `lower` and `upper` are strict bounds of it.
         reading: what else is read from a path, see `verification.following.Reading`.
+        standing: what is proven of the dead loads alone, see `la.Stability`: ``stands``, ``falls``,
+            ``undecided``; empty where it is not asked: of regularised backends, brackets and paths.
+        side: on which side of the load factor loads are carried: ``below``, ``above``, ``both``.
+        carried_low, carried_high: ends of the load factors that are proven to be carried.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
@@ -185,6 +189,10 @@ class Row:
     volume_change: float = nan
     start: float = nan
     reading: float = nan
+    standing: str = ""
+    side: str = ""
+    carried_low: float = nan
+    carried_high: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -4,7 +4,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any
 
 from rich.console import Console
@@ -117,6 +117,8 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
         if isfinite(row.width):
             between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
             print_line(console, f"         {between}, {100 * row.width:.2g} % wide", "dim")
+        if row.standing and row.standing != la.Standing.STANDS.label:
+            print_line(console, f"         {_standing(row)}", "dim")
         if row.ending:
             worst = (
                 f", error {100 * row.path_error:.2g} % at most" if isfinite(row.path_error) else ""
@@ -133,6 +135,15 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
         if outcome.row.verdict == FAIL:
             text = f"\nFAIL {outcome.run.label}: {outcome.row.why}"
             console.print(text, style="red", markup=False, highlight=False)
+
+
+def _standing(row: Row) -> str:
+    """What is proven of a structure that is not proven to stand."""
+    text = f"dead loads alone: {row.standing}"
+    if isnan(row.carried_low):
+        return text
+    ends = f"from {row.carried_low:.6f} to {row.carried_high:.6f}"
+    return f"{text}; load factors {ends} are carried"
 
 
 def _expected(row: Row) -> str:

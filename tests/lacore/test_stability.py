@@ -1,4 +1,4 @@
-"""Whether a structure stands under its dead loads, and on which side of its load factor it holds."""
+"""Whether a structure stands under its dead loads, and on which side of a load factor it holds."""
 
 from dataclasses import replace
 
@@ -191,7 +191,7 @@ def proof(problem, solver_of=None):
 
 
 def test_the_mechanism_of_a_fall_takes_less_power_than_the_dead_load_has():
-    d, program, found = proof(on_slope(0.3, (1, 0)))
+    _, program, found = proof(on_slope(0.3, (1, 0)))
     u = found.falling.velocity
     assert found.carried is None
     assert program.dead_load @ u == pytest.approx(1, rel=1e-9)
@@ -200,7 +200,7 @@ def test_the_mechanism_of_a_fall_takes_less_power_than_the_dead_load_has():
 
 
 def test_what_is_carried_is_in_equilibrium():
-    d, program, found = proof(deformable_block(0.5))
+    _, program, found = proof(deformable_block(0.5))
     seen = certify(program, found.carried)
     assert max(seen.equilibrium, seen.yield_violation, seen.cone) <= BAR
     assert found.carried.load_factor == 0

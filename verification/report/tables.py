@@ -36,11 +36,19 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("error", "error %", "+.4f", scale=100),
         Column("energy", "C", ".2g"),
         Column("outcome", "rigor, status"),
+        *_standing(results),
         Column("outer_iterations", "solves", ".0f"),
         Column("build_time", "build s", ".2f"),
         Column("solve_time", "solve s", ".2f"),
     )
     return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
+
+
+def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Whether structures stand under their dead loads, where that was asked."""
+    if not results["standing"].fillna("").ne("").any():
+        return ()
+    return Column("standing", "dead loads"), Column("side", "holds")
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
