@@ -12,7 +12,7 @@ import numpy as np
 from lacore.frames import Frame
 from lacore.problem import Problem
 from lacore.result import LimitState
-from lacore.span_moments import span_moments
+from lacore.span_moments import span_excess, span_moments
 from lacore.span_nodes import places_on, with_nodes
 
 ROUNDS = 12
@@ -21,10 +21,8 @@ _APART = 0.1  # of a piece: nodes of earlier rounds nearer than this give way to
 
 def excess(state: LimitState) -> float:
     """How far moments inside members exceed the plastic moment, relative; at least 0."""
-    ratios = [np.zeros(0)]
-    for name, dofs in state.discretisation.frames.items():
-        ratios.append(span_moments(state, name).inside / dofs.body.pieces.plastic_moment)
-    return float(np.concatenate(ratios).max(initial=1.0)) - 1
+    assert state.point is not None
+    return span_excess(state.discretisation, state.point)
 
 
 def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
@@ -36,8 +34,9 @@ def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
         tolerance: excess that is none, relative.
     """
     problem, places = state.discretisation.problem, {}
+    assert state.point is not None
     for name, dofs in state.discretisation.frames.items():
-        moments, frame = span_moments(state, name), dofs.body
+        moments, frame = span_moments(state.discretisation, state.point, name), dofs.body
         beyond = moments.inside > (1 + tolerance) * frame.pieces.plastic_moment
         chosen = np.flatnonzero(beyond)
         new = places_on(frame, chosen, moments.peaks[chosen])

@@ -16,6 +16,7 @@ from lacore.loads import PointForce
 from lacore.plotting_blocks import fill_blocks, held_blocks, outlines
 from lacore.plotting_continua import boundary_lines
 from lacore.result import LimitState
+from lacore.status import Status
 
 THRUST = "#b2182b"
 LOAD = "#0f7b3f"
@@ -144,7 +145,7 @@ def _largest_load(state: LimitState) -> float:
 
 
 def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
-    """Reference loads: an arrow a block where they can be told apart, else their resultant."""
+    """What drives it: an arrow a block where forces can be told apart, else their resultant."""
     vectors, places, sizes = [], [], []
     for force, place, size in _loads(state):
         vectors.append(force)
@@ -157,9 +158,9 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
         return []
     force, place, size = force[:, loaded], place[:, loaded], size[loaded]
     reach = np.concatenate(sizes)[loaded].mean()
-    label = "live load $F_0$"
+    label = "dead load $F_d$" if state.status is Status.UNSAFE else "live load $F_0$"
     if size.size > _MANY:
-        label = "live load $F_0$, resultant"
+        label += ", resultant"
         place = (place * size).sum(axis=1, keepdims=True) / size.sum()
         force = force.sum(axis=1, keepdims=True)
         size = np.linalg.norm(force, axis=0)
@@ -213,22 +214,25 @@ def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
 def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Forces (2, k) on blocks, continua and nodes, points on their lines (2, k), sizes (k,)."""
     d = state.discretisation
+    falls = state.status is Status.UNSAFE
+    load = d.full.dead_load if falls else d.full.reference_load
+    stated = d.problem.dead_loads if falls else d.problem.reference_loads
     for rigid in d.assemblies.values():
-        own = d.full.reference_load[rigid.offset : rigid.offset + rigid.count].reshape(-1, 3).T
+        own = load[rigid.offset : rigid.offset + rigid.count].reshape(-1, 3).T
         own = np.where(held_blocks(state, rigid), 0.0, own)
         force, moment = own[:2], own[2] * rigid.body.radius
         square = np.sum(force**2, axis=0)
         arm = np.divide(moment, square, out=np.zeros_like(square), where=square > 0)
         yield force, rigid.body.centroid + arm * np.stack([force[1], -force[0]]), rigid.body.radius
     for dofs in d.bodies.values():
-        nodal = d.full.reference_load[dofs.dofs]
+        nodal = load[dofs.dofs]
         weight = np.linalg.norm(nodal, axis=0)
         if weight.any():
             place = (dofs.nodes * weight).sum(axis=1, keepdims=True) / weight.sum()
             yield nodal.sum(axis=1, keepdims=True), place, np.array([0.25 * dofs.body.size])
     for name, frame in d.frames.items():
-        loads = [load for load in d.problem.reference_loads if load.body == name]
-        points = [frame.force(load) for load in loads if isinstance(load, PointForce)]
+        loads = [own for own in stated if own.body == name]
+        points = [frame.force(own) for own in loads if isinstance(own, PointForce)]
         nodal = np.sum([np.zeros(frame.count), *points], axis=0).reshape(-1, 3)[:, :2].T
         force, place = _along_members(frame, frame.line_loads(loads))
         force = np.concatenate([nodal, force], axis=1)

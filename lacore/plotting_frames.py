@@ -173,8 +173,9 @@ def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
     Returns:
         handles of a legend.
     """
-    frames = state.discretisation.frames
-    moments = {name: span_moments(state, name) for name in frames}
+    frames, point = state.discretisation.frames, state.point
+    assert point is not None
+    moments = {name: span_moments(state.discretisation, point, name) for name in frames}
     peak = max(
         (float(max(np.abs(own.ends).max(), own.inside.max())) for own in moments.values()),
         default=0.0,

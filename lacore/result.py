@@ -54,7 +54,8 @@ class LimitState:
         discretisation: the assembled problem.
         point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa); None
             where there is no state. For a status other than SOLVED it is the last iterate, for
-            inspection only.
+            inspection only; for UNSAFE the mechanism by which the dead loads fall, at
+            ``Fd.u = 1``, with stresses and reactions that carry the largest share of them.
     """
 
     status: Status
@@ -92,7 +93,7 @@ class LimitState:
 
     @property
     def velocity(self) -> dict[str, Floats]:
-        """Velocity by body, normalised by ``F0.u = 1``: only its shape has a meaning.
+        """Velocity by body, at ``F0.u = 1`` (UNSAFE: ``Fd.u = 1``): only its shape has a meaning.
 
         Of a continuum at its nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Of
         rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,

@@ -183,6 +183,8 @@ def _solved(
         options=options or {},
         tolerance=tolerance,
     )
+    if state.status is Status.UNSAFE and program.homogeneous:
+        state = replace(state, point=state.stability.point)
     return replace(state, solve_time=time.perf_counter() - built)
 
 

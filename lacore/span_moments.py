@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.result import LimitState
+from lacore.assembly import Discretisation
+from lacore.state import ProgramState
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,8 @@ class SpanMoments:
         return np.nan_to_num(np.abs(self.at(self.peaks[:, None])[:, 0]), nan=0.0)
 
 
-def span_moments(state: LimitState, name: str) -> SpanMoments:
-    """Of a frame in a state with a point."""
-    discretisation, point = state.discretisation, state.point
-    assert point is not None
+def span_moments(discretisation: Discretisation, point: ProgramState, name: str) -> SpanMoments:
+    """Of a frame, from a state in SI units."""
     dofs, problem = discretisation.frames[name], discretisation.problem
     pieces = dofs.body.pieces
     ends = np.zeros(pieces.stiff.shape)
@@ -64,3 +63,12 @@ def span_moments(state: LimitState, name: str) -> SpanMoments:
     loads = (problem.reference_loads, problem.dead_loads)
     live, dead = (dofs.load_across([load for load in own if load.body == name]) for own in loads)
     return SpanMoments(ends, point.load_factor * live + dead, pieces.length)
+
+
+def span_excess(discretisation: Discretisation, point: ProgramState) -> float:
+    """How far moments inside members exceed the plastic moment, relative; at least 0."""
+    ratios = [np.zeros(0)]
+    for name, dofs in discretisation.frames.items():
+        inside = span_moments(discretisation, point, name).inside
+        ratios.append(inside / dofs.body.pieces.plastic_moment)
+    return float(np.concatenate(ratios).max(initial=1.0)) - 1

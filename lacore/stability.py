@@ -8,6 +8,7 @@ stands means that it can, not that it must.
 """
 
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
@@ -31,10 +32,12 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.span_moments import span_excess
 from lacore.state import ProgramState
 from lacore.status import Status
 
 _JUDGE = "clarabel"  # of states of regularised backends, which prove no equilibrium
+_INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
 
@@ -130,6 +133,8 @@ def stability_of(
         found = carrying(program, laws, prepare, tolerance)
         if found.carried is not None:
             point = point_in_si(discretisation, found.carried)
+            if span_excess(discretisation, point) > tolerance:
+                return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
             return _stability(Standing.STANDS, [0.0, *known], load_factor, point, found.residual)
         if found.falling is None:
             return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
@@ -137,8 +142,7 @@ def stability_of(
         point = replace(point, velocity=point.velocity / scale)
         if corners := driven_corners(discretisation, point.velocity, tolerance):
             return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
-        ends = _carried_ends(program, laws, prepare, tolerance)
-    known += [end * scale for end in ends]
+        known += _carried_ends(discretisation, program, laws, prepare, tolerance)
     return _stability(Standing.FALLS, known, load_factor, point, found.residual)
 
 
@@ -178,21 +182,25 @@ def _stability(
 
 
 def _carried_ends(
-    program: KinematicProgram, laws: FrozenContact, prepare: Prepare, tolerance: float
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    laws: FrozenContact,
+    prepare: Prepare,
+    tolerance: float,
 ) -> list[float]:
-    """The largest and the smallest load factor that are carried, as far as they are proven."""
+    """The largest and the smallest load factor that are carried, SI, as far as they are proven."""
     ends = []
     for sign in (1.0, -1.0):
         driven = replace(program, reference_load=sign * program.reference_load)
-        solver = prepare(driven)
-        try:
+        with closing(prepare(driven)) as solver:
             answer = checked_answer(driven, False, solver.solve(laws))
-        finally:
-            solver.close()
         if answer.point is not None:
             seen = certify(driven, answer.point, laws)
-            if np.max([seen.equilibrium, seen.yield_violation, seen.cone]) <= tolerance:
-                ends.append(sign * answer.point.load_factor)
+            point = replace(answer.point, load_factor=sign * answer.point.load_factor)
+            point = point_in_si(discretisation, point)
+            worst = np.max([seen.equilibrium, seen.yield_violation, seen.cone])
+            if max(worst, span_excess(discretisation, point)) <= tolerance:
+                ends.append(point.load_factor)
         elif answer.status is Status.LOCKED and _endless(program, laws, sign, prepare, tolerance):
             ends.append(sign * np.inf)
     return ends if any(np.isfinite(end) for end in ends) else []

@@ -201,7 +201,8 @@ def test_parabolas():
 def test_moments_of_pieces_agree_at_their_nodes():
     """Across every node inside a member, whichever way it is turned."""
     state = la.solve(beam(PROPPED, (-1.8, 2.4)), throw=True)
-    moments, pieces = span_moments(state, "beam"), state.discretisation.frames["beam"].body.pieces
+    moments = span_moments(state.discretisation, state.point, "beam")
+    pieces = state.discretisation.frames["beam"].body.pieces
     order = np.argsort(
         np.sum(
             pieces.along * state.discretisation.frames["beam"].body.position[:, pieces.start],

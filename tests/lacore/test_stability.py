@@ -158,12 +158,7 @@ def test_a_state_of_a_regularised_backend_is_judged_by_an_exact_one():
 
 
 def test_without_friction_an_arch_falls_and_with_it_stands():
-    arch = la.Problem(
-        bodies={"arch": la.masonry.arch(9, 1.0, 0.25, 0.7)},
-        supports=[la.Fix("arch", ("left", "right"))],
-        reference_loads=[la.BodyForce("arch", (1, 0))],
-        dead_loads=[la.BodyForce("arch", (0, -1))],
-    )
+    arch = spreading(0.7)
     assert la.solve(arch).stability.standing is Standing.STANDS
     assert la.solve(arch, coupling="frictionless").stability.standing is Standing.FALLS
 
@@ -292,3 +287,52 @@ def test_the_state_of_a_fall_reads_back():
     inside = point_in_program(d, fall)
     back = d.free_basis @ inside.velocity * d.natural.velocity
     assert back == pytest.approx(fall.velocity, abs=1e-12 * np.abs(fall.velocity).max())
+
+
+# A structure that is unsafe keeps what falls.
+
+
+def spreading(mu=0.3):
+    """An arch on so little friction that it spreads."""
+    return la.Problem(
+        bodies={"arch": la.masonry.arch(9, 1.0, 0.25, mu)},
+        supports=[la.Fix("arch", ("left", "right"))],
+        reference_loads=[la.BodyForce("arch", (1, 0))],
+        dead_loads=[la.BodyForce("arch", (0, -1))],
+    )
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "highs"])
+def test_an_unsafe_state_shows_what_falls(backend):
+    """The crown goes down, and the dead load gains the 1 W that the mechanism is normalised to."""
+    state = la.solve(spreading(), backend=backend)
+    assert state.status is Status.UNSAFE
+    assert np.isnan(state.load_factor)
+    body = state.discretisation.assemblies["arch"].body
+    u = state.velocity["arch"]
+    assert -float(body.area @ u[1]) == pytest.approx(1, rel=1e-9)
+    crown = np.argmax(body.centroid[1])
+    assert u[1, crown] < 0
+    assert not state.certify().holds(BAR)  # no limit state: there is no load factor
+
+
+def test_its_picture_says_so_and_shows_what_drives_it():
+    figure = la.solve(spreading()).plot()
+    text = " ".join(
+        [figure.get_suptitle()]
+        + [entry.get_text() for axes in figure.axes for entry in axes.get_legend().get_texts()]
+    )
+    assert "falls under the dead loads alone" in text
+    assert "dead load" in text
+    assert "live load" not in text
+
+
+def test_what_is_unsafe_by_a_continuum_shows_its_mechanism():
+    state = la.solve(column(5.0))
+    top = state.discretisation.bodies["block"].nodes[1] == 1
+    assert (state.velocity["block"][1, top] < 0).all()
+    power = sum(
+        float(state.dissipation[name] @ d.volumes)
+        for name, d in state.discretisation.bodies.items()
+    )
+    assert 0.5 < power < 1  # of 1 W: the discrete column falls from 3.9 k on or so
