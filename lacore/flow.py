@@ -16,6 +16,7 @@ from lacore.dofs import BodyDofs
 from lacore.interfaces import Interface
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
 from lacore.result import LimitState
+from lacore.selection import Selected
 from lacore.solving import solve
 from lacore.staging import Stage
 
@@ -51,6 +52,7 @@ class Flow:
         load_factor: alpha, without that hardening; NaN where there is no state.
         hardened: share of it that hardening within the step of the moment has.
         duration: of a step of which it is the load, s.
+        selected: the velocity that moves the bodies in place of that of the state; None: that one.
     """
 
     state: LimitState
@@ -58,6 +60,7 @@ class Flow:
     load_factor: float
     hardened: float
     duration: float
+    selected: Selected | None = None
 
     def lasting(self, duration: float) -> "Flow":
         """The same flow with the load of another duration [s] of the step, to first order."""
@@ -65,18 +68,24 @@ class Flow:
         return replace(self, load_factor=self.load_factor + more, duration=duration)
 
     @property
+    def motion(self) -> Floats:
+        """The velocity that moves the bodies, all unknowns, m/s at ``F0.u = 1``."""
+        assert self.state.point is not None
+        return self.state.point.velocity if self.selected is None else self.selected.velocity
+
+    @property
     def velocity(self) -> dict[str, Floats]:
-        """By body, shape (2, nodes), m/s at ``F0.u = 1``."""
-        return self.state.velocity
+        """It by body, shape (2, nodes), m/s."""
+        bodies = self.state.discretisation.bodies
+        return {name: self.motion[dofs.dofs] for name, dofs in bodies.items()}
 
     @property
     def strain_rate(self) -> dict[str, Floats]:
         """Equivalent strain rate at the strain points by body, shape (elements, q), 1/s."""
         d = self.state.discretisation
-        assert self.state.point is not None
         rates = {}
         for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True):
-            lengths = np.linalg.norm(group.cone_vectors(self.state.point.velocity), axis=1)
+            lengths = np.linalg.norm(group.cone_vectors(self.motion), axis=1)
             rates[name] = strain_per_length(dofs) * lengths.reshape(dofs.weights.shape)
         return rates
 

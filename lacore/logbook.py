@@ -86,7 +86,7 @@ class Log:
         load, state = stride.load.load_factor, stride.load.state
         assert state.point is not None
         assert state.certificate is not None
-        d, u = state.discretisation, state.point.velocity
+        d, u = state.discretisation, stride.load.motion
         contact = d.full.contact
         slip = np.sum(state.point.tangential_reaction * contact.slip(u), axis=1)
         control, dead = self.gauge(d, u), float(d.full.dead_load @ u)

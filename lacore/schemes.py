@@ -14,6 +14,7 @@ from lacore.curved import signed_jacobians
 from lacore.errors import InputError
 from lacore.flow import Flow, Moment, flow
 from lacore.path import Ending
+from lacore.selection import LeastNorm, least_norm
 from lacore.staging import Stage
 from lacore.status import Status
 
@@ -91,6 +92,7 @@ class Walk:
     stage: Stage
     gauge: Gauge
     settings: Mapping[str, Any]
+    selection: LeastNorm | None = None
     solves: int = field(default=0)
 
     @property
@@ -118,8 +120,12 @@ class Walk:
             raise PathEndError(Ending.LOCKED, text)
         if state.status is not Status.SOLVED or state.point is None:
             raise PathEndError(Ending.NOT_SOLVED, state.message)
-        speed = self.gauge(state.discretisation, state.point.velocity)
-        if speed <= _STILL * float(np.abs(state.point.velocity).max()):
+        if self.selection is not None:
+            selected = least_norm(state, self.selection.within)
+            self.solves += 0 if selected is None else selected.solves
+            found = replace(found, selected=selected)
+        speed = self.gauge(state.discretisation, found.motion)
+        if speed <= _STILL * float(np.abs(found.motion).max()):
             raise PathEndError(Ending.STANDSTILL, f"{Ending.STANDSTILL.value} (speed {speed:.3g})")
         return found, speed
 

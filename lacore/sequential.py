@@ -18,6 +18,7 @@ from lacore.path import Ending, Path, PathStep
 from lacore.problem import Problem
 from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
 from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Walk, require_upright
+from lacore.selection import LeastNorm
 from lacore.solving import engine_for
 from lacore.staging import Stage, staged
 
@@ -30,6 +31,7 @@ def sequential(
     control: Control | None = None,
     *,
     approaching: Sequence[Interface] = (),
+    selection: LeastNorm | None = None,
     backend: str = "clarabel",
     coupling: str | None = None,
     tolerance: float = 1e-6,
@@ -102,7 +104,7 @@ def sequential(
         "tolerance": tolerance,
         "options": options or {},
     }
-    walk, pace = Walk(stage, gauge, settings), Pace(steps, travel)
+    walk, pace = Walk(stage, gauge, settings, selection), Pace(steps, travel)
     log = Log(stage, gauge, keep_every)
     with ExitStack() as opened:
         kept, progress = None, None
@@ -112,6 +114,7 @@ def sequential(
                 "steps": steps,
                 "scheme": scheme,
                 "control": control,
+                "selection": selection,
                 "keep_every": keep_every,
                 "remesh": None if remesh is None else described(remesh),
             }
@@ -127,7 +130,7 @@ def sequential(
             log.resume(progress)
             for made in progress.made:
                 stage, control = again(walk.stage, control, made)
-                walk = Walk(stage, control.gauge(stage.problem), settings)
+                walk = Walk(stage, control.gauge(stage.problem), settings, selection)
                 log.enter(stage, walk.gauge, made)
         try:
             while (distance := pace.distance(here.travel)) > 0:
@@ -200,7 +203,7 @@ def _remeshed(
     except InputError as wrong:
         raise PathEndError(Ending.NOT_REMESHED, str(wrong)) from wrong
     there = Here(here.step, here.travel, configuration, None, None, here.speed)
-    after = Walk(stage, gauge, walk.settings)
+    after = Walk(stage, gauge, walk.settings, walk.selection)
     loads = [
         _load(own, Moment(at, at, distance / here.speed, 0.0))
         for own, at in ((walk, here.configuration), (after, configuration))

@@ -1,0 +1,177 @@
+"""Which of many velocities of the same load moves the bodies along a path (T32)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import checked_answer, find_backend, read_options
+from lacore.certificate import certify
+from lacore.conversion import point_in_program
+from lacore.errors import InputError, require_positive
+from lacore.isolation import preparing
+from lacore.program import (
+    DissipationGroup,
+    FrozenContact,
+    KinematicProgram,
+    dimensionless,
+    reaction_contact,
+)
+from lacore.result import LimitState
+
+_STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
+_CLOSER = 0.8  # of the strength that would make the excess just the one allowed
+_HALVINGS = 40  # of the way between two velocities
+_LARGEST = 0.1  # excess beyond which velocities have no load in common
+
+
+@dataclass(frozen=True)
+class LeastNorm:
+    """Of all velocities of nearly the same load, one with the least strain rates (T32).
+
+    Their norm is ``sum w sigma_Y t^2``. It decides where hardening leaves a choice, and keeps bodies
+    as regular as they are. Motions without strain it does not choose between.
+
+    Attributes:
+        within: what the velocity may dissipate more than the least, of the power turned over: by so
+            much the load of the velocity that moves the bodies may be above the load factor. At
+            most 0.1.
+    """
+
+    within: float = 1e-4
+
+    def __post_init__(self) -> None:
+        require_positive("LeastNorm.within", self.within)
+        if self.within > _LARGEST:
+            raise InputError(
+                "LeastNorm.within",
+                self.within,
+                "such velocities have other loads",
+                f"give at most {_LARGEST:g}",
+            )
+
+
+@dataclass(frozen=True)
+class Selected:
+    """A velocity of nearly the same load as that of a limit state.
+
+    Attributes:
+        velocity: of all unknowns, m/s at ``F0.u = 1``; admissible like that of the state.
+        width: how far the two are apart, ``||u - u_state||/||u_state||`` in the norm of `LeastNorm`.
+        excess: what it dissipates more, of the power turned over.
+        solves: that it took.
+    """
+
+    velocity: Floats
+    width: float
+    excess: float
+    solves: int
+
+
+def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | None:
+    """A velocity of small norm whose load is within a share of that of a limit state.
+
+    The norm joins the costs of the program at frozen reactions, as hardening does, ever weaker
+    until the excess is what is allowed; what is still too much is taken back on the straight way
+    to the velocity of the state: costs are convex, constraints too.
+
+    Args:
+        state: a certified one of an exact backend.
+        within: see `LeastNorm`.
+        tries: solves at most.
+
+    Returns:
+        None where the solver has no admissible velocity.
+    """
+    d, point = state.discretisation, state.point
+    assert point is not None
+    program, frozen_point = dimensionless(d.program, d.natural), point_in_program(d, point)
+    contact = reaction_contact(program.contact, frozen_point.normal_reaction)
+    u = frozen_point.velocity
+    least, power = _cost(program, contact, u), _power(program, contact, u)
+    size = _norm(program, u)
+    if not size > 0:
+        return Selected(point.velocity, 0.0, 0.0, 0)
+    strength = _STRENGTH * power / size**2
+
+    def excess(velocity: Floats) -> float:
+        return (_cost(program, contact, velocity) - least) / power
+
+    found, solves = None, 0
+    while solves < tries:
+        solves += 1
+        velocity = _solved(_regular(program, strength), contact, state)
+        if velocity is None:
+            break
+        found, more = velocity, excess(velocity)
+        if more <= within:
+            break
+        strength *= _CLOSER * sqrt(within / more)
+    if found is None:
+        return None
+    way = found - u
+    share = _furthest(lambda part: excess(u + part * way), within)
+    return Selected(
+        velocity=point.velocity + np.asarray(d.free_basis @ way) * (share * d.natural.velocity),
+        width=share * _norm(program, way) / size,
+        excess=excess(u + share * way),
+        solves=solves,
+    )
+
+
+def _solved(
+    program: KinematicProgram, contact: FrozenContact, state: LimitState
+) -> Floats | None:
+    """The velocity of one solve; None where it is not admissible to the tolerance of the state."""
+    backend = find_backend(state.backend)
+    with preparing(backend, read_options(backend, state.options)) as prepare:
+        solver = prepare(program)
+        try:
+            point = checked_answer(program, False, solver.solve(contact)).point
+        finally:
+            solver.close()
+    if point is None:
+        return None
+    seen = certify(program, point, contact)
+    kept = (seen.penetration, seen.divergence, seen.normalisation)
+    return point.velocity if all(value <= state.tolerance for value in kept) else None
+
+
+def _regular(program: KinematicProgram, strength: float) -> KinematicProgram:
+    """The program with half of `strength` times the norm squared among its costs."""
+    groups = (replace(g, modulus=g.rise + strength * g.bound) for g in program.groups)
+    return replace(program, groups=tuple(groups))
+
+
+def _cost(program: KinematicProgram, contact: FrozenContact, velocity: Floats) -> float:
+    """What the program minimises (T29)."""
+    hardened = sum(float(g.weights * g.rise @ _squares(g, velocity)) for g in program.groups)
+    dissipated = program.plastic_dissipation(velocity) + hardened / 2
+    friction = program.friction_dissipation(velocity, contact.bound)
+    return dissipated + friction - float(program.dead_load @ velocity)
+
+
+def _power(program: KinematicProgram, contact: FrozenContact, velocity: Floats) -> float:
+    dead = float(program.dead_load @ velocity)
+    return _cost(program, contact, velocity) + dead + abs(dead)
+
+
+def _norm(program: KinematicProgram, velocity: Floats) -> float:
+    return sqrt(sum(float(g.weights * g.bound @ _squares(g, velocity)) for g in program.groups))
+
+
+def _squares(group: DissipationGroup, velocity: Floats) -> Floats:
+    return np.asarray(np.sum(group.cone_vectors(velocity) ** 2, axis=1))
+
+
+def _furthest(excess: Callable[[float], float], within: float) -> float:
+    """The largest share of a way on which a convex excess, 0 at its beginning, is allowed."""
+    if excess(1.0) <= within:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) <= within else (low, middle)
+    return low
