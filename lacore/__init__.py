@@ -23,6 +23,7 @@ from lacore.pace import AdaptiveSteps
 from lacore.path import Path
 from lacore.problem import Problem
 from lacore.result import LimitState
+from lacore.selection import LeastNorm
 from lacore.sequential import sequential
 from lacore.solving import solve
 from lacore.stability import Stability, Standing
@@ -51,6 +52,7 @@ __all__ = [
     "Interface",
     "Interval",
     "LacoreError",
+    "LeastNorm",
     "LimitState",
     "LowerBound",
     "Path",

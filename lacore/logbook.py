@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from lacore import drift
 from lacore.approach import gaps
 from lacore.checkpoint import Progress
 from lacore.control import Gauge
@@ -168,7 +169,7 @@ class Log:
         """The end; settings are those of each solve."""
         path = Path(
             status=ending,
-            message=f"{ending.label}: {message}",
+            message=f"{ending.label}: {message}{drift.warning(self.events)}",
             history=pd.DataFrame([asdict(row) for row in self.rows], columns=_COLUMNS),
             events=pd.DataFrame(
                 [asdict(event) for event in self.events], columns=[f.name for f in fields(Event)]

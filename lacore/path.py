@@ -108,7 +108,8 @@ class Event:
     Attributes:
         kind: ``contact closed``, ``contact opened``, ``peak load`` (of the load factor),
             ``peak force`` (of a footing, whose face changes), ``inversion predicted``,
-            ``remeshed``.
+            ``remeshed``; ``velocity not unique`` (another has nearly the same load, and bodies
+            begin to drift), ``velocity selected`` or ``velocity not selected`` (by a `LeastNorm`).
         step: in which it happened.
         travel: where, as closely as the steps show.
         what: interface, load factor or element, in words.

@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.backend import checked_answer, find_backend, read_options
+from lacore.backend import Backend, checked_answer, find_backend, read_options
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.errors import InputError, require_positive
@@ -51,6 +51,21 @@ class LeastNorm:
                 "such velocities have other loads",
                 f"give at most {_LARGEST:g}",
             )
+
+
+def require_selection(selection: LeastNorm | None, backend: Backend) -> None:
+    """Raise `InputError` unless a backend can select velocities as it is asked to."""
+    if selection is None:
+        return
+    if not isinstance(selection, LeastNorm):
+        raise InputError("selection", selection, "no selection", "give lacore.LeastNorm(), or None")
+    if backend.capabilities.regularised:
+        raise InputError(
+            "selection",
+            selection,
+            f"the viscosity of backend {backend.name!r} selects velocities already",
+            "leave it out, or take an exact backend such as 'clarabel'",
+        )
 
 
 @dataclass(frozen=True)
@@ -121,9 +136,7 @@ def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | N
     )
 
 
-def _solved(
-    program: KinematicProgram, contact: FrozenContact, state: LimitState
-) -> Floats | None:
+def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState) -> Floats | None:
     """The velocity of one solve; None where it is not admissible to the tolerance of the state."""
     backend = find_backend(state.backend)
     with preparing(backend, read_options(backend, state.options)) as prepare:

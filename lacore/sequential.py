@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
+from lacore import drift
 from lacore.checkpoint import Checkpoint, identity
 from lacore.control import Control, FootingTravel, gauge_of
 from lacore.dofs import number
@@ -17,8 +18,16 @@ from lacore.pace import AdaptiveSteps, Pace
 from lacore.path import Ending, Path, PathStep
 from lacore.problem import Problem
 from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
-from lacore.schemes import SCHEMES, Here, PathEndError, Scheme, Walk, require_upright
-from lacore.selection import LeastNorm
+from lacore.schemes import (
+    SCHEMES,
+    Here,
+    PathEndError,
+    Scheme,
+    Stride,
+    Walk,
+    require_upright,
+)
+from lacore.selection import LeastNorm, require_selection
 from lacore.solving import engine_for
 from lacore.staging import Stage, staged
 
@@ -58,6 +67,9 @@ def sequential(
         control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
         approaching: interfaces with plane obstacles that bodies do not touch yet, or in part. How
             a corner that two interfaces share splits its reaction between them has no meaning.
+        selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
+            same load, at the cost of one or two more solves each time. By default hardening
+            decides alone; an event ``velocity not unique`` says where that is not enough (T32).
         backend, coupling, tolerance, options: of each solve, see `lacore.solve`.
         keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
         checkpoint: a file (npz) that keeps the path after each step. Called again with the same
@@ -87,7 +99,8 @@ def sequential(
         if not (call is None or callable(call)):
             raise InputError(name, call, "cannot be called", "give a function, or leave it out")
     require_positive("tolerance", tolerance)
-    engine_for(backend, coupling, options or {})
+    engine, _, _ = engine_for(backend, coupling, options or {})
+    require_selection(selection, engine)
     if coupling == "associated":
         raise InputError(
             "coupling",
@@ -178,8 +191,24 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     )
     jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)
+    _look(walk, stride, distance, there, log)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     return there
+
+
+def _look(walk: Walk, stride: Stride, distance: float, there: Here, log: Log) -> None:
+    """An event where bodies begin to drift, once per path, or a velocity cannot be selected."""
+    selects, kinds = walk.selection is not None, {event.kind for event in log.events}
+    if selects and stride.flow.selected is None:
+        what = "the solver finds no admissible one: the velocity as solved is taken"
+        log.event(drift.LOST, there.step, there.travel, what)
+        return
+    if {drift.DRIFTS, drift.SELECTED} & kinds:
+        return
+    looked = selects or drift.due(log.rows, stride.error, distance)
+    if looked and (said := drift.described(stride.flow)):
+        kind = drift.SELECTED if selects else drift.DRIFTS
+        log.event(kind, there.step, there.travel, said)
 
 
 def _remeshed(

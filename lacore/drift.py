@@ -1,0 +1,63 @@
+"""Whether bodies drift along a path: their velocity is one of many, and not the regular one (T32)."""
+
+from collections.abc import Sequence
+
+from lacore.flow import Flow
+from lacore.path import Event, PathStep
+from lacore.selection import Selected, least_norm
+
+DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity not selected"
+"""Kinds of events: the solver took one of many; the regular one was taken; none could be found."""
+_EVERY = 8  # steps between two looks where nothing happens
+_SUDDEN = 2.0  # growth of the change of the velocity, from step to step, that calls for a look
+_APART = 0.01  # width below which velocities count as the same
+# Least flatness of a choice. The paths of the catalogue have 6 at most where velocities differ at
+# all, rings in plane strain 35 to 4000 when they begin to drift.
+_FLAT = 15.0
+_SAME = 0.1  # of the power: velocities that cost more are no choice at any width
+
+
+def due(rows: Sequence[PathStep], error: float, distance: float) -> bool:
+    """Whether to look at the next step, of a `PathStep.error` and a distance of the control.
+
+    The first one, now and then another, and where the velocity changes more suddenly than before:
+    one that drifts overshoots in each step by more than in the last.
+    """
+    if len(rows) % _EVERY == 0:
+        return True
+    begin = rows[-2].end if len(rows) > 1 else 0.0
+    before = rows[-1].error / (rows[-1].end - begin)
+    return not error / distance <= _SUDDEN * before  # errors of first steps are NaN
+
+
+def described(flow: Flow) -> str:
+    """How far the regular velocity of a step is from the one as solved; empty where it is that one.
+
+    It takes one solve where none was selected; the viscosity of regularised backends leaves no
+    choice.
+    """
+    if flow.state.regularised is not None:
+        return ""
+    other = flow.selected or least_norm(flow.state, _SAME, tries=1)
+    if other is None or not is_choice(other):
+        return ""
+    return (
+        f"strain rates of a more regular one differ by {other.width:.2g} of their norm, its load by"
+        f" {max(other.excess, 0.0):.1g} of the power"
+    )
+
+
+def warning(events: Sequence[Event]) -> str:
+    """What the end of a path has to say of them; empty where it has not drifted."""
+    steps = [event.step for event in events if event.kind == DRIFTS]
+    if not steps:
+        return ""
+    return (
+        f"; from step {steps[0]} on the velocity is one of many, and the loads may drift: see the"
+        " events, and take selection=lacore.LeastNorm()"
+    )
+
+
+def is_choice(other: Selected) -> bool:
+    """Whether a velocity is another one, for next to nothing of its load."""
+    return other.width > _APART and other.width**2 > 2 * _FLAT * other.excess
