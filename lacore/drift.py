@@ -1,4 +1,4 @@
-"""Whether bodies drift along a path: their velocity is one of many, and not the regular one (T32)."""
+"""Whether bodies drift along a path: the velocity of a step is one of many (T32)."""
 
 from collections.abc import Sequence
 

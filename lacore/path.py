@@ -205,7 +205,8 @@ class Path:
         It is solved again, unless it is that of the last step: states are large, and a path has
         many. It stands where its load does, see `PathStep.travel`. Its load factor is that of the
         limit problem as it was solved; the history has it for the duration that the step turned
-        out to have, to first order.
+        out to have, to first order. So is its velocity; where a `LeastNorm` selects another one,
+        that has moved the bodies, and is in the snapshot.
 
         Raises:
             InputError: see `snapshot`; the beginning has no state.

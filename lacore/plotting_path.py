@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.tri import Triangulation
 from skfem import Mesh
 
+from lacore import drift
 from lacore.arrays import Floats, Ints
 from lacore.curved import edge_lines, outlines
 from lacore.dofs import number
@@ -44,6 +45,9 @@ _EVENTS = {
     "contact opened": "#e69f00",
     "inversion predicted": "#000000",
     "remeshed": "#5e3c99",
+    drift.DRIFTS: "#d6604d",
+    drift.SELECTED: "#1b7837",
+    drift.LOST: "#8c510a",
 }
 _LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
 

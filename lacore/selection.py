@@ -31,8 +31,8 @@ _LARGEST = 0.1  # excess beyond which velocities have no load in common
 class LeastNorm:
     """Of all velocities of nearly the same load, one with the least strain rates (T32).
 
-    Their norm is ``sum w sigma_Y t^2``. It decides where hardening leaves a choice, and keeps bodies
-    as regular as they are. Motions without strain it does not choose between.
+    The norm, ``sum w sigma_Y t^2``, decides where hardening leaves a choice, and keeps bodies as
+    regular as they are. Between motions without strain it does not choose.
 
     Attributes:
         within: what the velocity may dissipate more than the least, of the power turned over: by so
@@ -74,8 +74,8 @@ class Selected:
 
     Attributes:
         velocity: of all unknowns, m/s at ``F0.u = 1``; admissible like that of the state.
-        width: how far the two are apart, ``||u - u_state||/||u_state||`` in the norm of `LeastNorm`.
-        excess: what it dissipates more, of the power turned over.
+        width: how far both are apart, ``||u - u_state||/||u_state||`` in the norm of `LeastNorm`.
+        excess: what it dissipates more, of the power turned over; negative by round-off.
         solves: that it took.
     """
 
