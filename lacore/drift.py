@@ -11,7 +11,7 @@ DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity n
 _EVERY = 8  # steps between two looks where nothing happens
 _SUDDEN = 2.0  # growth of the change of the velocity, from step to step, that calls for a look
 _APART = 0.01  # width below which velocities count as the same
-# Least flatness of a choice. The paths of the catalogue have 6 at most where velocities differ at
+# Least flatness of a choice. The paths of the catalogue have 7 at most where velocities differ at
 # all, rings in plane strain 35 to 4000 when they begin to drift.
 _FLAT = 15.0
 _SAME = 0.1  # of the power: velocities that cost more are no choice at any width

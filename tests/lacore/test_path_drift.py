@@ -90,10 +90,15 @@ def test_drift_is_noticed_with_hardening_too(law, steps):
     judge_noticed(expanded(LAWS[law], steps), LAWS[law])
 
 
+def drifts(path, law):
+    """Loads of any kind, or an end on the way: round-off decides which."""
+    return path.status is not Ending.REACHED or errors(path, law).max() > 0.01
+
+
 def judge_noticed(path, law):
     """A drift there is, and an event with its size before."""
     wrong = errors(path, law)
-    assert wrong.max() > 0.05  # it does drift
+    assert drifts(path, law)
     assert kinds(path) == ["velocity not unique"]
     (event,) = path.events[path.events.kind == "velocity not unique"].itertuples()
     assert wrong[: event.step - 1].max() < 2e-3
@@ -127,7 +132,7 @@ def test_the_least_norm_keeps_a_ring_of_uneven_elements_round():
     """They prefer some directions, by what their load errs; that the norm outweighs."""
     law = LAWS["perfect"]
     drifting = expanded(law, 5, travel=0.25, uneven=0.15)
-    assert errors(drifting, law).max() > 0.05
+    assert drifts(drifting, law)
     assert kinds(drifting)
     path = expanded(law, 5, travel=0.25, uneven=0.15, selection=la.LeastNorm())
     assert errors(path, law).max() < 3e-3
@@ -186,6 +191,36 @@ def test_the_load_of_a_selected_velocity_is_that_of_the_state(within):
     norms = [group.weights @ np.sum(group.cone_vectors(v) ** 2, axis=1) for v in
              (u, state.point.velocity)]  # fmt: skip
     assert norms[0] < norms[1]
+
+
+def test_the_excess_counts_hardening_within_the_step():
+    """Of half of the square of each strain rate (T29)."""
+    state = pressed(1).last
+    found = least_norm(state, 1e-2)
+    full, contact = state.discretisation.full, state.discretisation.full.contact
+    bound = contact.coefficient * state.point.normal_reaction
+    costs = []
+    for u in (found.velocity, state.point.velocity):
+        (group,) = full.groups
+        rates = np.linalg.norm(group.cone_vectors(u), axis=1)
+        each = group.bound * rates + group.modulus * rates**2 / 2
+        slip = np.abs(contact.slip(u)[:, 0])
+        costs.append(group.weights @ each + contact.weights * bound @ slip)
+    # Differences of costs that agree to 1e-10 between two sets of units.
+    assert found.excess == pytest.approx(costs[0] / costs[1] - 1, rel=1e-5)
+    assert found.excess > 1e-3
+
+
+def test_forces_and_pictures_are_of_the_velocity_that_moves_the_bodies():
+    law = LAWS["linear"]
+    path = expanded(law, 2, travel=0.1, uneven=0.15, selection=la.LeastNorm())
+    (at,) = np.flatnonzero(np.all(np.isclose(path.stage.start.nodes["ring"].T, [1.0, 0.0]), axis=1))
+    moved, solved = (
+        own["ring"][0, at] for own in (path.snapshots[-1].velocity, path.last.velocity)
+    )
+    row = path.history.iloc[-1]
+    assert row.load_factor / row.force == pytest.approx(moved, rel=1e-12)
+    assert abs(moved / solved - 1) > 1e-6
 
 
 def test_a_selected_path_goes_on_from_its_file(tmp_path):
