@@ -30,6 +30,8 @@ from lacore.polygons import (
 
 Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the mean block size
+_GAP = 1e-3  # of the shortest edge: ten times less than gaps that count as nearly touching
+_SLIVER = 1e-6  # of the size of its block: an edge below it is none
 _DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
 
 
@@ -47,7 +49,8 @@ class BlockAssembly:
             is named "0", "1", ... Kept counterclockwise.
         friction: law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
         joint_friction: other laws for single pairs ``(name, name)``, in either order.
-        tolerance: m; 1e-6 of the mean block size (root of the area) if None.
+        tolerance: m; if None 1e-6 of the mean block size (root of the area), or 1e-3 of the
+            shortest edge where that is less: it swallows no gap that edges could show.
         names: (B,). `area`: (B,), m^2. `centroid`: (2, B), m.
         radius: largest distance of a vertex from the centroid, (B,), m: turns rates of rotation
             into velocities.
@@ -89,7 +92,7 @@ class BlockAssembly:
         names = tuple(outlines)
         points, block = shapely.get_coordinates(polygons, return_index=True)
         area = np.asarray(shapely.area(polygons))
-        tolerance = _length_tolerance(self.tolerance, area, np.abs(points).max())
+        tolerance = _length_tolerance(self.tolerance, points, block, area)
         require_apart(names, polygons, tolerance, "BlockAssembly.blocks")
         edges = outline_edges(polygons, tolerance)
         require_no_slits(names, polygons, edges, tolerance, "BlockAssembly.blocks")
@@ -179,11 +182,25 @@ class BlockAssembly:
         return chosen
 
 
-def _length_tolerance(given: float | None, area: Floats, farthest: float) -> float:
-    """The tolerance in m, refused where coordinates up to `farthest` do not resolve it."""
+def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Floats) -> float:
+    """The tolerance in m, refused where coordinates do not resolve it.
+
+    Args:
+        given: by the user.
+        points: vertices, (n, 2), of all blocks; the last of each repeats its first.
+        block: numbers, (n,).
+        area: of the blocks.
+    """
+    farthest = np.abs(points).max()
     if given is not None:
         require_positive("BlockAssembly.tolerance", given)
-    tolerance = _TOLERANCE * np.mean(np.sqrt(area)) if given is None else given
+        tolerance = given
+    else:
+        size = np.sqrt(area)
+        length = np.linalg.norm(np.diff(points, axis=0), axis=1)[block[1:] == block[:-1]]
+        own = size[block[1:][block[1:] == block[:-1]]]
+        shortest = length[length > _SLIVER * own].min()
+        tolerance = min(_TOLERANCE * np.mean(size), _GAP * shortest)
     if tolerance < _DIGITS * farthest:
         raise InputError(
             "BlockAssembly.tolerance",

@@ -6,12 +6,14 @@ slave, ``t_n >= 0`` is compression.
 """
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, radians, tan
 
 import numpy as np
 
 from lacore.boundaries import Where, where_name
 from lacore.errors import InputError, is_number, is_plane_vector
+
+_DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
     """A friction law, a bare coefficient read as Coulomb friction.
 
     Raises:
-        InputError: neither, or a coefficient below 0 or NaN; it names `field`.
+        InputError: neither, a coefficient below 0 or NaN, or a bare one that looks like an angle in
+            degrees; it names `field`.
     """
     if isinstance(friction, Coulomb | Tresca):
         return friction
@@ -90,6 +93,14 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
             friction,
             "not a friction law",
             "give a coefficient, lacore.Coulomb, Tresca, SMOOTH or STICK",
+        )
+    if _DEGREES[0] <= friction < _DEGREES[1]:
+        raise InputError(
+            field,
+            friction,
+            f"an angle in degrees? The coefficient of {friction:g} degrees is"
+            f" {tan(radians(friction)):.4g}",
+            f"give the tangent of the angle, or lacore.Coulomb({friction:g}) if it is meant",
         )
     try:
         return Coulomb(friction)

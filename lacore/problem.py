@@ -175,6 +175,7 @@ class Problem:
             if isinstance(interface.master, RigidObstacle):
                 self._check_free(interface, contacts[-1][1].slave, where)
         self._check_sharing(contacts)
+        self._check_joined()
         self._check_isolated(contacts)
 
     def _check_free(self, interface: Interface, edges: Ints, where: str) -> None:
@@ -222,6 +223,27 @@ class Problem:
             return [(name, int(edge), (0.0, 0.0)) for edge in edges]
         turned = (np.round(normal.T, _SAME_NORMAL) + 0.0).tolist()
         return [(name, int(node), (x, y)) for node, (x, y) in zip(edges, turned, strict=True)]
+
+    def _check_joined(self) -> None:
+        """Each of several bodies has an interface or a support."""
+        held = {support.body for support in self.supports}
+        for interface in self.interfaces:
+            held.add(interface.slave[0])
+            if not isinstance(interface.master, RigidObstacle):
+                held.add(interface.master[0])
+        held |= {
+            load.body
+            for load in (*self.reference_loads, *self.dead_loads)
+            if isinstance(load, RigidFooting)
+        }
+        loose = [name for name in self.bodies if name not in held]
+        if loose and len(self.bodies) > 1:
+            raise InputError(
+                "Problem.bodies",
+                loose[0],
+                "this body touches nothing: no interface, no support",
+                "give it an Interface with what it touches, or a support, or leave it out",
+            )
 
     def _check_isolated(self, contacts: list[tuple[int, Segments]]) -> None:
         """Each block touches something, or a support holds it."""

@@ -14,6 +14,7 @@ from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.certificate import Certificate
 from lacore.checking import Table, checked
+from lacore.contact_sides import contact_sides
 from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
 from lacore.stability import Stability, stability_of
@@ -171,6 +172,8 @@ class LimitState:
     def reactions(self) -> pd.DataFrame:
         """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
 
+        `slave` and `master` are the names of what touches: of assemblies that of the block, of
+        other bodies their own, or "obstacle"; the normal points from the master into the slave.
         `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that
         of the surface, m^2: times tractions it makes forces.
         Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
@@ -183,10 +186,13 @@ class LimitState:
         u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
         rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
         names = where.names
+        slave, master = contact_sides(self.discretisation)
         parting = u_n + rows.lead
         table = pd.DataFrame(
             {
                 "interface": np.array(names, dtype=object)[rows.interface],
+                "slave": slave,
+                "master": master,
                 "x": where.position[:, 0],
                 "y": where.position[:, 1],
                 "n_x": where.normal[:, 0],
