@@ -1,4 +1,4 @@
-"""What is told by name: sides of contact, angles, bodies that touch nothing, gaps of small stones."""
+"""What is told by name: sides of contact, angles, bodies that touch nothing, gaps beside stones."""
 
 import numpy as np
 import pytest
