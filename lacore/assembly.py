@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import fsum, sqrt
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
@@ -25,6 +25,7 @@ from lacore.frames import Frame
 from lacore.interfaces import Interface
 from lacore.jumps import Jumps, jumps, movable
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.ordering import column_order, point_order
 from lacore.problem import Problem, vertex_at
 from lacore.program import (
     ContactRows,
@@ -176,6 +177,7 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
             format="csr",
         )
     )
+    basis = csr_matrix(basis[:, column_order(basis, assemblies)])
     jumping = {name: part.kept(movable(part.group, basis)) for name, part in jumping.items()}
     jumping = {name: part for name, part in jumping.items() if part.group.weights.size}
     full = KinematicProgram(
@@ -189,7 +191,8 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
         dead_load=_load_vector(problem.dead_loads, bodies, rigid, footings, n),
     )
     program = reduced(full, basis)
-    kept = _movable(program.contact, points)
+    order = point_order(contact, points, assemblies, len(problem.interfaces))
+    kept = order[_movable(program.contact, points)[order]]
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
     points = points.kept(kept)
     size = _load_size(full.reference_load, node_dofs)
@@ -230,13 +233,13 @@ def _natural_scales(
     Raises:
         InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
     """
-    length = sqrt(sum(body.extent for body in (*bodies.values(), *rigid.values())))
+    length = sqrt(fsum(body.extent for body in (*bodies.values(), *rigid.values())))
     yielding = program.groups[: len(bodies)] or program.groups
     strengths = [sqrt(3) * float(group.bound.max()) for group in yielding]
     if not strengths:
         limit = program.contact.limit
         strengths = [
-            float(np.abs(program.dead_load).sum()) / length,
+            fsum(np.abs(program.dead_load)) / length,  # whatever the order
             float(limit[np.isfinite(limit)].max(initial=0.0)),
         ]
     if not max(strengths) > 0:
@@ -434,7 +437,7 @@ def _unloaded(footing: RigidFooting) -> RigidFooting:
 def _load_size(load: Floats, node_dofs: Ints) -> float:
     """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m."""
     nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
-    return float(nodal + np.abs(load[node_dofs.size :]).sum())
+    return float(nodal + fsum(np.abs(load[node_dofs.size :])))
 
 
 def _boundary_nodes(dofs: BodyDofs, facets: Ints) -> tuple[Ints, Floats]:

@@ -50,8 +50,8 @@ class ContactPoints:
     gap: Floats | None = None
     obstacles: tuple[Obstacle, ...] = ()
 
-    def kept(self, mask: Bools) -> "ContactPoints":
-        """Those of a mask of shape (m,)."""
+    def kept(self, mask: Bools | Ints) -> "ContactPoints":
+        """Those of a mask of shape (m,), or of numbers, in their order."""
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
         gap = None if self.gap is None else self.gap[mask]
         return ContactPoints(*arrays, self.names, gap, self.obstacles)

@@ -9,7 +9,7 @@ from lacore.arrays import Floats, Ints
 from lacore.errors import InputError, suggest
 from lacore.interfaces import Friction, friction_law
 from lacore.polygons import BlockEdges
-from lacore.touching import touching
+from lacore.touching import Shared, touching
 
 JointFriction = Mapping[tuple[str, str], float | Friction]
 
@@ -21,7 +21,7 @@ class Joints:
     Attributes:
         slave, master: block numbers, (J,); the master comes first in the assembly.
         slave_edge, master_edge: edge numbers, (J,).
-        start, end: the segment, on the edge of the slave, (2, J), m.
+        start, end: the segment, along the edge of the slave, up to the gap on it, (2, J), m.
         normal: unit normal from the master into the slave, (2, J).
         coefficient, limit, dilatancy: of ``||t_t|| <= coefficient t_n + limit`` (limit in Pa) and
             ``u_n >= dilatancy ||u_t||``, (J,).
@@ -63,8 +63,7 @@ def find_joints(
         InputError: a pair in `joint_friction` that is given twice, unknown, or has no joint; a law
             that is none.
     """
-    shared = touching(edges, edges, tolerance)
-    shared = shared.take(edges.block[shared.first] > edges.block[shared.second])
+    shared, normal = _joined(edges, tolerance)
     slave, master = edges.block[shared.first], edges.block[shared.second]
 
     pair = slave * len(names) + master
@@ -90,9 +89,36 @@ def find_joints(
         shared.second,
         shared.start,
         shared.end,
-        -edges.normal[:, shared.first],
+        normal,
         *terms,
     )
+
+
+def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
+    """Segments by the edges of slaves and masters, and normals from masters into slaves.
+
+    Of each pair the numbers are those of the same edge, whichever block is listed first, so that
+    its order does not change even the last digit.
+    """
+    shared = touching(edges, edges, tolerance)
+    places = np.stack([np.bincount(edges.block, own) for own in edges.start])
+    rank = np.empty(places.shape[1], dtype=np.int64)
+    rank[np.lexsort(places)] = np.arange(rank.size)
+    one, other = edges.block[shared.first], edges.block[shared.second]
+    shared = shared.take(rank[one] > rank[other])
+    slave = edges.block[shared.first] > edges.block[shared.second]  # the first of the pair
+    joined = Shared(
+        np.where(slave, shared.first, shared.second),
+        np.where(slave, shared.second, shared.first),
+        np.where(slave, shared.start, shared.end),
+        np.where(slave, shared.end, shared.start),
+        shared.gap,
+    )
+    normal = np.where(slave, -1.0, 1.0) * edges.normal[:, shared.first]
+    own = joined.first
+    along = np.sum((joined.start - edges.start[:, own]) * (edges.end - edges.start)[:, own], axis=0)
+    order = np.lexsort((along, own))
+    return joined.take(order), normal[:, order]
 
 
 def joint_names(names: Sequence[str], joints: Joints) -> tuple[str, ...]:

@@ -345,12 +345,14 @@ def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) 
     return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order.ravel()])
 
 
-def kept_points(contact: ContactRows, kept: Bools) -> ContactRows:
-    """The contact points of a mask of shape (m,)."""
+def kept_points(contact: ContactRows, kept: Bools | Ints) -> ContactRows:
+    """The contact points of a mask of shape (m,), or of numbers, in their order."""
+    points = np.arange(contact.count)[kept]
+    rows = (contact.tangent_dim * points[:, None] + np.arange(contact.tangent_dim)).ravel()
     return replace(
         contact,
         normal=contact.normal[kept],
-        tangential=contact.tangential[np.repeat(kept, contact.tangent_dim)],
+        tangential=contact.tangential[rows],
         **{
             name: getattr(contact, name)[kept]
             for name in ("weights", "coefficient", "limit", "dilatancy", "interface")
@@ -365,6 +367,7 @@ def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
     def cut(rows: Sparse) -> Sparse:
         product = csr_matrix(rows @ basis)
         product.eliminate_zeros()
+        product.sort_indices()
         return product
 
     contact = program.contact

@@ -6,6 +6,7 @@ included, are N/m.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import fsum
 
 import numpy as np
 import shapely
@@ -49,7 +50,7 @@ class RigidDofs:
     @property
     def extent(self) -> float:
         """Area, m^2."""
-        return float(self.body.area.sum())
+        return fsum(self.body.area)
 
     def groups(self, n: int) -> tuple[DissipationGroup, ...]:
         """Rigid blocks dissipate nothing."""
