@@ -232,6 +232,15 @@ def test_slip_that_one_stress_explains_is_not_refined():
     assert 0.1 * gap < shares.sum() <= gap + ROUND_OFF
 
 
+def test_layers_of_slip_are_strain():
+    """From a base at rest to a footing at speed 3 all shear makes 3, wherever it is."""
+    d = la.discretise(sheared())
+    dofs, slip, u = d.bodies["block"], d.slips["block"], np.zeros(d.full.n)
+    u[dofs.dofs[0]] = 1 + dofs.nodes[1]  # a shear of 1 in the body
+    u[d.footings] = 3.0
+    assert np.allclose(slip.layer(dofs, u).sum(axis=0), [0, 0, 2], atol=ROUND_OFF)
+
+
 @pytest.mark.parametrize("space", SPACES)
 def test_reactions_hold_the_balance(space):
     """Supports and footing pull by shear too: with the wall's pressure all forces cancel."""
