@@ -360,3 +360,22 @@ def test_what_is_unsafe_by_a_continuum_shows_its_mechanism():
         for name, d in state.discretisation.bodies.items()
     )
     assert 0.5 < power < 1  # of 1 W: the discrete column falls from 3.9 k on or so
+
+
+@pytest.mark.parametrize("weight", [1e-2, 1e-6])
+def test_a_light_block_that_falls_beside_a_heavy_one_is_seen(weight):
+    """Judged by its own weight: of the heavy one's it would be out of balance by nothing."""
+    problem = on_slope(0.3, (1, 0))
+    rectangle = la.masonry.rectangle
+    blocks = dict(problem.bodies["blocks"].polygons)
+    blocks |= {"floor": rectangle(20, 40, -1, 0), "heavy": rectangle(25, 26, 0, 1)}
+    beside = la.Problem(
+        bodies={"blocks": la.BlockAssembly(blocks, friction=0.3)},
+        supports=[la.Fix("blocks", ("base", "floor"))],
+        reference_loads=[la.PointForce("blocks", "heavy", (1, 0))],
+        dead_loads=[
+            la.PointForce("blocks", "heavy", (0, -1)),
+            la.PointForce("blocks", "block", (0, -weight)),
+        ],
+    )
+    assert la.solve(beside).stability.standing is Standing.FALLS
