@@ -1,7 +1,8 @@
 """The store: one durable row a finished run, the moment it ends (SQLite, one writer).
 
-Everything in it is text or numpy arrays: nothing that is read is run. Each row has a checksum, the
-file a schema version. A run is known by its `Run.key` and the version of the code that solved it;
+Everything in it is text or numpy arrays: nothing that is read is run. Each row has a checksum and
+a seal, and what is read is checked field by field (`verification.stored_rows`); the file has a
+schema version. A run is known by its `Run.key` and the version of the code that solved it;
 `load_results` gives the newest of each.
 """
 
@@ -20,22 +21,23 @@ from filelock import FileLock, Timeout
 
 from lacore.errors import InputError
 from verification.run import Evidence, Outcome, Row, Run, canonical, columns
+from verification.stored_rows import TEXTS, WrongFieldError, check_texts, read_json, seal_of
 
 NAME = "results.sqlite"
-SCHEMA = 1
+SCHEMA = 2
 _APPLICATION = 0x6C61636F  # "laco", in the head of the file
 _TABLES = """
 CREATE TABLE sessions (id INTEGER PRIMARY KEY, provenance TEXT NOT NULL) STRICT;
 CREATE TABLE runs (
     run TEXT NOT NULL, code TEXT NOT NULL, session INTEGER NOT NULL REFERENCES sessions (id),
     finished TEXT NOT NULL, identity TEXT NOT NULL, row TEXT NOT NULL, residuals TEXT NOT NULL,
-    history TEXT NOT NULL, arrays BLOB NOT NULL, checksum TEXT NOT NULL, PRIMARY KEY (run, code)
+    history TEXT NOT NULL, arrays BLOB NOT NULL, seal TEXT NOT NULL DEFAULT '',
+    checksum TEXT NOT NULL, PRIMARY KEY (run, code)
 ) STRICT;
 """
-_COLUMNS = (
-    *("run", "code", "session", "finished", "identity", "row", "residuals", "history", "arrays"),
-    "checksum",
-)
+_UNSEALED = 1  # the schema whose rows have no seal
+_SEALED = "ALTER TABLE runs ADD COLUMN seal TEXT NOT NULL DEFAULT ''"
+_COLUMNS = (*TEXTS, "arrays", "seal", "checksum")
 _OF_THE_DISK = (
     *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN),
     *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED, sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM),
@@ -92,6 +94,7 @@ class Store:
             canonical([dict(record) for record in evidence.history]),
             evidence.arrays,
         )
+        texts = (*texts, seal_of(texts[:-1]))
         marks = ", ".join("?" * len(_COLUMNS))
         with _said(self._path), self._database:
             self._database.execute(
@@ -172,8 +175,9 @@ def entries(path: Path) -> list[Entry]:
     """
     if not path.is_file():
         raise InputError("DIR", str(path), "there is no store", "name the folder of a finished run")
-    query = f"SELECT {', '.join(_COLUMNS)}, max(finished) FROM runs GROUP BY run ORDER BY finished"
     with closing(_connected(path, create=False)) as database, _said(path):
+        names = _columns(database)
+        query = f"SELECT {names}, max(finished) FROM runs GROUP BY run ORDER BY finished"
         return [_entry(record[:-1], path) for record in database.execute(query)]
 
 
@@ -184,8 +188,20 @@ def sessions(path: Path) -> dict[int, dict[str, str]]:
         InputError: as of `entries`.
     """
     with closing(_connected(path, create=False)) as database, _said(path):
-        rows = database.execute("SELECT id, provenance FROM sessions")
-        return {number: json.loads(text) for number, text in rows}
+        rows = database.execute("SELECT id, provenance FROM sessions").fetchall()
+    return {number: _provenance(number, text, path) for number, text in rows}
+
+
+def _provenance(number: int, text: object, path: Path) -> dict[str, str]:
+    field = f"session {number}, provenance"
+    try:
+        found = read_json(field, text, dict)
+        for name, value in found.items():
+            if not isinstance(value, str):
+                raise WrongFieldError(f"{field}.{name}", "is no text")
+    except WrongFieldError as error:
+        raise _damaged(path, str(error)) from error
+    return dict(found)
 
 
 def _connected(path: Path, create: bool) -> sqlite3.Connection:
@@ -204,6 +220,11 @@ def _connected(path: Path, create: bool) -> sqlite3.Connection:
                         f" PRAGMA user_version = {SCHEMA}; {_TABLES} COMMIT;"
                     )
             _check(database, path)
+            if create and _schema(database) == _UNSEALED:
+                with database:
+                    database.executescript(
+                        f"BEGIN; {_SEALED}; PRAGMA user_version = {SCHEMA}; COMMIT;"
+                    )
         except BaseException:
             database.close()
             raise
@@ -213,9 +234,11 @@ def _connected(path: Path, create: bool) -> sqlite3.Connection:
 def _check(database: sqlite3.Connection, path: Path) -> None:
     """Refuse what is no store, damaged, or newer than this code; nothing is written before."""
     (application,) = database.execute("PRAGMA application_id").fetchone()
-    (schema,) = database.execute("PRAGMA user_version").fetchone()
+    schema = _schema(database)
     if application != _APPLICATION:
         raise InputError("store", str(path), "is no store of lacore", "name another folder")
+    if schema < _UNSEALED:
+        raise _damaged(path, f"schema {schema}, which never was")
     if schema > SCHEMA:
         raise InputError(
             "store", str(path), f"has schema {schema}, this lacore knows {SCHEMA}", "update lacore"
@@ -223,8 +246,22 @@ def _check(database: sqlite3.Connection, path: Path) -> None:
     (verdict,) = database.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
         raise _damaged(path, " ".join(verdict.split()))
-    for record in database.execute(f"SELECT {', '.join(_COLUMNS)} FROM runs"):
-        _check_sum(record, path)
+    sessions = {number for (number,) in database.execute("SELECT id FROM sessions")}
+    for record in database.execute(f"SELECT {_columns(database)} FROM runs"):
+        found = _entry(record, path)
+        if found.session not in sessions:
+            raise _damaged(path, f"row {found.run}: field 'session' names none")
+
+
+def _schema(database: sqlite3.Connection) -> int:
+    (schema,) = database.execute("PRAGMA user_version").fetchone()
+    return int(schema)
+
+
+def _columns(database: sqlite3.Connection) -> str:
+    """Those of a row; of one that was written before there were seals, without."""
+    unsealed = _schema(database) == _UNSEALED
+    return ", ".join("''" if unsealed and name == "seal" else name for name in _COLUMNS)
 
 
 def _damaged(path: Path, how: str) -> InputError:
@@ -270,8 +307,8 @@ def _checksum(values: Sequence[Any]) -> str:
 
 
 def _check_sum(record: Sequence[Any], path: Path) -> None:
-    *values, checksum = record
-    if _checksum(values) != checksum:
+    *values, seal, checksum = record
+    if _checksum([*values, seal] if seal else values) != checksum:
         raise _damaged(path, f"checksum of run {record[0]}")
 
 
@@ -282,10 +319,20 @@ def _entry(record: Sequence[Any], path: Path) -> Entry:
         InputError: it is not.
     """
     _check_sum(record, path)
-    run, code, session, finished, identity, row, residuals, history, arrays, _ = record
-    evidence = Evidence(json.loads(residuals), tuple(json.loads(history)), arrays)
+    found = dict(zip(_COLUMNS, record, strict=True))
+    try:
+        identity, row, residuals, history = check_texts(found)
+    except WrongFieldError as error:
+        raise _damaged(path, f"row {record[0]!r:.40}: {error}") from error
+    evidence = Evidence(residuals, tuple(history), found["arrays"])
     return Entry(
-        run, code, session, finished, json.loads(identity), Row(**json.loads(row)), evidence
+        run=found["run"],
+        code=found["code"],
+        session=found["session"],
+        finished=found["finished"],
+        identity=identity,
+        row=row,
+        evidence=evidence,
     )
 
 
