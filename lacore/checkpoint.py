@@ -1,16 +1,20 @@
 """A long path on the disk: all that its next step needs, after each step (npz with JSON inside).
 
 The file is replaced as a whole when a new one is complete and on the disk: whenever the process is
-killed, the last or the last but one is there. It holds arrays and text, nothing that is run.
+killed, the last or the last but one is there. It holds arrays and text, nothing that is run, and
+digests of each of them. What is read is checked field by field (`lacore.progress`).
 """
 
+import hashlib
 import io
 import json
 import os
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from importlib.metadata import version
 from pathlib import Path as File
 from types import TracebackType
@@ -28,36 +32,19 @@ from lacore.errors import InputError
 from lacore.fingerprint import fingerprint
 from lacore.flow import Moment
 from lacore.path import Event, PathStep, Snapshot
+from lacore.progress import Progress, WrongFieldError, require_sound
 from lacore.remeshing import NewMeshes
 from lacore.schemes import Here
 from lacore.staging import Stage
 
-_FORMAT = 3
+_FORMAT = 4
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
-    *(IndexError, AttributeError, RuntimeError, OverflowError),
+    *(IndexError, AttributeError, RuntimeError, OverflowError, MemoryError, OSError),
+    *(AssertionError, zlib.error, struct.error),
 )
 """What readers of zip, npy and JSON raise on files that are not as they were written."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """A path so far.
-
-    Attributes:
-        here: where it is.
-        step: length of the next step, in units of the control.
-        rows, events, snapshots: what it leaves behind.
-        made: new meshes on the way.
-    """
-
-    here: Here
-    step: float
-    rows: Sequence[PathStep]
-    events: Sequence[Event]
-    snapshots: Sequence[Snapshot]
-    made: Sequence[NewMeshes] = ()
 
 
 def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, str]:
@@ -104,11 +91,11 @@ class Checkpoint:
             self._lock = FileLock(f"{self._file}.lock", timeout=0)
             self._lock.acquire()
 
-    def load(self) -> Progress | None:
-        """What is on the disk; None where nothing is.
+    def load(self, start: Configuration) -> Progress | None:
+        """What is on the disk, of a path that begins at `start`; None where nothing is.
 
         Raises:
-            InputError: it is damaged, no checkpoint, or that of another path.
+            InputError: it is damaged, was changed, is no checkpoint, or that of another path.
         """
         if not self._file.exists():
             return None
@@ -126,7 +113,11 @@ class Checkpoint:
                 known = head["identity"]
                 names = [n for n, digest in self._identity.items() if known.get(n) != digest]
                 if not names:
-                    return _unpacked(head, arrays)
+                    return _sound(head, arrays, start)
+        except WrongFieldError as error:
+            raise self._wrong(
+                f"is damaged or was changed: {error}", "restore a copy, or name another file"
+            ) from error
         except _UNREADABLE as error:
             if isinstance(error, InputError):
                 raise
@@ -146,7 +137,9 @@ class Checkpoint:
             InputError: it cannot be written; what was there before stays.
         """
         head, arrays = _packed(progress)
+        head |= {"digests": {name: _digest(values) for name, values in arrays.items()}}
         text = json.dumps({"format": _FORMAT, "identity": self._identity, **head}).encode()
+        arrays["seal"] = _seal(text)
         part = self._file.with_name(f"{self._file.name}.part")
         try:
             with self._said():
@@ -272,6 +265,36 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         ],
     }
     return head, arrays
+
+
+def _seal(text: bytes) -> np.ndarray:
+    """Digest of the head, which has those of all arrays."""
+    return np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint8)
+
+
+def _digest(values: np.ndarray) -> str:
+    own = np.ascontiguousarray(values)
+    about = f"{own.dtype} {np.shape(values)} ".encode()
+    return hashlib.sha256(about + own.tobytes()).hexdigest()
+
+
+def _sound(head: Mapping[str, Any], archive: Mapping[str, Any], start: Configuration) -> Progress:
+    """A path so far that was not changed since, and that a path has left.
+
+    Raises:
+        WrongFieldError: it is none; the message names the field.
+    """
+    arrays = dict(archive)
+    text, seal = arrays.pop("head"), arrays.pop("seal")
+    if not np.array_equal(seal, _seal(text.tobytes())):
+        raise WrongFieldError("head", "was changed after it was written")
+    known = head["digests"]
+    for name in sorted({*known, *arrays}):
+        if name not in arrays or known.get(name) != _digest(arrays[name]):
+            raise WrongFieldError(name, "was changed after it was written, or is missing")
+    progress = _unpacked(head, arrays)
+    require_sound(progress, start)
+    return progress
 
 
 def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:

@@ -52,8 +52,9 @@ class Pace:
         self.next = self.travel * first
 
     def resume(self, step: float) -> None:
-        """Go on with a step of this length."""
-        self.next = step
+        """Go on with a step of this length; equal ones are as long as ever."""
+        if isinstance(self.steps, AdaptiveSteps):
+            self.next = step
 
     def distance(self, done: float) -> float:
         """Of the next step; 0 at the end."""

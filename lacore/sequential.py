@@ -132,7 +132,7 @@ def sequential(
                 "remesh": None if remesh is None else described(remesh),
             }
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
-            progress = kept.load()
+            progress = kept.load(stage.start)
         if progress is None:
             first = discretised(stage, Moment(stage.start, stage.start, 1.0, 0.0))
             here = Here(0, 0.0, stage.start, None, None, first.natural.velocity)
