@@ -9,11 +9,11 @@ import pandas as pd
 
 from lacore import drift
 from lacore.approach import gaps
-from lacore.checkpoint import Progress
 from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
 from lacore.loads import RigidFooting
 from lacore.path import Ending, Event, Path, PathStep, Snapshot
+from lacore.progress import Progress
 from lacore.remeshing import NewMeshes
 from lacore.result import LimitState
 from lacore.schemes import Here, PathEndError, Stride

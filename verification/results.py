@@ -11,6 +11,7 @@ from lacore.errors import InputError, require_known
 from verification.case import Variant
 from verification.catalogue import Catalogue
 from verification.run import TYPES, Outcome, Run, canonical
+from verification.spreadsheets import quoted
 from verification.store import Entry, entries, file_of
 
 FORMATS = ("csv", "parquet")
@@ -107,7 +108,7 @@ def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def export(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV or Parquet, by the ending of the path.
+    """Write a table as CSV, text as text to spreadsheets, or Parquet, by the ending of the path.
 
     Raises:
         InputError: another ending, a package that is missing, or the file cannot be written.
@@ -117,7 +118,7 @@ def export(frame: pd.DataFrame, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if kind == "csv":
-            frame.to_csv(path, index=False)
+            quoted(frame).to_csv(path, index=False)
         else:
             frame.to_parquet(path, index=False)
     except ImportError as error:

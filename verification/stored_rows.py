@@ -177,7 +177,7 @@ def _row(text: object) -> Row:
 def _number(field: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) >= 2.0**1023:
         if value in (float("inf"), float("-inf")) and not isinstance(value, bool):
-            return float(value)  # type: ignore[arg-type]
+            return float(value)
         raise WrongFieldError(field, "is no number")
     return float(value)
 

@@ -15,11 +15,11 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from lacore.checkpoint import Progress
 from lacore.configuration import Configuration
 from lacore.errors import InputError
 from lacore.flow import Moment
 from lacore.path import Snapshot
+from lacore.progress import Progress
 from lacore.remeshing import NewMeshes
 from lacore.schemes import Here
 from tests.lacore.path_billets import billet, pressed

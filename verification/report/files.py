@@ -21,6 +21,7 @@ from verification.report.blocks import (
     Table,
 )
 from verification.report.figures import png
+from verification.spreadsheets import as_text, quoted
 
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~$])")  # what Markdown makes something of inside a line
 _LONGEST = 80  # letters of the name of a file
@@ -41,7 +42,7 @@ def write(page: Document, folder: Path) -> Path:
         for name, data in pictures(page):
             (folder / "pictures" / f"{name}.png").write_bytes(data)
         for name, table in tables(page):
-            values(table).to_csv(folder / "tables" / f"{name}.csv", index=False)
+            quoted(values(table)).to_csv(folder / "tables" / f"{name}.csv", index=False)
             (folder / "tables" / f"{name}.md").write_text(markdown(table), encoding="utf-8")
     except OSError as error:
         raise InputError(
@@ -89,14 +90,18 @@ def values(table: Table) -> pd.DataFrame:
 def markdown(table: Table) -> str:
     """As a table of Markdown, numbers as on the page."""
     plain = table.plain
+    head, *rows = (
+        "| " + " | ".join(map(_cell, line)) + " |\n"
+        for line in (list(plain.columns), *plain.to_numpy().tolist())
+    )
     marks = ["--:" if column.numeric else "---" for column in table.columns]
-    lines = [list(plain.columns), marks, *plain.to_numpy().tolist()]
-    return "".join("| " + " | ".join(_cell(text) for text in line) + " |\n" for line in lines)
+    return "".join([head, "| " + " | ".join(marks) + " |\n", *rows])
 
 
 def _cell(text: object) -> str:
-    """Text that neither ends a cell nor is taken for markup."""
-    return _SPECIAL.sub(r"\\\1", " ".join(str(text).replace("&", "&amp;").split()))
+    """Text that neither ends a cell nor is taken for markup, nor for a formula when pasted."""
+    line = " ".join(str(as_text(text)).replace("&", "&amp;").split())
+    return _SPECIAL.sub(r"\\\1", line)
 
 
 def _blocks(page: Document) -> Iterator[tuple[str, Block]]:

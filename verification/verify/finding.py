@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.spreadsheets import unquoted
 
 FILE = "checks.csv"
 """Of findings, in the folder of their results."""
@@ -68,7 +69,7 @@ def tally(findings: Sequence[Finding]) -> dict[str, int]:
 def load_checks(folder: Path) -> pd.DataFrame:
     """The findings that `lacore verify` wrote into a folder; no rows where there are none."""
     path = folder / FILE
-    return pd.read_csv(path) if path.is_file() else as_table([])
+    return unquoted(pd.read_csv(path)) if path.is_file() else as_table([])
 
 
 def as_table(findings: Sequence[Finding]) -> pd.DataFrame:

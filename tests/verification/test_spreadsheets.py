@@ -1,0 +1,60 @@
+"""What others write into a table is no formula when a spreadsheet opens it."""
+
+import csv
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from verification.report.blocks import Column, Table
+from verification.report.files import markdown
+from verification.results import export
+from verification.spreadsheets import as_text, as_written, quoted, unquoted
+
+FORMULAS = [
+    "=HYPERLINK(1)", "+HYPERLINK(1)", "-HYPERLINK(1)", "@SUM(1)", "\t=1", "\r=1", "\n=1", "=",
+    "-1+1", "-2-cmd|' /C calc'!A0", "+1-1", "＝1", "'=1", "''@x",  # noqa: RUF001
+]  # fmt: skip
+PLAIN = ["-1", "-0.5", "+3", "-1e-5", "-inf", "nan", "a=b", "x-y", "-", "", "'text", " =1", "1"]
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_a_formula_is_text(text):
+    assert as_text(text) == "'" + text
+    assert as_written(as_text(text)) == text
+
+
+@pytest.mark.parametrize("value", [*PLAIN, -1, -2.5, np.float64(-1e-9), True, None, pd.NA])
+def test_numbers_and_plain_text_stay_as_they_are(value):
+    assert as_text(value) is value
+    assert as_written(value) is value
+
+
+def test_a_table_comes_back_as_it_was(tmp_path):
+    frame = pd.DataFrame(
+        {
+            "=case": pd.array(FORMULAS, dtype="string"),
+            "value": -1.5 * np.arange(len(FORMULAS)),
+            "count": pd.array([-1, None] * (len(FORMULAS) // 2), dtype="Int64"),
+            "mixed": [-1, "=1"] * (len(FORMULAS) // 2),
+        }
+    )
+    pd.testing.assert_frame_equal(unquoted(quoted(frame)), frame)
+    export(frame, tmp_path / "t.csv")
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    assert head[0] == "'=case"
+    for row, text in zip(rows, FORMULAS, strict=True):
+        assert row[0] == "'" + text
+        assert row[3] in ("-1", "'=1")
+    assert [float(row[1]) for row in rows] == frame["value"].tolist()
+
+
+def test_markdown_too():
+    table = Table(
+        (Column("name"), Column("value", form=".2f")),
+        pd.DataFrame({"name": ["=HYPERLINK(1)", "plain"], "value": [-1.0, 2.0]}),
+    )
+    lines = markdown(table).splitlines()
+    assert "| '=HYPERLINK(1) | -1.00 |" in lines[2]
+    assert "| plain | 2.00 |" in lines[3]

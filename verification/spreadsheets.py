@@ -1,0 +1,62 @@
+"""Tables for spreadsheets: text stays text, whatever sign it begins with.
+
+A cell ``=HYPERLINK(1)`` is a formula to a spreadsheet, and runs when the file is opened. Such text
+gets an apostrophe in front, which says "text" there; numbers stay numbers.
+"""
+
+from typing import Any
+
+import pandas as pd
+
+_MARK = "'"
+_FORMULA = ("=", "@", "\t", "\r", "\n", "＝", "＠", "＋", "－")  # noqa: RUF001  # wide ones count
+_SIGNS = ("+", "-")
+
+
+def is_formula(text: str) -> bool:
+    """Whether a spreadsheet takes text for a formula; of numbers with a sign it does not."""
+    if text.startswith(_FORMULA):
+        return True
+    if not text.startswith(_SIGNS) or len(text) == 1:
+        return False
+    try:
+        float(text)
+    except ValueError:
+        return True
+    return False
+
+
+def as_text(cell: Any) -> Any:
+    """A cell that no spreadsheet runs; all but text is as it was."""
+    if isinstance(cell, str) and is_formula(cell.lstrip(_MARK)):
+        return _MARK + cell
+    return cell
+
+
+def as_written(cell: Any) -> Any:
+    """The inverse of `as_text`."""
+    if isinstance(cell, str) and cell.startswith(_MARK) and is_formula(cell.lstrip(_MARK)):
+        return cell[len(_MARK) :]
+    return cell
+
+
+def quoted(frame: pd.DataFrame) -> pd.DataFrame:
+    """A table whose texts, those of the heads included, are text to spreadsheets."""
+    return _each(frame, as_text)
+
+
+def unquoted(frame: pd.DataFrame) -> pd.DataFrame:
+    """The inverse of `quoted`."""
+    return _each(frame, as_written)
+
+
+def _each(frame: pd.DataFrame, change: Any) -> pd.DataFrame:
+    plain = (pd.api.types.is_numeric_dtype, pd.api.types.is_datetime64_any_dtype)
+    texts = [n for n, kind in enumerate(frame.dtypes) if not any(own(kind) for own in plain)]
+    changed = frame.copy()
+    for number in texts:
+        own = frame.iloc[:, number]
+        if own.map(change).ne(own).any():
+            changed.isetitem(number, own.map(change))
+    changed.columns = [change(name) for name in frame.columns]
+    return changed
