@@ -9,7 +9,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.bodies import Body
-from lacore.errors import InputError, is_plane_vector
+from lacore.errors import InputError, is_plane_vector, require_range
 from lacore.loads import RigidFooting
 from lacore.problem import Problem, vertex_at
 
@@ -87,6 +87,7 @@ class PointTravel:
             raise InputError(
                 "PointTravel.direction", self.direction, "has no direction", "give a vector != 0"
             )
+        require_range("PointTravel.direction", self.direction)
         node = vertex_at(body, self.at, "PointTravel.at")  # vertices are the first nodes
         along = np.array(self.direction) / np.linalg.norm(self.direction)
         return lambda d, velocity: float(along @ velocity[d.bodies[self.body].dofs[:, node]])

@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, is_number, require_known
+from lacore.errors import InputError, is_number, require_known, require_range
 from lacore.hardening import HardeningLaw, Perfect, require_hardening_law
 
 KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
@@ -107,6 +107,7 @@ class VonMises:
                 raise InputError(
                     f"VonMises.{name}", value, "not a positive number", "give a strength > 0 in Pa"
                 )
+            require_range(f"VonMises.{name}", value)
 
     @property
     def k(self) -> float:

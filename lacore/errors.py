@@ -9,6 +9,7 @@ import numpy as np
 
 _MOST = 2**31 - 1
 _LONGEST = 300  # characters of a value in a message
+_RANGE = (1e-60, 1e60)  # products of five such numbers, areas times strengths, are still finite
 
 
 class LacoreError(Exception):
@@ -74,7 +75,12 @@ def require_known(field: str, name: str, known: Iterable[str]) -> None:
 
 def is_number(value: object) -> bool:
     """Whether a value is a finite real number (True and False are not)."""
-    return isinstance(value, Real) and not isinstance(value, bool | np.bool_) and isfinite(value)
+    if not isinstance(value, Real) or isinstance(value, bool | np.bool_):
+        return False
+    try:
+        return isfinite(value)
+    except OverflowError:  # of a whole number that no float can hold
+        return False
 
 
 def is_plane_vector(value: object) -> bool:
@@ -82,6 +88,26 @@ def is_plane_vector(value: object) -> bool:
     return (
         isinstance(value, Sequence | np.ndarray) and len(value) == 2 and all(map(is_number, value))
     )
+
+
+def require_range(field: str, *values: object) -> None:
+    """Raise `InputError` where numbers are too large, or all of them too small, to be multiplied.
+
+    Args:
+        field: named in the message.
+        values: numbers or arrays of them, finite; zeros and infinite strengths pass.
+    """
+    for value in values:
+        size = np.abs(np.asarray(value, dtype=np.float64))
+        largest = float(np.max(size, where=np.isfinite(size), initial=0.0))
+        if largest > 0 and not _RANGE[0] <= largest <= _RANGE[1]:
+            raise InputError(
+                field,
+                largest,
+                f"outside of {_RANGE[0]:g} to {_RANGE[1]:g}: products of such numbers overflow,"
+                " or vanish",
+                "mend it, or give everything in other units",
+            )
 
 
 def require_count(field: str, value: int) -> None:
@@ -102,3 +128,4 @@ def require_positive(field: str, value: float) -> None:
     """Raise `InputError` unless `value` is a positive finite number."""
     if not (is_number(value) and value > 0):
         raise InputError(field, value, "not a positive number", "give a finite value > 0")
+    require_range(field, value)

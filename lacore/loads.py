@@ -11,7 +11,7 @@ from math import hypot
 import numpy as np
 
 from lacore.boundaries import Where, where_name
-from lacore.errors import InputError, is_number, is_plane_vector, require_known
+from lacore.errors import InputError, is_number, is_plane_vector, require_known, require_range
 
 COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
 
@@ -21,6 +21,7 @@ def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
         raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
     if not np.any(vector):
         raise InputError(field, vector, "is zero: a load without power", "give a vector != 0")
+    require_range(field, vector)
 
 
 def _check_size(field: str, value: float, unit: str) -> None:
@@ -28,6 +29,7 @@ def _check_size(field: str, value: float, unit: str) -> None:
         raise InputError(
             field, value, "not a number other than zero", f"give a finite value != 0 in {unit}"
         )
+    require_range(field, value)
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,8 @@ class PointForce:
         _check_vector("PointForce.vector", self.vector, "N/m")
         if not (isinstance(self.at, str) or is_plane_vector(self.at)):
             raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
+        if not isinstance(self.at, str):
+            require_range("PointForce.at", self.at)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,14 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.blocks import BlockAssembly
 from lacore.bonds import ROUND_OFF, Opening, random_bond, regular_bond, windows
-from lacore.errors import InputError, is_number, is_plane_vector, require_count, require_positive
+from lacore.errors import (
+    InputError,
+    is_number,
+    is_plane_vector,
+    require_count,
+    require_positive,
+    require_range,
+)
 from lacore.interfaces import Friction
 from lacore.joints import JointFriction
 
@@ -54,6 +61,7 @@ def running_bond(
     """
     if not is_plane_vector(block) or min(block) <= 0:
         raise InputError("running_bond.block", block, "not a block", "give (width, height) in m")
+    require_range("running_bond.block", *block)
     ends = _joints_of_courses(rows)
     wide, high = block
     bodies = {}
@@ -78,6 +86,7 @@ def _joints_of_courses(rows: Rows) -> list[Floats]:
         listed = isinstance(row, Sequence | np.ndarray) and len(row) > 0
         if not listed or not all(is_number(width) and abs(width) > 0 for width in row):
             raise InputError(where, row, "not widths", "give numbers != 0, openings below 0")
+        require_range(where, row)
         ends.append(np.concatenate([[0.0], np.cumsum(np.abs(row))]))
         if abs(ends[-1][-1] - ends[0][-1]) > ROUND_OFF * ends[0][-1]:
             raise InputError(

@@ -9,7 +9,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.errors import InputError, is_number, is_plane_vector, require_known, suggest
+from lacore.errors import (
+    InputError,
+    is_number,
+    is_plane_vector,
+    require_known,
+    require_range,
+    suggest,
+)
 
 Members = Mapping[str, tuple[str, str]] | Sequence[tuple[str, str]]
 
@@ -50,6 +57,7 @@ def read_nodes(nodes: Mapping[str, tuple[float, float]]) -> tuple[tuple[str, ...
             raise InputError("Frame.nodes", name, "not the name of a node", "give a text")
         if not is_plane_vector(place):
             raise InputError(f"Frame.nodes[{name!r}]", place, "not a place", "give (x, y) in m")
+        require_range(f"Frame.nodes[{name!r}]", place)
     return tuple(nodes), np.array([list(place) for place in nodes.values()], dtype=np.float64).T
 
 
@@ -105,6 +113,7 @@ def _require_moment(field: str, value: object) -> None:
         raise InputError(
             field, value, "not a plastic moment", "give a finite M_p > 0 in N m per m, or releases"
         )
+    require_range(field, value)
 
 
 def require_apart(names: tuple[str, ...], position: Floats, tolerance: float) -> None:

@@ -8,7 +8,7 @@ from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.curved import is_curved, jacobians, subdivided
-from lacore.errors import InputError
+from lacore.errors import InputError, require_range
 
 _DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose all their digits
 # Quality below which residuals of exact solves, some 1e-10 on good meshes, come near the 1e-6 that
@@ -41,8 +41,9 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
         InputError: vertices that are not finite or not used, elements without area, slivers,
             elements that are not convex, inverted or overlapping, hanging nodes, parts.
     """
-    if not np.all(np.isfinite(mesh.p)):
+    if not np.all(np.isfinite(mesh.doflocs)):
         raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
+    require_range(field, mesh.doflocs, np.ptp(mesh.p, axis=1))
     if is_curved(mesh):
         _check_curved(mesh, field)
         return

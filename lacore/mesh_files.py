@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from skfem import MeshTri
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, is_number, suggest_all
+from lacore.errors import InputError, is_number, require_range, suggest_all
 
 _FLAT = 1e-9  # of a length: what counts as plane or straight in files with 16 digits
 _CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3}
@@ -157,6 +157,7 @@ def _plane(points: Floats, triangles: Ints, shown: str) -> Floats:
     """Coordinates (n, 2) of nodes in a plane of constant z."""
     if not np.all(np.isfinite(points)):
         raise InputError("path", shown, "has nodes that are not finite", "mend their coordinates")
+    require_range(f"path = {shown!r}, coordinates", points)
     used = points[np.unique(triangles)]
     if points.shape[1] == 3:
         height = used[:, 2]

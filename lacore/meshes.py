@@ -13,7 +13,7 @@ from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Floats
 from lacore.curved import isoparametric as isoparametric
-from lacore.errors import InputError
+from lacore.errors import InputError, is_number, require_range
 from lacore.mesh_checks import quality as quality
 from lacore.mesh_files import read as read
 from lacore.outline_mesh import remeshed as remeshed
@@ -34,10 +34,11 @@ def graded(
     Raises:
         InputError: an empty row, no cells, a point outside the row, a ratio below 1.
     """
-    if not (isfinite(start) and isfinite(stop) and start < stop):
+    if not (is_number(start) and is_number(stop) and start < stop):
         raise InputError(
             "extent", (start, stop), "not an interval", "give (start, stop), start<stop"
         )
+    require_range("extent", (start, stop))
     if not (isinstance(cells, (int, np.integer)) and cells >= 1):
         raise InputError("cells", cells, "not a positive whole number", "give at least one cell")
     if grade is None:

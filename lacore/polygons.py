@@ -8,7 +8,7 @@ import numpy.typing as npt
 import shapely
 
 from lacore.arrays import Floats, Geometries, Ints
-from lacore.errors import InputError
+from lacore.errors import InputError, require_range
 from lacore.touching import NEAR, Edges, near_misses
 
 Polygons = Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike]
@@ -54,7 +54,7 @@ def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
     where = f"{field}[{name!r}]"
     try:
         points = np.array(vertices, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(where, vertices, "not a polygon", "give [(x, y), ...]") from None
     if points.ndim != 2 or points.shape[1] != 2:
         raise InputError(
@@ -62,6 +62,7 @@ def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
         )
     if not np.all(np.isfinite(points)):
         raise InputError(where, None, "has vertices that are not finite", "mend the coordinates")
+    require_range(where, points)
     if len(points) > 1 and np.array_equal(points[0], points[-1]):  # a copy, not a near point
         points = points[:-1]
     if len(points) < 3:

@@ -27,14 +27,18 @@ def is_formula(text: str) -> bool:
 
 
 def as_text(cell: Any) -> Any:
-    """A cell that no spreadsheet runs; all but text is as it was."""
-    if isinstance(cell, str) and is_formula(cell.lstrip(_MARK)):
-        return _MARK + cell
-    return cell
+    """A cell that no spreadsheet runs; all but text is as it was.
+
+    Carriage returns become line feeds: writers of CSV quote only those, and a row would end there.
+    """
+    if not isinstance(cell, str):
+        return cell
+    text = cell.replace("\r\n", "\n").replace("\r", "\n") if "\r" in cell else cell
+    return _MARK + text if is_formula(text.lstrip(_MARK)) else text
 
 
 def as_written(cell: Any) -> Any:
-    """The inverse of `as_text`."""
+    """The inverse of `as_text`, but for carriage returns."""
     if isinstance(cell, str) and cell.startswith(_MARK) and is_formula(cell.lstrip(_MARK)):
         return cell[len(_MARK) :]
     return cell

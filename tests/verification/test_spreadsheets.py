@@ -12,7 +12,7 @@ from verification.results import export
 from verification.spreadsheets import as_text, as_written, quoted, unquoted
 
 FORMULAS = [
-    "=HYPERLINK(1)", "+HYPERLINK(1)", "-HYPERLINK(1)", "@SUM(1)", "\t=1", "\r=1", "\n=1", "=",
+    "=HYPERLINK(1)", "+HYPERLINK(1)", "-HYPERLINK(1)", "@SUM(1)", "\t=1", "\n=1", "=2", "=",
     "-1+1", "-2-cmd|' /C calc'!A0", "+1-1", "＝1", "'=1", "''@x",  # noqa: RUF001
 ]  # fmt: skip
 PLAIN = ["-1", "-0.5", "+3", "-1e-5", "-inf", "nan", "a=b", "x-y", "-", "", "'text", " =1", "1"]
@@ -48,6 +48,14 @@ def test_a_table_comes_back_as_it_was(tmp_path):
         assert row[0] == "'" + text
         assert row[3] in ("-1", "'=1")
     assert [float(row[1]) for row in rows] == frame["value"].tolist()
+
+
+def test_a_carriage_return_ends_no_row(tmp_path):
+    export(pd.DataFrame({"name": ["\r=1", "a\r=1"], "n": [1, 2]}), tmp_path / "t.csv")
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    assert [len(row) for row in rows] == [2, 2, 2]
+    assert rows[1][0] == "'\n=1"
 
 
 def test_markdown_too():
