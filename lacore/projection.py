@@ -24,6 +24,9 @@ _REFINEMENTS = 5
 # Of the load factor, dimensionless: far above the stiffness of a body against its load, of order
 # one, far below that of a mode without any, 1/_SHIFT.
 _STIFF_LOAD = 1e6
+# Of the largest stiffness: no stress feels an unknown below it, such as a smooth footing that moves
+# along its own face; far below what the shift adds.
+_NOTHING = 1e-30
 _FINISHED = 0.5  # a refinement that leaves more than this of the forces has come to round-off
 
 
@@ -37,8 +40,9 @@ def in_equilibrium(program: KinematicProgram, state: ProgramState) -> ProgramSta
     normal, tangential = _mobility(program, state)
     stiffness = _stiffness(program, normal, tangential)
     diagonal = stiffness.diagonal()
+    most = float(diagonal.max(initial=0.0)) or 1.0
     # A block that nothing rubs has no stiffness along its base, and there any scale will do.
-    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, diagonal.max()))
+    scale = 1 / np.sqrt(np.where(diagonal > _NOTHING * most, diagonal, most))
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
     matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
     matrix.sort_indices()

@@ -57,7 +57,7 @@ def _beyond(program: KinematicProgram, velocity: Floats) -> Floats:
 def _nearest(rows: Sparse, velocity: Floats) -> Floats:
     """The nearest velocity on which all rows vanish, to round-off if that can be."""
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
-    rows = csr_matrix(diags_array(1 / length) @ rows)
+    rows = csr_matrix(diags_array(1 / length[length > 0]) @ rows[length > 0])
     matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
     matrix.sort_indices()
     solver = SuperLU()

@@ -60,7 +60,8 @@ def _each(frame: pd.DataFrame, change: Any) -> pd.DataFrame:
     changed = frame.copy()
     for number in texts:
         own = frame.iloc[:, number]
-        if own.map(change).ne(own).any():
-            changed.isetitem(number, own.map(change))
+        cells = own.map(change)
+        if cells.ne(own).any():
+            changed.isetitem(number, cells.array)
     changed.columns = [change(name) for name in frame.columns]
     return changed
