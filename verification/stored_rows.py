@@ -9,7 +9,7 @@ afresh: `verification.verify`.
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from datetime import datetime
 from math import isfinite, isnan
 from typing import Any
@@ -31,6 +31,8 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "rigor": ("", STRICT, *(own.label for own in la.Rigor)),
     "verdict": (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE),
     "ending": ("", *(own.label for own in Ending)),
+    "standing": ("", *(own.label for own in la.Standing)),
+    "side": ("", "below", "above", "both"),
 }
 _COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
 _SIZES = ("build_time", "solve_time", "peak_memory_mb")
@@ -153,11 +155,12 @@ def _check_plain(field: str, value: object) -> None:
 def _row(text: object) -> Row:
     found = read_json("row", text, dict)
     kinds = {entry.name: entry.type for entry in fields(Row)}
-    if set(found) != set(kinds):
-        odd = sorted(set(found) ^ set(kinds))
+    needed = {entry.name for entry in fields(Row) if entry.default is MISSING}
+    odd = sorted((set(found) - set(kinds)) | (needed - set(found)))
+    if odd:  # columns that came later have defaults
         raise WrongFieldError("row", f"has not the columns of a row: {', '.join(odd)[:200]}")
-    for name, kind in kinds.items():
-        value = found[name]
+    for name, value in found.items():
+        kind = kinds[name]
         if kind is float:
             _number(f"row.{name}", value)
         elif not isinstance(value, kind):  # type: ignore[arg-type]  # str or bool
