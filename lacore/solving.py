@@ -58,7 +58,7 @@ _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
-_MOVING = (Status.SOLVED, Status.FREE, Status.UNSAFE)  # claims that a mechanism makes
+_MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
 
 def solve(
@@ -184,8 +184,19 @@ def _solved(
         tolerance=tolerance,
     )
     if state.status is Status.UNSAFE and program.homogeneous:
-        state = replace(state, point=state.stability.point)
+        state = _falling(state)
     return replace(state, solve_time=time.perf_counter() - built)
+
+
+def _falling(state: LimitState) -> LimitState:
+    """An unsafe state with the mechanism that falls, unless it drives corners together."""
+    state = replace(state, point=state.stability.point)
+    moved = None if state.point is None else state.point.velocity
+    corners = driven_corners(state.discretisation, moved, state.tolerance)
+    if not corners:
+        return state
+    status = Status.NOT_CERTIFIED
+    return replace(state, status=status, message=f"{status.label}: {state.message}; but {corners}")
 
 
 def engine_for(

@@ -105,6 +105,13 @@ def test_toes_that_hold_each_other_up_are_not_unsafe():
     assert "corners" in state.message
 
 
+def test_a_wall_of_crosses_that_overhangs_falls():
+    """Two columns in stack bond, one beside the floor: it falls, and no corner is in its way."""
+    blocks = {f"{i}{j}": R(i, i + 1, j, j + 1) for i in range(-1, 1) for j in range(3)}
+    state = la.solve(pushed({"base": R(-3, 0, -1, 0)} | blocks, la.BodyForce("b", (1, 0))))
+    assert state.status is la.Status.UNSAFE
+
+
 @pytest.mark.parametrize("friction", [0.3, 0.65])
 def test_a_wall_of_crosses_is_solved(friction):
     """Stack bond: corners of four blocks everywhere, and none is driven into another.
