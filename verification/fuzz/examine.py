@@ -13,11 +13,13 @@ from verification.fuzz.existence import carries
 from verification.fuzz.paths import examine_path
 from verification.fuzz.recipe import Recipe
 from verification.fuzz.rigid_motions import refuted_words
-from verification.fuzz.solving import FREE, Answer, Asked, answer
+from verification.fuzz.solving import FREE, Answer, Asked, answer, told
 from verification.fuzz.verdict import BAR, Wrong
 
 _LINEAR = ("blocks", "frame")
+_LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
 _EXTRAS = 2
+"""Comparisons that are drawn for each problem, besides those that all have."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +97,12 @@ class Found:
         if self._base.word and self._base.problem is not None and self._base.state is not None:
             yield from refuted_words(self._recipe, self._base.problem, self._base.state.status)
         yield from self._against_associated()
-        kinds = [self._copy, self._frictionless, self._other_backend, self._bounds, self._monotony]
-        for place in self._rng.permutation(len(kinds))[:_EXTRAS]:
-            yield from kinds[int(place)]()
+        further = [
+            *(self._copy, self._frictionless, self._other_backend, self._bounds),
+            *(self._monotony, self._interval),
+        ]
+        for place in self._rng.permutation(len(further))[:_EXTRAS]:
+            yield from further[int(place)]()
 
     def _against_programs(self) -> Iterator[Wrong]:
         """Numbers and words beside the independent linear programs."""
@@ -178,11 +183,35 @@ class Found:
     def _other_backend(self) -> Iterator[Wrong]:
         """Another solver finds the same, or another Coulomb state."""
         kinds = [body["kind"] for body in self._recipe["bodies"].values()]
-        if not all(kind in _LINEAR for kind in kinds):
+        if all(kind in _LINEAR for kind in kinds):
+            other = answer(self._recipe, self._rng, Asked(_LINEAR_SOLVER))
+            if other.status != "refused":
+                yield from self._same(other, _LINEAR_SOLVER)
             return
-        other = answer(self._recipe, self._rng, Asked("highs"))
-        if other.status != "refused":
-            yield from self._same(other, "highs")
+        # Of continua the associated value, which is one number, and the stresses of its state.
+        wanted = self._high if self._coulomb else self._base.load_factor
+        other = answer(with_law(self._recipe, "associated"), self._rng, Asked(_CONIC_SOLVER))
+        if other.wrong is not None:
+            yield replace(other.wrong, check=f"{_CONIC_SOLVER}, {other.wrong.check}")
+        elif isfinite(wanted) and other.solved:
+            self._scale = max(self._scale, other.scale.power)
+            yield from self._between(other.load_factor, wanted, wanted, _CONIC_SOLVER)
+        elif isfinite(wanted) and other.word and abs(wanted) > BAR * self._scale:
+            yield Wrong(f"word {other.status}", f"said by {_CONIC_SOLVER}: {wanted:.6g}")
+
+    def _interval(self) -> Iterator[Wrong]:
+        """The load factor lies in the interval of its own mechanism."""
+        state = self._base.state
+        if not self._base.solved or state is None:
+            return
+        try:
+            found = state.interval
+        except Exception as error:  # a certified state has one
+            yield Wrong("exception", told(error))
+            return
+        if not found.low <= self._base.load_factor <= found.high:
+            text = f"{self._base.load_factor:.12g} is not in [{found.low:.12g}, {found.high:.12g}]"
+            yield Wrong("interval", text)
 
     def _same(self, other: Answer, name: str) -> Iterator[Wrong]:
         """Whether an answer to the same question is the same."""

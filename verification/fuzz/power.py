@@ -212,6 +212,22 @@ def _load_power(body: la.Body, field: Field, load: Mapping[str, Any]) -> tuple[f
     return float(np.sum(weights * np.einsum("cn,cnq->nq", force, v))), float(np.sum(weights * most))
 
 
+def load_size(body: la.Body, load: Mapping[str, Any]) -> float:
+    """Sum of the magnitudes of a load at factor one, N/m (N)."""
+    if load["load"] == "PointForce":
+        return float(np.hypot(*load["vector"]))
+    if load["load"] == "BodyForce":
+        places, weights = in_cells(body.mesh.p, body.mesh.t)
+    else:
+        start, end, _ = edges_of(body, load["where"])
+        places, weights = on_edges(start, end)
+    if body.axisymmetric:
+        weights = weights * 2 * np.pi * places[0]
+    density = {"Pressure": "value", "RigidFooting": "pressure"}.get(load["load"])
+    size = np.hypot(*load["vector"]) if density is None else abs(load.get(density, 1.0))
+    return float(size * weights.sum())
+
+
 def edges_of(body: la.Body, name: str) -> tuple[Floats, Floats, Floats]:
     """Ends (2, n) of the edges of a boundary, and outward normals."""
     mesh = body.mesh

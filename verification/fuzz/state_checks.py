@@ -18,7 +18,7 @@ from verification.fuzz.flow import (
 )
 from verification.fuzz.frame_checks import check_frames, frame_powers, hinge_power
 from verification.fuzz.friction_checks import check_friction, dissipation
-from verification.fuzz.power import check_power, strain_points
+from verification.fuzz.power import check_power, load_size, strain_points
 from verification.fuzz.recipe import Recipe
 from verification.fuzz.rigid_checks import Blocks, check_blocks, part_sizes, powers, rigid_blocks
 from verification.fuzz.touches import Touches, touches
@@ -94,6 +94,14 @@ def check_state(
     points, blocks = touches(recipe, problem, state), rigid_blocks(recipe)
     scale = scale_of(recipe, problem, state)
     sizes = part_sizes(recipe, blocks, points, state.load_factor)
+    for name, body in problem.bodies.items():
+        if isinstance(body, la.Body) and (name, "") in sizes:
+            sizes[name, ""] += sum(
+                abs(factor) * load_size(body, load)
+                for factor, key in ((state.load_factor, "reference"), (1.0, "dead"))
+                for load in recipe[key]
+                if load["body"] == name
+            )
     yield from check_blocks(recipe, blocks, points, state)
     yield from check_power(recipe, problem, points, state, rng)
     yield from check_yield(recipe, problem, state)
