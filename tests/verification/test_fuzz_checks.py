@@ -10,23 +10,44 @@ from verification.fuzz.classes import draw, random_of
 from verification.fuzz.recipe import build
 from verification.fuzz.state_checks import check_state
 
-# Certified, with contact that slips: found by looking; a problem that is drawn is always the same.
-PLANTED = {"blocks": (1, 2, 4), "mixtures": (0, 1, 3), "two-bodies": (1, 2, 3), "frames": (3,)}
-CONTINUA = {"plane-strain": (11, 16), "plane-stress": (0, 2), "axisymmetric": (3, 8)}
+# How many of each class: the first that are certified, with shear in their contacts, or without.
+SHEARED = {"blocks": 3, "mixtures": 3, "two-bodies": 3, "frames": 1}
+CONTINUA = {"plane-strain": 2, "plane-stress": 2, "axisymmetric": 2}
+MOST = 40  # problems that are looked at
 
 
 @pytest.fixture(scope="module")
 def solved():
     known = {}
 
-    def of(kind, number):
-        if (kind, number) not in known:
+    def of(kind, place):
+        if kind not in known:
+            known[kind] = certified(kind)
+        return next(one for n, one in enumerate(known[kind].values()) if n == place)
+
+    def certified(kind):
+        found = {}
+        for number in range(MOST):
             recipe = draw(kind, 1, number)
-            problem = build(recipe)
-            known[kind, number] = recipe, problem, la.solve(problem)
-        return known[kind, number]
+            if kind == "frames" and not recipe["interfaces"]:
+                continue
+            try:
+                problem = build(recipe)
+                state = la.solve(problem)
+            except la.InputError:
+                continue
+            if state.status is la.Status.SOLVED and (kind in CONTINUA or sheared(state)):
+                found[number] = recipe, problem, state
+            if len(found) == (SHEARED | CONTINUA)[kind]:
+                return found
+        pytest.fail(f"too few problems of {kind} are certified")
 
     return of
+
+
+def sheared(state):
+    table = state.reactions
+    return table["t_t"].abs().max() > 1e-2 * table["t_n"].max()
 
 
 def seen(kind, recipe, problem, state):
@@ -39,7 +60,7 @@ def planted(state, **given):
     return replace(state, point=replace(state.point, **given))
 
 
-CASES = [(kind, number) for kind, numbers in (PLANTED | CONTINUA).items() for number in numbers]
+CASES = [(kind, place) for kind, count in (SHEARED | CONTINUA).items() for place in range(count)]
 
 
 @pytest.mark.parametrize(("kind", "number"), CASES)
@@ -51,7 +72,7 @@ def test_a_certified_state_passes_and_a_wrong_number_does_not(solved, kind, numb
     assert seen(kind, recipe, problem, raised)
 
 
-@pytest.mark.parametrize(("kind", "number"), [c for c in CASES if c[0] in PLANTED])
+@pytest.mark.parametrize(("kind", "number"), [c for c in CASES if c[0] in SHEARED])
 def test_friction_of_the_other_sign(solved, kind, number):
     recipe, problem, state = solved(kind, number)
     turned = planted(state, tangential_reaction=-state.point.tangential_reaction)

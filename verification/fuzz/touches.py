@@ -18,6 +18,7 @@ Part = tuple[str, str]
 """A body and, of an assembly, a block; ``("", "")`` is an obstacle."""
 OBSTACLE: Part = ("", "")
 _NEAR = 1e-6  # of the length between two points
+_RESTS = 1e-6  # of the largest slip: below it what sticks is at rest
 _WORDS = {"smooth": (0.0, 0.0, 0.0), "stick": (0.0, inf, 0.0)}
 
 
@@ -80,6 +81,7 @@ def touches(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Touche
     mu, limit, dilatancy = np.array([law for _, _, law in known]).reshape(-1, 3).T
     place = table[["x", "y"]].to_numpy()
     normal = table[["n_x", "n_y"]].to_numpy()
+    limit = _yielding(recipe, known, limit, np.abs(table["u_t"].to_numpy()))
     return Touches(
         slave=tuple(slave for slave, _, _ in known),
         master=tuple(master for _, master, _ in known),
@@ -144,6 +146,23 @@ def part_of(recipe: Recipe, side: list[Any]) -> Part:
         if np.all(away.min(axis=0) <= _NEAR * np.ptp(np.array(polygon))):
             return body, str(name)
     raise AssertionError(f"no block of {body!r} has the edge {where}")
+
+
+def _yielding(
+    recipe: Recipe, known: list[tuple[Part, Part, Any]], limit: Floats, slip: Floats
+) -> Floats:
+    """Limits where what sticks may slip: bodies yield beside a contact, at their own strength."""
+    strength = np.array(
+        [
+            min(
+                (recipe["bodies"][body].get("strength", inf) for body, _ in pair if body),
+                default=inf,
+            )
+            for *pair, _ in known
+        ]
+    )
+    slips = slip > _RESTS * slip.max(initial=0.0)
+    return np.where(np.isinf(limit) & slips, strength, limit)
 
 
 def _half_edges(
