@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 from verification.fuzz.recipe import Recipe
 
 Part = tuple[str, str]
 """A body and, of an assembly, a block; ``("", "")`` is an obstacle."""
 OBSTACLE: Part = ("", "")
 _NEAR = 1e-6  # of the length between two points
-_RESTS = 1e-6  # of the largest slip: below it what sticks is at rest
+_RESTS = 1e-6  # of the largest velocity: below it what sticks is at rest
 _WORDS = {"smooth": (0.0, 0.0, 0.0), "stick": (0.0, inf, 0.0)}
 
 
@@ -81,7 +81,9 @@ def touches(recipe: Recipe, problem: la.Problem, state: la.LimitState) -> Touche
     mu, limit, dilatancy = np.array([law for _, _, law in known]).reshape(-1, 3).T
     place = table[["x", "y"]].to_numpy()
     normal = table[["n_x", "n_y"]].to_numpy()
-    limit = _yielding(recipe, known, limit, np.abs(table["u_t"].to_numpy()))
+    speed = max(float(np.abs(part[:2]).max(initial=0.0)) for part in state.velocity.values())
+    slips = np.abs(table["u_t"].to_numpy()) > _RESTS * speed
+    limit = _yielding(recipe, known, limit, slips)
     return Touches(
         slave=tuple(slave for slave, _, _ in known),
         master=tuple(master for _, master, _ in known),
@@ -149,7 +151,7 @@ def part_of(recipe: Recipe, side: list[Any]) -> Part:
 
 
 def _yielding(
-    recipe: Recipe, known: list[tuple[Part, Part, Any]], limit: Floats, slip: Floats
+    recipe: Recipe, known: list[tuple[Part, Part, Any]], limit: Floats, slips: Bools
 ) -> Floats:
     """Limits where what sticks may slip: bodies yield beside a contact, at their own strength."""
     strength = np.array(
@@ -161,7 +163,6 @@ def _yielding(
             for *pair, _ in known
         ]
     )
-    slips = slip > _RESTS * slip.max(initial=0.0)
     return np.where(np.isinf(limit) & slips, strength, limit)
 
 
