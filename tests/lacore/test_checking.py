@@ -121,7 +121,15 @@ def zz(change):
     return planted
 
 
+def at_the_base(state):
+    """Where the soil is held, and nowhere else: no free unknown feels it."""
+    u = state.velocity["soil"].copy()
+    u[:, state.discretisation.bodies["soil"].nodes[1] == -2] += 1e-3 * np.abs(u).max()
+    return {"velocity": {"soil": u}}
+
+
 ERRORS = {
+    "velocity where it is held": ("punch", at_the_base),
     "load factor": ("sliding", lambda s: {"load_factor": 1.0001 * s.load_factor}),
     "load factor of a bound": ("associated", lambda s: {"load_factor": 0.9999 * s.load_factor}),
     "NaN": ("sliding", lambda _: {"load_factor": np.nan}),
