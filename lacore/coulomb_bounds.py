@@ -1,4 +1,8 @@
-"""Bounds of every Coulomb load factor, each from an admissible half of a state (T14)."""
+"""Bounds of every Coulomb load factor of a program, from admissible halves of states (T14).
+
+Of a discrete program: its frictionless value may lie above the load factors of the continuum, whose
+bounds are those of `lacore.continuum_range`.
+"""
 
 import numpy as np
 

@@ -59,7 +59,7 @@ class Found:
 def bracket(
     program: KinematicProgram, solver: PreparedSolver, tolerance: float
 ) -> tuple[tuple[float, float], ProgramState | None]:
-    """Bounds of all Coulomb load factors (T14), and the associated state where there is one.
+    """Bounds of all Coulomb load factors of a program (T14), and the associated state, if any.
 
     Below, by admissible stresses and reactions without friction; above, by a velocity that the
     associated law admits. Each needs its own half of the residuals only.
@@ -80,7 +80,8 @@ class Search:
         solver: at work on it; friction grows in what is frozen, so that it serves all steps.
         prepare: for the programs of the ends.
         tolerance: bar for all residuals.
-        bounds: proven bounds of all load factors (T14): an end that reaches its bound ends a climb.
+        bounds: proven bounds of all load factors of the program (T14): an end that reaches its
+            bound ends a climb.
         rng: of the shaking.
         on_found: called for each certified mechanism.
         best: the mechanism that reaches furthest on each side.

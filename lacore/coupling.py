@@ -126,7 +126,8 @@ class Coupled:
         laws: the frozen contact that `final` is judged by; None: the true friction laws.
         contraction: how much closer to each other two reactions (T9, T12) or slip rates (T10)
             come in a step: the last ratio seen; NaN where there is none.
-        bracket: load factors that enclose every Coulomb one (T14), for a loop that found none.
+        bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
+            found none.
     """
 
     status: Status

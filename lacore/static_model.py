@@ -204,7 +204,7 @@ def _check_statable(problem: Problem) -> None:
                 interface.name,
                 "Coulomb friction is not associated, and the bound theorems do not hold with it",
                 "give Coulomb(mu, associated=True), or SMOOTH, whose lower bound is one of every"
-                " Coulomb load factor too",
+                " Coulomb load factor too, as `bracket` takes it",
             )
     for name, body in problem.bodies.items():
         if isinstance(body, BlockAssembly) and np.any(body.joints.coefficient > 0):
@@ -213,7 +213,7 @@ def _check_statable(problem: Problem) -> None:
                 None,
                 "Coulomb friction of joints is not associated, and the bound theorems do not hold"
                 " with it",
-                "give Coulomb(mu, associated=True), or SMOOTH",
+                "give Coulomb(mu, associated=True), or SMOOTH, as `bracket` does for its two ends",
             )
 
 
