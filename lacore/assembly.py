@@ -189,6 +189,7 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
         contact=contact,
         reference_load=_load_vector(problem.reference_loads, bodies, rigid, footings, n),
         dead_load=_load_vector(problem.dead_loads, bodies, rigid, footings, n),
+        parts=_parts(bodies, rigid, footings, n),
     )
     program = reduced(full, basis)
     order = point_order(contact, points, assemblies, len(problem.interfaces))
@@ -220,6 +221,27 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
         footings=node_dofs.size + np.arange(len(footings)),
         natural=_natural_scales(program, bodies, rigid, 1 / size),
     )
+
+
+def _parts(
+    bodies: Mapping[str, BodyDofs],
+    rigid: Mapping[str, RigidDofs | FrameDofs],
+    footings: Sequence[RigidFooting],
+    n: int,
+) -> Ints:
+    """What each unknown belongs to, shape (n,): a continuum with its footings, a block, a frame."""
+    parts, number = np.zeros(n, dtype=np.int64), {name: k for k, name in enumerate(bodies)}
+    for name, dofs in bodies.items():
+        parts[dofs.dofs] = number[name]
+    first = n - sum(dofs.count for dofs in rigid.values()) - len(footings)
+    for place, footing in enumerate(footings, start=first):
+        parts[place] = number[footing.body]
+    count = len(bodies)
+    for own in rigid.values():
+        pieces = own.pieces_of_unknowns
+        parts[own.offset : own.offset + own.count] = count + pieces
+        count += int(pieces.max(initial=-1)) + 1
+    return parts
 
 
 def _natural_scales(

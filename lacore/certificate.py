@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.part_forces import forces_at_points, part_forces
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState, out_of_balance
 
@@ -20,20 +21,23 @@ class Certificate:
     Of a regularised state divergence, penetration, flow, slip and gap stay as large as its
     penalties let them; `lacore.coupling` says what it is judged by.
 
-    Scales are global: the total load for forces, the largest nodal velocity for velocities, the
-    largest strain rate (or velocity over body length, when the mechanism is rigid) for strain
-    rates, the power turned over ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers, where
-    dilatant friction counts with its dilatancy as mu.
+    Forces are judged by those of the body or block that they act on, its loads and reactions
+    (`lacore.part_forces`): beside a heavy block a light one is not out of balance by little. Other
+    scales are global: the largest nodal velocity for velocities, the largest strain rate (or
+    velocity over body length, when the mechanism is rigid) for strain rates, the power turned over
+    ``D + sum (mu t_n + limit) ||u_t|| + |Fd.u|`` for powers, where dilatant friction counts with
+    its dilatancy as mu.
 
     Attributes:
         equilibrium: largest nodal force out of balance, with the reported load factor and dead
-            loads, per total load.
+            loads, per total load; or per force of its part, where that is more.
         yield_violation: largest ``||stress||/bound - 1``.
         cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
             reaction or, where reactions vanish, per total load over contact length; or as a force,
-            per total load, where that is more.
-        penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; slip of points
-            that stick by law counts here.
+            per force of the lesser of the parts that touch, where that is more.
+        penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; or its power against
+            the force of the lesser of the parts that touch, per force times speed of the part with
+            most of it, where that is more; slip of points that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate.
         normalisation: ``|F0.u - 1|``.
         flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per power.
@@ -99,6 +103,10 @@ def certify(
         + float(np.abs(program.dead_load).sum())
     )
     velocity = _nonzero(_largest(np.abs(u)))
+    by_part = part_forces(program, state)
+    at_points = forces_at_points(program, by_part)
+    moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
+    residual = np.abs(out_of_balance(program, state))
     reaction = max(
         _largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))),
         forces / _nonzero(float(rows.weights.sum())),
@@ -114,7 +122,7 @@ def certify(
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
     return Certificate(
-        equilibrium=_largest(np.abs(out_of_balance(program, state))) / forces,
+        equilibrium=max(_largest(residual) / forces, _largest(residual / by_part[program.part])),
         yield_violation=_largest(
             np.array(
                 [
@@ -126,9 +134,9 @@ def certify(
         cone=max(
             _largest(np.maximum(excess, -t_n)) / reaction,
             # A short joint carries tractions beside which those of all others look small.
-            _largest(rows.weights * np.maximum(excess, -t_n)) / forces,
+            _largest(rows.weights * np.maximum(excess, -t_n) / at_points),
         ),
-        penetration=_largest(inward) / velocity,
+        penetration=max(_largest(inward) / velocity, _largest(inward * at_points) / moving),
         divergence=_largest(
             np.array([_largest(np.abs(group.volumetric @ u)) for group in program.groups])
         )
@@ -144,6 +152,7 @@ def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
     defect = 0.0
     for group, stress in zip(program.groups, state.stress, strict=True):
         work = np.sum(stress * group.cone_vectors(state.velocity), axis=1)
+        work = np.where(group.rates(state.velocity) > 0, work, 0.0)
         defect += float(group.dissipation(state.velocity).sum() - group.weights @ work)
     return defect
 
@@ -154,4 +163,4 @@ def _largest(values: Floats) -> float:
 
 
 def _nonzero(scale: float) -> float:
-    return scale if scale > 0 else 1.0
+    return 1.0 if scale <= 0 else scale

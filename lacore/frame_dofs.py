@@ -59,6 +59,11 @@ class FrameDofs:
         """Square of the size, m^2."""
         return self.body.size**2
 
+    @property
+    def pieces_of_unknowns(self) -> Ints:
+        """One piece, whose members carry each other: shape (count,)."""
+        return np.zeros(self.count, dtype=np.int64)
+
     def parts(self, nodes: Ints) -> Ints:
         """The nodes themselves."""
         return nodes

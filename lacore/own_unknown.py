@@ -34,4 +34,5 @@ def with_own_unknown(program: KinematicProgram, name: str) -> KinematicProgram:
         contact=replace(rows, normal=wide(rows.normal), tangential=wide(rows.tangential)),
         reference_load=np.append(program.reference_load, 0.0),
         dead_load=np.append(program.dead_load, 0.0),
+        parts=np.append(program.part, program.part.max(initial=-1) + 1),
     )

@@ -10,10 +10,13 @@ zero except in a step of a path (T29).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError
+
+_ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
+_DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
 
 
 @dataclass(frozen=True)
@@ -79,10 +82,22 @@ class DissipationGroup:
         """``(rows U)`` by cone, shape (m, dim)."""
         return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
 
+    def rates(self, velocity: Floats) -> Floats:
+        """``||(rows U)||`` of each cone, shape (m,); none where it is round-off of its own sums.
+
+        The exact motion next to it does not strain: beside a strength of 1e8 weights what is left
+        of a rigid motion would dissipate.
+        """
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        largest = np.abs(self.rows.data).max(initial=0.0) * np.abs(velocity).max(initial=0.0)
+        if not np.any(lengths <= _DOUBTFUL * largest):
+            return np.asarray(lengths)
+        sums = np.asarray(abs(self.rows) @ np.abs(velocity)).reshape(-1, self.dim)
+        return np.where(lengths <= _ROUND_OFF * np.linalg.norm(sums, axis=1), 0.0, lengths)
+
     def dissipation(self, velocity: Floats) -> Floats:
         """Dissipation of each cone, shape (m,)."""
-        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
-        return np.asarray(self.weights * self.bound * lengths)
+        return np.asarray(self.weights * self.bound * self.rates(velocity))
 
     def hardened(self, velocity: Floats) -> "DissipationGroup":
         """The group with the stress bounds of a velocity, and no hardening beyond them.
@@ -239,6 +254,8 @@ class KinematicProgram:
         contact: contact points.
         reference_load, dead_load: F0 and Fd, shape (n,), N/m.
         scales: units.
+        parts: number 0, 1, ... of the body, rigid block or frame that each unknown belongs to,
+            shape (n,): what has an equilibrium of its own. None: all are of one.
     """
 
     groups: tuple[DissipationGroup, ...]
@@ -246,6 +263,12 @@ class KinematicProgram:
     reference_load: Floats
     dead_load: Floats
     scales: Scales = Scales()
+    parts: Ints | None = None
+
+    @property
+    def part(self) -> Ints:
+        """`parts`, zero where all are of one, shape (n,)."""
+        return np.zeros(self.n, dtype=np.int64) if self.parts is None else self.parts
 
     @property
     def n(self) -> int:
@@ -370,7 +393,10 @@ def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
         product.sort_indices()
         return product
 
-    contact = program.contact
+    contact, parts = program.contact, program.parts
+    if parts is not None:  # the columns of a basis do not mix parts
+        columns = csc_matrix(basis)
+        parts = parts[columns.indices[columns.indptr[:-1]]]
     return replace(
         program,
         groups=tuple(
@@ -380,6 +406,7 @@ def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
         contact=replace(contact, normal=cut(contact.normal), tangential=cut(contact.tangential)),
         reference_load=np.asarray(basis.T @ program.reference_load),
         dead_load=np.asarray(basis.T @ program.dead_load),
+        parts=parts,
     )
 
 

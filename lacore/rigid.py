@@ -52,6 +52,11 @@ class RigidDofs:
         """Area, m^2."""
         return fsum(self.body.area)
 
+    @property
+    def pieces_of_unknowns(self) -> Ints:
+        """The block of each unknown, shape (count,)."""
+        return np.repeat(np.arange(len(self.body.names)), 3)
+
     def groups(self, n: int) -> tuple[DissipationGroup, ...]:
         """Rigid blocks dissipate nothing."""
         return ()
