@@ -1,0 +1,214 @@
+"""A program in units of each of its parts, so that a stone is solved as well as the wall under it.
+
+A solver ends when what is left is small beside the largest numbers it sees. Forces of a light
+block are not among these. In units of its own velocity ``s = 1/force`` they are as large as others:
+
+    U = S q,   F0, Fd, bounds, stresses of a part times s,   contact rows per s of the faster part
+
+The units are found by solving: they are made of the loads and reactions of the answer before, and
+made anew only while the residuals by part (`lacore.certificate`) ask for it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags_array
+
+from lacore.arrays import Floats, Sparse
+from lacore.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.certificate import certify
+from lacore.part_forces import own_loads, part_forces
+from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.rigid_cleaning import cleaned
+from lacore.state import ProgramState
+from lacore.status import Status
+
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+
+_GOOD = 1e-8  # residual with which nobody asks for more
+_SPREAD = 1e2  # ratio of forces that solvers see as they are; its digits are left to them
+_WIDE = 1e4  # ratio of loads from which units of parts are taken at once
+_CLAIMS = (Status.LOCKED, Status.UNSAFE)
+_TRIES = 4  # each gains the digits that the one before has
+
+
+@dataclass(frozen=True)
+class PartUnits:
+    """Units in which a program is written anew: value in the program = unit * value in these.
+
+    Attributes:
+        forces: by which parts are judged, shape (parts,).
+        unknowns: of each unknown, shape (n,): inverse to the force of its part, times `velocity`.
+        groups, points: inverse to the force of the part that a cone or contact point can move
+            fastest, shape (m,) each.
+        velocity: of the fastest in these units; per load factor, too.
+    """
+
+    forces: Floats
+    unknowns: Floats
+    groups: tuple[Floats, ...]
+    points: Floats
+    velocity: float
+
+    @classmethod
+    def of(cls, program: KinematicProgram, forces: Floats, velocity: Floats | None) -> "PartUnits":
+        """Units for forces of parts, and a velocity if one is known."""
+        own = (forces.max() / forces)[program.part]
+        rows = program.contact
+        meeting = _points(rows.tangential, rows.tangent_dim)
+        if velocity is None:
+            fastest = 1 / float(np.abs(own * program.reference_load).sum())
+        else:
+            fastest = float(np.abs(velocity / own).max())
+        return cls(
+            forces=forces,
+            unknowns=own * fastest,
+            groups=tuple(
+                _largest(own, _points(g.rows, g.dim), g.volumetric) for g in program.groups
+            ),
+            points=_largest(own, meeting, rows.normal),
+            velocity=fastest,
+        )
+
+    def suit(self, other: "PartUnits") -> bool:
+        """Whether a solver would see much the same numbers in other units."""
+        ratio = other.forces / self.forces
+        faster = other.velocity / self.velocity
+        return bool(ratio.max() <= _SPREAD * ratio.min() and 1 / _SPREAD <= faster <= _SPREAD)
+
+    def program(self, program: KinematicProgram) -> KinematicProgram:
+        """The program in these units."""
+        rows, fastest = program.contact, self.velocity
+        columns = diags_array(self.unknowns / fastest)
+
+        def cut(matrix: Sparse, units: Floats) -> Sparse:
+            return csr_matrix(diags_array(1 / units) @ matrix @ columns)
+
+        def group(own: DissipationGroup, units: Floats) -> DissipationGroup:
+            return replace(
+                own,
+                rows=cut(own.rows, np.repeat(units, own.dim)),
+                volumetric=cut(own.volumetric, units),
+                bound=own.bound * units,
+                modulus=None if own.modulus is None else own.modulus * units**2 * fastest,
+            )
+
+        contact: ContactRows = replace(
+            rows,
+            normal=cut(rows.normal, self.points),
+            tangential=cut(rows.tangential, np.repeat(self.points, rows.tangent_dim)),
+            limit=rows.limit * self.points,
+            closing=None if rows.closing is None else rows.closing / (self.points * fastest),
+        )
+        return replace(
+            program,
+            groups=tuple(group(g, s) for g, s in zip(program.groups, self.groups, strict=True)),
+            contact=contact,
+            reference_load=program.reference_load * self.unknowns,
+            dead_load=program.dead_load * self.unknowns / fastest,
+        )
+
+    def contact(self, contact: FrozenContact) -> FrozenContact:
+        """What is frozen, in these units."""
+        shift = contact.shift / (self.points * self.velocity)
+        return FrozenContact(contact.bound * self.points, contact.dilatancy, shift)
+
+    def back(self, point: ProgramState) -> ProgramState:
+        """A state in the units of the program."""
+        return ProgramState(
+            velocity=point.velocity * self.unknowns,
+            load_factor=point.load_factor * self.velocity,
+            stress=tuple(s / u[:, None] for s, u in zip(point.stress, self.groups, strict=True)),
+            mean_stress=tuple(p / u for p, u in zip(point.mean_stress, self.groups, strict=True)),
+            normal_reaction=point.normal_reaction / self.points,
+            tangential_reaction=point.tangential_reaction / self.points[:, None],
+        )
+
+
+def _points(rows: Sparse, dim: int) -> Sparse:
+    """Sizes of the rows of each point or cone together, shape (m, n)."""
+    count = rows.shape[0] // dim
+    every = np.arange(count * dim)
+    pick = csr_matrix((np.ones(every.size), (every // dim, every)), (count, every.size))
+    return csr_matrix(pick @ abs(rows))
+
+
+def _largest(units: Floats, *rows: Sparse) -> Floats:
+    """Of the unknowns in each row, 1 in an empty one, shape (m,)."""
+    touched = csr_matrix(sum(abs(part) for part in rows)).tocoo()
+    result = np.zeros(touched.shape[0])
+    np.maximum.at(result, touched.row, units[touched.col])
+    return np.where(result > 0, result, 1.0)
+
+
+class RescalingSolver:
+    """A prepared solver that is asked in units of parts, answering in those of the program."""
+
+    def __init__(self, program: KinematicProgram, prepare: Prepare) -> None:
+        self._program, self._prepare = program, prepare
+        self._units: PartUnits | None = None
+        loads = own_loads(program, 1.0)
+        least = float(loads[loads > 0].min(initial=np.inf))
+        if loads.max() > _WIDE * least:
+            self._units = PartUnits.of(program, np.maximum(loads, least), None)
+        self._solver = self._prepared()
+
+    def _prepared(self) -> PreparedSolver:
+        units = self._units
+        return self._prepare(self._program if units is None else units.program(self._program))
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """As the backend does; again in better units while they gain."""
+        best = self._asked(contact)
+        if self._units is not None and best.point is None and best.status not in _CLAIMS:
+            self._renew(None)
+            best = self._asked(contact)
+        residual = self._residual(best, contact)
+        for _ in range(_TRIES):
+            if best.point is None or residual <= _GOOD:
+                break
+            forces = part_forces(self._program, best.point)
+            better = PartUnits.of(self._program, forces, best.point.velocity)
+            known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
+            if known.suit(better):
+                break
+            self._renew(better)
+            answer = self._asked(contact)
+            spent = {
+                "iterations": best.iterations + answer.iterations,
+                "solve_time": best.solve_time + answer.solve_time,
+            }
+            found = self._residual(answer, contact)
+            if not found < residual:
+                best = replace(best, **spent)
+                break
+            best, residual = replace(answer, **spent), found
+        if self._units is not None and best.point is not None and residual > _GOOD:
+            point = cleaned(self._program, best.point, contact)
+            if self._residual(replace(best, point=point), contact) < residual:
+                return replace(best, point=point)
+        return best
+
+    def _renew(self, units: PartUnits | None) -> None:
+        self._solver.close()
+        self._units = units
+        self._solver = self._prepared()
+
+    def _asked(self, contact: FrozenContact) -> InnerSolution:
+        if self._units is None:
+            return self._solver.solve(contact)
+        answer = self._solver.solve(self._units.contact(contact))
+        answer = checked_answer(self._program, False, answer)
+        point = answer.point
+        return answer if point is None else replace(answer, point=self._units.back(point))
+
+    def _residual(self, answer: InnerSolution, contact: FrozenContact) -> float:
+        if checked_answer(self._program, False, answer).point is None or answer.point is None:
+            return np.inf
+        worst = certify(self._program, answer.point, contact).worst[1]
+        return worst if np.isfinite(worst) else np.inf
+
+    def close(self) -> None:
+        """Close the solver at work."""
+        self._solver.close()
