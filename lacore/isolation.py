@@ -1,8 +1,7 @@
 """A backend in a process of its own: one that hangs, crashes or is killed becomes a status."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from dataclasses import replace
 from types import TracebackType
 from typing import Any
@@ -31,6 +30,13 @@ class SolverProcess:
     def __init__(self) -> None:
         self._process = ChildProcess(_WORKER)
         self._holder: IsolatedSolver | None = None
+
+    def load(self, backend: Backend) -> float:
+        """Import a backend in this process; s, what that and the start of it took."""
+        begin = time.perf_counter()
+        with suppress(LostError):  # a process that is lost now is lost to the solver too
+            self.ask(START, "load", backend)
+        return time.perf_counter() - begin
 
     def prepare(
         self, backend: Backend, program: KinematicProgram, options: Any
@@ -68,10 +74,7 @@ class SolverProcess:
 
 
 class IsolatedSolver:
-    """A prepared solver whose work is done by a `SolverProcess`.
-
-    `load_time`, s: what the process took to start and to import the backend.
-    """
+    """A prepared solver whose work is done by a `SolverProcess`."""
 
     def __init__(
         self, process: SolverProcess, backend: Backend, program: KinematicProgram, options: Any
@@ -80,9 +83,7 @@ class IsolatedSolver:
         self._limit = min(float(options.time_limit) + GRACE, LONGEST)
         self._lost: InnerSolution | None = None
         process.hand_to(self)
-        begin = time.perf_counter()
         self._ask(START, "load", backend)  # imports are not to be paid from the time limit
-        self.load_time = time.perf_counter() - begin
         self._ask(self._limit, "prepare", program, options)
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
@@ -112,18 +113,6 @@ class IsolatedSolver:
         if self._process.held_by(self):
             self._process.hand_to(None)
             self._ask(self._limit, "close")
-
-
-@contextmanager
-def preparing(
-    backend: Backend, options: Any
-) -> Iterator[Callable[[KinematicProgram], PreparedSolver]]:
-    """A backend at work on one program after the other, isolated where it asks for it."""
-    if not backend.capabilities.isolated:
-        yield lambda program: backend.prepare(program, options)
-        return
-    with SolverProcess() as process:
-        yield lambda program: process.prepare(backend, program, options)
 
 
 class SolverWorker:

@@ -11,7 +11,6 @@ from lacore.backend import Backend, checked_answer, find_backend, read_options
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.errors import InputError, require_positive
-from lacore.isolation import preparing
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -20,6 +19,7 @@ from lacore.program import (
     reaction_contact,
 )
 from lacore.result import LimitState
+from lacore.solvers import preparing
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
 _CLOSER = 0.8  # of the strength that would make the excess just the one allowed

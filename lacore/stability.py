@@ -24,7 +24,6 @@ from lacore.conversion import point_in_si
 from lacore.coupling import Coupled
 from lacore.driven_corners import driven_corners
 from lacore.intervals import Prepare
-from lacore.isolation import preparing
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
@@ -32,6 +31,7 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.solvers import preparing
 from lacore.span_moments import span_excess
 from lacore.state import ProgramState
 from lacore.status import Status

@@ -1,0 +1,42 @@
+"""A backend ready for one program after the other: in its process, and asked in good units."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from lacore.backend import Backend, PreparedSolver
+from lacore.isolation import SolverProcess
+from lacore.program import KinematicProgram
+from lacore.rescaling import RescalingSolver
+from lacore.strong_bodies import StrongBodySolver
+
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+
+
+@contextmanager
+def preparing(
+    backend: Backend, options: Any, process: SolverProcess | None = None
+) -> Iterator[Prepare]:
+    """A backend at work on one program after the other, isolated where it asks for it.
+
+    Args:
+        backend: exact ones are asked for strong bodies as rigid ones first
+            (`lacore.strong_bodies`), and in units of the parts of a program (`lacore.rescaling`);
+            penalties of regularised ones (T20) are not to be scaled.
+        options: of the backend.
+        process: to work in, one program at a time; None: one of its own where it needs one.
+    """
+    if process is None and backend.capabilities.isolated:
+        with SolverProcess() as own, preparing(backend, options, own) as prepare:
+            yield prepare
+        return
+
+    def plain(program: KinematicProgram) -> PreparedSolver:
+        if process is None:
+            return backend.prepare(program, options)
+        return process.prepare(backend, program, options)
+
+    if backend.capabilities.regularised:
+        yield plain
+    else:
+        yield lambda program: StrongBodySolver(program, lambda own: RescalingSolver(own, plain))

@@ -1,0 +1,242 @@
+"""Bodies far too strong to yield, solved as rigid ones, with the proof that they do not yield.
+
+What limits the load of a steel block on a floor is its weight, 1e-4 of its strength: a solver that
+sees the strength ends long before friction has a digit. The program of the motions that strain no
+strong group is small and sees weights and friction alone. Its load factor, its velocity and its
+reactions are those of the whole program if stresses in equilibrium with them lie within the
+strength; those of an elastic body are, and are recomputed like any others.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import bmat, csc_matrix, csr_matrix, diags_array, identity, vstack
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.certificate import certify
+from lacore.program import (
+    DissipationGroup,
+    FrozenContact,
+    KinematicProgram,
+    Scales,
+    dimensionless,
+    reduced,
+)
+from lacore.state import ProgramState, out_of_balance
+from lacore.status import Status
+
+Prepare = Callable[[KinematicProgram], PreparedSolver]
+
+_STRONG = 1e3  # strength per what else limits the load; below it solvers have digits enough
+_GOOD = 1e-7  # residual of an answer that needs no second solve
+_SHIFT = 1e-10  # of the stiffness: separates rigid motions from the softest of the others
+_SWEEPS = 4  # of the inverse iteration; each gains as many digits as the shift leaves
+_RIGID = 1e-11  # strain of a rigid motion, per stiffness
+_REFINED = 3
+_PATIENCE = 2  # failures: bodies that do yield are not tried for ever
+
+
+class StrongBodySolver:
+    """A prepared solver that tries strong bodies as rigid ones first."""
+
+    def __init__(self, program: KinematicProgram, prepare: Prepare) -> None:
+        self._program, self._prepare = program, prepare
+        self._whole: PreparedSolver | None = None
+        self._stiff: dict[tuple[bool, ...], _Stiff] = {}
+        self._failures = 0
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """As the backend does."""
+        weak = _weak(self._program, contact)
+        strong = np.array(
+            [_strength(group) >= _STRONG * weak > 0 for group in self._program.groups]
+        )
+        if not strong.any() or self._program.hardens or self._failures >= _PATIENCE:
+            return self._plain(contact)
+        self.close()  # a process holds one program
+        rigid = self._rigid(strong, weak, contact)
+        if rigid.status is Status.UNSAFE or self._residual(rigid, contact) <= _GOOD:
+            return rigid
+        self._failures += 1
+        answer = self._plain(contact)
+        if not isinstance(answer, InnerSolution):
+            return answer
+        best = min((rigid, answer), key=lambda one: self._residual(one, contact))
+        return replace(
+            best if best.point is not None else answer,
+            iterations=rigid.iterations + answer.iterations,
+            solve_time=rigid.solve_time + answer.solve_time,
+        )
+
+    def _plain(self, contact: FrozenContact) -> InnerSolution:
+        if self._whole is None:
+            self._whole = self._prepare(self._program)
+        return self._whole.solve(contact)
+
+    def _rigid(self, strong: Bools, weak: float, contact: FrozenContact) -> InnerSolution:
+        """The answer with strong groups rigid, its stresses made elastic."""
+        key = tuple(strong.tolist())
+        if key not in self._stiff:
+            self._stiff[key] = _Stiff.of(self._program, strong)
+        stiff, units = self._stiff[key], Scales(stress=weak)
+        program = dimensionless(stiff.program, units)
+        solver = self._prepare(program)
+        try:
+            answer = solver.solve(replace(contact, bound=contact.bound / weak))
+        finally:
+            solver.close()
+        answer = checked_answer(program, False, answer)
+        if answer.point is None:
+            return answer
+        return replace(answer, point=stiff.lifted(_times(answer.point, weak)))
+
+    def _residual(self, answer: InnerSolution, contact: FrozenContact) -> float:
+        if checked_answer(self._program, False, answer).point is None or answer.point is None:
+            return np.inf
+        worst = certify(self._program, answer.point, contact).worst[1]
+        return worst if np.isfinite(worst) else np.inf
+
+    def close(self) -> None:
+        """Close the solver of the whole program."""
+        if self._whole is not None:
+            self._whole.close()
+            self._whole = None
+
+
+def _strength(group: DissipationGroup) -> float:
+    return float(group.bound.min(initial=np.inf)) if group.weights.size else 0.0
+
+
+def _weak(program: KinematicProgram, contact: FrozenContact) -> float:
+    """Stress by which dead loads and friction limit the load, in the units of the program."""
+    finite = contact.bound[np.isfinite(contact.bound)]
+    return max(float(np.abs(program.dead_load).sum()), float(finite.max(initial=0.0)))
+
+
+def _times(point: ProgramState, stress: float) -> ProgramState:
+    return ProgramState(
+        velocity=point.velocity,
+        load_factor=point.load_factor * stress,
+        stress=tuple(part * stress for part in point.stress),
+        mean_stress=tuple(part * stress for part in point.mean_stress),
+        normal_reaction=point.normal_reaction * stress,
+        tangential_reaction=point.tangential_reaction * stress,
+    )
+
+
+@dataclass(frozen=True)
+class _Stiff:
+    """A program whose strong groups do not strain, and the way back.
+
+    Attributes:
+        whole: the program.
+        strong: its groups that are rigid.
+        basis: of the motions without strain in them, shape (n, free).
+        program: for these motions, without the strong groups.
+    """
+
+    whole: KinematicProgram
+    strong: Bools
+    basis: Sparse
+    program: KinematicProgram
+
+    @classmethod
+    def of(cls, whole: KinematicProgram, strong: Bools) -> "_Stiff":
+        """Rigid motions are found from the rows of the groups."""
+        groups = [group for group, own in zip(whole.groups, strong, strict=True) if own]
+        basis = _rigid_motions(csr_matrix(vstack([_scaled(group) for group in groups])))
+        weak = tuple(group for group, own in zip(whole.groups, strong, strict=True) if not own)
+        return cls(whole, strong, basis, reduced(replace(whole, groups=weak), basis))
+
+    @cached_property
+    def _elastic(self) -> tuple[Sparse, csc_matrix]:
+        """Stiffness of the strong groups, and the same bordered by what it does not resist."""
+        rows = [
+            _scaled(group) for group, own in zip(self.whole.groups, self.strong, strict=True) if own
+        ]
+        stiffness = csr_matrix(sum(part.T @ part for part in rows))
+        basis = self.basis * float(stiffness.diagonal().max())
+        return stiffness, csc_matrix(bmat([[stiffness, basis], [basis.T, None]]))
+
+    def lifted(self, point: ProgramState) -> ProgramState:
+        """A state of the whole program: the stresses of strong groups are those of elastic ones."""
+        stresses, means = iter(point.stress), iter(point.mean_stress)
+        stress, mean = [], []
+        for group, own in zip(self.whole.groups, self.strong, strict=True):
+            count = group.weights.size
+            stress.append(np.zeros((count, group.dim)) if own else next(stresses))
+            mean.append(np.zeros(count) if own else next(means))
+        state = replace(
+            point,
+            velocity=np.asarray(self.basis @ point.velocity),
+            stress=tuple(stress),
+            mean_stress=tuple(mean),
+        )
+        bent = self._bent(-out_of_balance(self.whole, state))
+        for number, group in enumerate(self.whole.groups):
+            if self.strong[number]:
+                stress[number] = group.cone_vectors(bent)
+                mean[number] = np.asarray(group.volumetric @ bent)
+        return replace(state, stress=tuple(stress), mean_stress=tuple(mean))
+
+    def _bent(self, force: Floats) -> Floats:
+        """Displacement of an elastic body under forces that are in equilibrium, shape (n,)."""
+        stiffness, bordered = self._elastic
+        factor = splu(bordered)
+        bent, none = np.zeros(force.size), np.zeros(self.basis.shape[1])
+        for _ in range(_REFINED):
+            rest = force - stiffness @ bent
+            bent = bent + factor.solve(np.concatenate([rest, none]))[: force.size]
+        return np.asarray(bent)
+
+
+def _scaled(group: DissipationGroup) -> Sparse:
+    """Rows of strain and volume times the roots of their weights."""
+    root = np.sqrt(group.weights)
+    return csr_matrix(
+        vstack(
+            [
+                diags_array(np.repeat(root, group.dim)) @ group.rows,
+                diags_array(root) @ group.volumetric,
+            ]
+        )
+    )
+
+
+def _rigid_motions(rows: Sparse) -> Sparse:
+    """Basis of the vectors that rows map to zero, shape (n, free), each of one connected part."""
+    n = rows.shape[1]
+    stiffness = csr_matrix(rows.T @ rows)
+    count, part = connected_components(stiffness, directed=False)
+    untouched = stiffness.diagonal() == 0
+    columns = [csr_matrix(identity(n, format="csr")[:, np.flatnonzero(untouched)])]
+    for number in range(count):
+        own = np.flatnonzero((part == number) & ~untouched)
+        if own.size:
+            columns.append(_motions_of(csc_matrix(stiffness[own][:, own]), own, n))
+    return csr_matrix(bmat([columns]))
+
+
+def _motions_of(stiffness: csc_matrix, own: Ints, n: int) -> Sparse:
+    """Those of one part, by inverse iteration on a block that grows until it holds more."""
+    size = float(stiffness.diagonal().max())
+    factor = splu(csc_matrix(stiffness + _SHIFT * size * identity(own.size, format="csc")))
+    rng, width = np.random.default_rng(0), min(4, own.size)
+    while True:
+        block = rng.standard_normal((own.size, width))
+        for _ in range(_SWEEPS):
+            block = np.linalg.qr(factor.solve(block))[0]
+        values, vectors = np.linalg.eigh(block.T @ (stiffness @ block))
+        rigid = block @ vectors[:, values <= _RIGID * size]
+        if rigid.shape[1] < width or width == own.size:
+            break
+        width = min(2 * width, own.size)
+    rigid /= np.abs(rigid).max(axis=0, initial=np.finfo(float).tiny)
+    motions = csr_matrix(rigid)
+    at = np.repeat(own, np.diff(motions.indptr))
+    return csr_matrix((motions.data, (at, motions.indices)), (n, rigid.shape[1]))
