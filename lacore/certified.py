@@ -12,13 +12,14 @@ They are tried in this order: together 99.7 %.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
-from lacore.coulomb_bounds import lower_bound, upper_bound
+from lacore.coulomb_bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling import Coupled, CouplingOptions, Iterate, Run, paired
 from lacore.loops import OnIterate, fixed_point, slip_rate
 from lacore.program import (
@@ -32,9 +33,15 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _FALLS = 0.9  # of the least gap so far: anything above is a stall
+_VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
+_OUTSIDE = (
+    "the load lies outside of the friction cones: no reactions within them carry a part of it"
+)
+_ABOVE = "the residuals are small, but the associated law has a mechanism at a lower load factor"
+_TRIVIAL = "no reactions were found that carry a load, though the associated friction law has some"
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 
 Blend = Callable[[Floats, Floats, Floats], Floats]
@@ -61,21 +68,42 @@ def certified_loop(
     first = run.solve("associated", associated_contact(rows))
     anchor = _anchor(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
-    if static is None or anchor.inner.status in _LIMITS or _ends(run, anchor):
+    if run.free(anchor):
+        return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
+    if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     for attempt in (averaged, _damped, _alternated, _shifted):
         found = attempt(run, _closest(run, static))
         if found is not None:
-            return run.judged(found)
+            return _bounded(run, run.judged(found), first)
     return _undecided(run, first)
+
+
+def _bounded(run: Run, coupled: Coupled, first: Iterate) -> Coupled:
+    """The end of the loop, unless the associated load factor, an upper bound (T14), refutes it.
+
+    That the frictionless one is below needs no solve: friction only adds to ``D(u) - Fd.u`` of an
+    admissible velocity, and penetration is judged by the power that it could turn over.
+    """
+    state = coupled.final.state
+    if state is None or not run.program.homogeneous:
+        return coupled
+    upper = upper_bound(run.program, first.inner, run.options.tolerance)
+    slack = run.options.tolerance * kinematic_power(run.program, state)
+    if state.load_factor <= upper + slack:
+        return coupled
+    return replace(coupled, status=Status.NOT_CERTIFIED, note=_ABOVE)
 
 
 def _closest(run: Run, static: ProgramState) -> ProgramState:
     """The statically admissible state of the pair with the least gap so far."""
     gaps = [(np.inf, static)]
     for iterate in run.iterates:
-        if iterate.kind == "S" and iterate.certificate is not None and iterate.inner.point:
-            gaps.append((iterate.certificate.gap, iterate.inner.point))
+        state = iterate.inner.point
+        if iterate.kind != "S" or iterate.certificate is None or state is None:
+            continue
+        if not _vanishes(run, state):
+            gaps.append((iterate.certificate.gap, state))
     return min(gaps, key=lambda pair: pair[0])[1]
 
 
@@ -120,13 +148,15 @@ def _alternate(
         if k.inner.status is Status.UNSAFE:  # less friction than any admissible state needs
             reaction = np.maximum(reaction, _normal(static))
             k = _k_step(run, reaction, static, kind)
-        if k.inner.point is None or _ends(run, k):
-            return k if _ends(run, k) else None
+        if k.inner.point is None or run.free(k) or run.proven(k):
+            return k if _carries(run, k) else None
         s = _s_step(run, k.inner.point)
-        if s.inner.point is None or _ends(run, s):
-            return s if _ends(run, s) else None
+        if s.inner.point is None or run.free(s) or run.proven(s):
+            return s if _carries(run, s) else None
         assert s.certificate is not None
         static, gap = s.inner.point, s.certificate.gap
+        if _vanishes(run, static):
+            return None
         failed = 0 if gap <= _FALLS * least else failed + 1
         least = min(least, gap)
         reaction = blend(reaction, _normal(static), _normal(k.inner.point))
@@ -138,7 +168,7 @@ def _shifted(run: Run, static: ProgramState) -> Iterate | None:
     if run.exhausted:
         return None
     coupled = fixed_point(run, "shift", 1.0, static, Anderson(5, 1.0))
-    return coupled.final if coupled.status in (Status.SOLVED, Status.FREE) else None
+    return coupled.final if coupled.status is Status.SOLVED else None
 
 
 def _k_step(run: Run, reaction: Floats, static: ProgramState, kind: str) -> Iterate:
@@ -158,12 +188,27 @@ def _s_step(run: Run, kinematic: ProgramState) -> Iterate:
     return run.solve("S", contact, partner=lambda s: paired(kinematic, s), hardened_by=velocity)
 
 
-def _ends(run: Run, iterate: Iterate) -> bool:
-    return run.proven(iterate) or run.free(iterate)
+def _carries(run: Run, iterate: Iterate) -> bool:
+    """Whether an iterate is a proven state with a load.
+
+    Zero is a Coulomb state of weightless contact that any load may meet: none to settle at.
+    """
+    return run.proven(iterate) and not run.free(iterate)
+
+
+def _vanishes(run: Run, static: ProgramState) -> bool:
+    """Whether reactions are on their way to weightless contact, which carries nothing."""
+    first = run.iterates[0].inner.point
+    if first is None or np.any(run.program.dead_load):
+        return False
+    return abs(static.load_factor) <= _VANISHED * abs(first.load_factor)
 
 
 def _undecided(run: Run, first: Iterate) -> Coupled:
     """No certificate within the budget: the bracket of T14, and no number."""
+    trivial = next((iterate for iterate in run.iterates if run.free(iterate)), None)
+    if trivial is not None:
+        return replace(run.end(Status.FREE, trivial), note=_TRIVIAL)
     locked = first.inner.status is Status.LOCKED
     candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
     best = min(candidates, key=lambda iterate: _worst(iterate))

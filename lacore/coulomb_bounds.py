@@ -72,6 +72,14 @@ def kinematic_load_factor(
     return (dissipated + closed - float(program.dead_load @ u)) / float(program.reference_load @ u)
 
 
+def kinematic_power(program: KinematicProgram, point: ProgramState) -> float:
+    """Power that a state turns over: the scale of (T15)."""
+    u = point.velocity
+    bound = reaction_contact(program.contact, point.normal_reaction).bound
+    dissipated = program.hardened(u).plastic_dissipation(u) + program.friction_dissipation(u, bound)
+    return dissipated + abs(float(program.dead_load @ u))
+
+
 def _gap(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> float:
     """Between the kinematic and the static value of one solve."""
     return abs(kinematic_load_factor(program, point, contact) - point.load_factor)

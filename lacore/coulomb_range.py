@@ -17,10 +17,10 @@ from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
 from lacore.coupling import Coupled
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
-from lacore.isolation import preparing
 from lacore.problem import Problem
 from lacore.program import dimensionless
 from lacore.result import LimitState
+from lacore.solvers import preparing
 from lacore.solving import limit_state, solve
 from lacore.status import Scope, Status
 

@@ -24,6 +24,7 @@ from lacore.errors import (
     require_known,
     require_positive,
 )
+from lacore.free_motion import without_dissipation
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -33,7 +34,6 @@ _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
 _PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 where they are as meant
 _LOOSEST = 1e-3  # residual at which a state still deserves its name
 _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off leaves of a zero
-_SUMMED = 1e-13  # of the largest force: smaller ones are round-off of sums
 _NO_CHANGE = 1e-6  # relative: smaller changes of what is frozen say nothing of a rate
 
 
@@ -128,6 +128,7 @@ class Coupled:
             come in a step: the last ratio seen; NaN where there is none.
         bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
             found none.
+        note: what the message of a status should say besides.
     """
 
     status: Status
@@ -136,6 +137,7 @@ class Coupled:
     laws: FrozenContact | None = None
     contraction: float = float("nan")
     bracket: tuple[float, float] | None = None
+    note: str = ""
 
 
 def paired(kinematic: ProgramState, static: ProgramState) -> ProgramState:
@@ -275,35 +277,19 @@ class Run:
         if state is None or certificate is None or iterate.inner.status is not Status.SOLVED:
             return False
         program, u, tolerance = self.program, state.velocity, self.options.tolerance
-        weight = self._weight()
-        dead_power = float(program.dead_load @ u)
         values = iterate.inner.regularised
         if values is not None:
+            dead_power = float(program.dead_load @ u)
             powers = [values.load_factor, values.plastic + dead_power]
-            rigid = weight > 0 or self._rigid(u)
-            return rigid and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
-        t_n = np.maximum(state.normal_reaction, 0.0)
-        frozen = laws or reaction_contact(program.contact, t_n)
-        bound = frozen.bound + frozen.dilatancy * t_n  # dilatant friction lifts, if in balance
-        powers = [state.load_factor, dead_power, program.friction_dissipation(u, bound)]
-        # A light body may slide with little friction: little against its weight, then.
-        largest = tolerance * weight * float(np.abs(u).max()) if weight > 0 else _NO_POWER
+            rigid = np.any(program.dead_load) or self._rigid(u)
+            return (
+                bool(rigid) and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
+            )
+        frozen = laws or reaction_contact(program.contact, state.normal_reaction)
         admissible = [certificate.penetration, certificate.divergence, certificate.normalisation]
-        return (
-            self._rigid(u)
-            and _none(admissible, tolerance)
-            and _none(powers, min(largest, _NO_POWER))
+        return _none(admissible, tolerance) and without_dissipation(
+            program, state, frozen, tolerance
         )
-
-    def _weight(self) -> float:
-        """What a motion without power is judged against: of blocks, the lightest load on one.
-
-        The sum would call the motion of a light block beside heavy ones free.
-        """
-        forces = np.abs(self.program.dead_load)
-        if self.program.groups or not forces.any():
-            return float(forces.sum())
-        return float(forces[forces > _SUMMED * forces.max()].min())
 
     def _rigid(self, velocity: Floats) -> bool:
         """Whether strain rates are round-off against velocity per body length."""

@@ -1,30 +1,50 @@
-"""Whether a structure that its reference load cannot move collapses under its dead load alone.
+"""Whether a structure collapses under its dead load alone, whatever the load factor is (T13).
 
-"No admissible mechanism feels the reference load" does not say that there is equilibrium: what the
-load holds in place may stand beside what falls down.
+No load factor keeps equilibrium if and only if a velocity that the reference load does not feel is
+driven by the dead load: ``F0.u = 0, Fd.u > D(u)``. A solver's word for it is no proof; the velocity
+is, and our own code judges it.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix, vstack
+from scipy.optimize import linprog
+from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
+from lacore.part_forces import own_loads
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.rescaling import PartUnits
+from lacore.rigid_cleaning import cleaned
+from lacore.state import ProgramState
+
+_SHARP = 1e-10
+_SECONDS = 60.0
 
 
-def collapses(
+@dataclass(frozen=True)
+class DeadCollapse:
+    """A mechanism by which the dead load falls.
+
+    Attributes:
+        velocity: ``F0.u = 0`` and ``Fd.u = 1``, shape (n,).
+        carried: ``D(u)``, the share of the dead load that this mechanism could carry, below 1.
+    """
+
+    velocity: Floats
+    carried: float
+
+
+def dead_collapse(
     program: KinematicProgram,
     contact: FrozenContact,
     prepare: Callable[[KinematicProgram], PreparedSolver],
     tolerance: float,
-) -> bool:
-    """Whether a velocity with ``F0.u >= 0`` is driven by the dead load: ``Fd.u > D(u)``.
-
-    Then no load factor keeps equilibrium as long as no ``F0.u > 0`` is admissible (T13).
+) -> DeadCollapse | None:
+    """The mechanism by which the dead load falls; None where none is found that proves it.
 
     Args:
         program: dimensionless.
@@ -32,31 +52,41 @@ def collapses(
         prepare: sets an exact backend to work on a program.
         tolerance: bar for the residuals of the velocity.
     """
-    size = float(np.abs(program.dead_load).sum())
-    if not size > 0:
-        return False
-    driven, frozen = _driven(program, contact, size)
-    solver = prepare(driven)
-    try:
-        point = checked_answer(driven, False, solver.solve(frozen)).point
-    finally:
-        solver.close()
-    if point is None:
-        return False
-    seen = certify(driven, point, frozen)
+    if not np.any(program.dead_load):
+        return None
+    driven, frozen = _driven(program, contact)
+    found = [_by_cones(driven, frozen, prepare)]
+    if driven.largest_cone <= 1 and not driven.hardens:
+        found.insert(0, _by_lines(driven, frozen))
+    for velocity in found:
+        if velocity is not None:
+            collapse = _proven(driven, frozen, velocity, tolerance)
+            if collapse is not None:
+                return collapse
+    return None
+
+
+def _proven(
+    driven: KinematicProgram, frozen: FrozenContact, velocity: Floats, tolerance: float
+) -> DeadCollapse | None:
+    """The collapse that a velocity is, once cleaned of what penetrates; None where it is none."""
+    moving = _moving(driven, velocity)
+    if not certify(driven, moving, frozen).penetration <= tolerance:
+        moving = cleaned(driven, moving, frozen)
+    u, seen = moving.velocity, certify(driven, moving, frozen)
     if not all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
-        return False
-    u = point.velocity
+        return None
     dissipated = driven.plastic_dissipation(u) + driven.friction_dissipation(u, frozen.bound)
-    return dissipated < (1 - tolerance) * size
+    return DeadCollapse(u, dissipated) if dissipated < 1 - tolerance else None
 
 
 def _driven(
-    program: KinematicProgram, contact: FrozenContact, size: float
+    program: KinematicProgram, contact: FrozenContact
 ) -> tuple[KinematicProgram, FrozenContact]:
-    """The program driven by its dead load per `size`, with ``F0.u >= 0`` as one more point."""
+    """The program driven by its dead load, with ``F0.u = 0`` as one more point, which sticks."""
     rows, n = program.contact, program.n
-    against = csr_matrix(program.reference_load / np.abs(program.reference_load).sum())
+    held = csr_matrix(program.reference_load / np.abs(program.reference_load).sum())
+    still = csr_matrix((rows.tangent_dim - 1, n))
 
     def more(values: Floats, last: float) -> Floats:
         return np.append(values, last)
@@ -65,18 +95,94 @@ def _driven(
         program,
         contact=replace(
             rows,
-            normal=csr_matrix(vstack([rows.normal, against])),
-            tangential=csr_matrix(vstack([rows.tangential, csr_matrix((rows.tangent_dim, n))])),
+            normal=csr_matrix(vstack([rows.normal, csr_matrix((1, n))])),
+            tangential=csr_matrix(vstack([rows.tangential, held, still])),
             weights=more(rows.weights, 1.0),
             coefficient=more(rows.coefficient, 0.0),
-            limit=more(rows.limit, 0.0),
+            limit=more(rows.limit, np.inf),
             dilatancy=more(rows.dilatancy, 0.0),
             interface=np.append(rows.interface, 0),
+            closing=None if rows.closing is None else more(rows.closing, 0.0),
         ),
-        reference_load=program.dead_load / size,
+        reference_load=program.dead_load,
         dead_load=np.zeros(n),
     )
+    # A row of zeros, strictly held: the point presses nothing.
     frozen = FrozenContact(
-        more(contact.bound, 0.0), more(contact.dilatancy, 0.0), more(contact.shift, 0.0)
+        more(contact.bound, np.inf), more(contact.dilatancy, 0.0), more(contact.shift, 1.0)
     )
     return driven, frozen
+
+
+def _by_cones(
+    driven: KinematicProgram,
+    frozen: FrozenContact,
+    prepare: Callable[[KinematicProgram], PreparedSolver],
+) -> Floats | None:
+    """The velocity that dissipates least."""
+    solver = prepare(driven)
+    try:
+        point = checked_answer(driven, False, solver.solve(frozen)).point
+    finally:
+        solver.close()
+    return None if point is None else point.velocity
+
+
+def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
+    """The velocity of most power among those no faster than 1 in units of its parts.
+
+    A linear program that always has a solution, however far apart weights are.
+    """
+    loads = own_loads(driven, 1.0)
+    units = PartUnits.of(driven, np.maximum(loads, loads[loads > 0].min()), None)
+    program, contact = units.program(driven), units.contact(frozen)
+    rows, n = program.contact, program.n
+    stick = np.isinf(contact.bound)
+    dilated = diags_array(contact.dilatancy) @ rows.tangential
+    rubbing = ~stick & (contact.bound > 0)
+    costly = csr_matrix(vstack([*(g.rows for g in program.groups), rows.tangential[rubbing]]))
+    price = np.concatenate(
+        [*(g.weights * g.bound for g in program.groups), (rows.weights * contact.bound)[rubbing]]
+    )
+    bar = eye_array(price.size)
+    none = csr_matrix((rows.count, price.size))
+    equal = csr_matrix(vstack([rows.tangential[stick], *(g.volumetric for g in program.groups)]))
+    found = linprog(
+        np.concatenate([-program.reference_load, price]),
+        A_ub=vstack(
+            [
+                hstack([costly, -bar]),
+                hstack([-costly, -bar]),
+                hstack([dilated - rows.normal, none]),
+                hstack([-dilated - rows.normal, none]),
+            ]
+        ),
+        b_ub=np.concatenate([np.zeros(2 * price.size), contact.shift, contact.shift]),
+        A_eq=hstack([equal, csr_matrix((equal.shape[0], price.size))]),
+        b_eq=np.zeros(equal.shape[0]),
+        bounds=[(-1, 1)] * n + [(0, None)] * price.size,
+        method="highs",
+        options={
+            "primal_feasibility_tolerance": _SHARP,
+            "dual_feasibility_tolerance": _SHARP,
+            "time_limit": _SECONDS,
+        },
+    )
+    if found.x is None:
+        return None
+    velocity = units.unknowns * np.asarray(found.x, dtype=float)[:n]
+    power = float(driven.reference_load @ velocity)
+    return velocity / power if power > 0 else None
+
+
+def _moving(driven: KinematicProgram, velocity: Floats) -> ProgramState:
+    """A state without stresses and reactions."""
+    rows, sizes = driven.contact, [(group.weights.size, group.dim) for group in driven.groups]
+    return ProgramState(
+        velocity=velocity,
+        load_factor=1.0,
+        stress=tuple(np.zeros(size) for size in sizes),
+        mean_stress=tuple(np.zeros(count) for count, _ in sizes),
+        normal_reaction=np.zeros(rows.count),
+        tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
+    )

@@ -18,15 +18,15 @@ from lacore.assembly import Discretisation
 from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
 from lacore.certificate import Certificate, certify
 from lacore.conversion import point_in_program, point_in_si
+from lacore.coulomb_bounds import kinematic_power
 from lacore.faces import Face, faces, ray_program
-from lacore.isolation import preparing
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
     dimensionless,
-    reaction_contact,
     require_homogeneous,
 )
+from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -217,7 +217,7 @@ def _end(
     alpha = sign * float(np.maximum(dual.load_factor, bound))
     point = face.state(dual, alpha)
     certificate = certify(face.original, point)
-    slack = tolerance * _power(face.original, point)
+    slack = tolerance * kinematic_power(face.original, point)
     proven = abs(bound - dual.load_factor) <= slack
     if not (proven and certificate.holds(tolerance)):
         return None
@@ -239,21 +239,13 @@ def _bound(
     return dissipated - float(program.dead_load @ v)
 
 
-def _power(program: KinematicProgram, point: ProgramState) -> float:
-    """Power that a state turns over: the scale of (T15)."""
-    u = point.velocity
-    bound = reaction_contact(program.contact, point.normal_reaction).bound
-    dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, bound)
-    return dissipated + abs(float(program.dead_load @ u))
-
-
 def _unbounded(face: Face, sign: float, prepare: Prepare, tolerance: float) -> End | None:
     """Proof that there is no end; None where it fails."""
     dual, _ = _solve(*ray_program(face, sign), prepare)
     if dual is None:
         return None
     ray, found = face.ray(dual, sign), face.point
-    reach = _FAR * _power(face.original, found)
+    reach = _FAR * kinematic_power(face.original, found)
     far = ProgramState(
         velocity=found.velocity,
         load_factor=found.load_factor + sign * reach,

@@ -11,17 +11,17 @@ import numpy as np
 import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
-from lacore.backend import Backend, PreparedSolver, check_capable, find_backend, read_options
+from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.certificate import certify
 from lacore.certified import certified_loop
+from lacore.claims import CLAIMED, judged_claim
 from lacore.conversion import point_in_si
 from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.coupling import Coupled, CouplingOptions, Iterate
-from lacore.dead_collapse import collapses
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError, require_known
 from lacore.hinging import ROUNDS, excess, hinged
-from lacore.isolation import SolverProcess, preparing
+from lacore.isolation import SolverProcess
 from lacore.loops import (
     Coupling,
     associated,
@@ -38,9 +38,11 @@ from lacore.program import (
     Scales,
     associated_contact,
     dimensionless,
+    frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
 from lacore.result import LimitState
+from lacore.solvers import preparing
 from lacore.spaces import SPACES
 from lacore.stability import warning
 from lacore.status import Rigor, Status
@@ -58,6 +60,8 @@ _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
+_JUDGE = "clarabel"
+"""Exact backend that proves what a regularised one claims."""
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
 
@@ -152,26 +156,30 @@ def _solved(
     with ExitStack() as stack:
         if process is None and engine.capabilities.isolated:
             process = stack.enter_context(SolverProcess())
-        solver: PreparedSolver
-        if process is None:
-            solver = engine.prepare(program, engine_options)
-        else:
-            solver = isolated = process.prepare(engine, program, engine_options)
-            built += isolated.load_time  # no part of the solve
+        if process is not None:
+            built += process.load(engine)  # no part of the solve
+        prepare = stack.enter_context(preparing(engine, engine_options, process))
+        solver = prepare(program)
         stack.callback(solver.close)
         couple = COUPLINGS[coupling]
         if couple is certified_loop and process is None:
-            couple = partial(
-                certified_loop, prepare=partial(engine.prepare, options=engine_options)
-            )
+            couple = partial(certified_loop, prepare=prepare)
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
-    if coupled.status is Status.LOCKED and not regularised:
-        laws = coupled.laws or associated_contact(program.contact)
-        with preparing(engine, engine_options) as prepare:
-            if collapses(program, laws, prepare, tolerance):
-                coupled = replace(coupled, status=Status.UNSAFE)
+    if coupled.status in CLAIMED:
+        judge = find_backend(_JUDGE) if regularised else engine
+        settings = read_options(judge, {}) if regularised else engine_options
+        with preparing(judge, settings) as prepare:
+            status, why = judged_claim(
+                coupled.status,
+                program,
+                coupled.laws or frictionless_contact(program.contact),
+                coupled.laws or associated_contact(program.contact),
+                prepare,
+                tolerance,
+            )
+        coupled = replace(coupled, status=status, note=why)
     state = limit_state(
         problem,
         program,
@@ -286,6 +294,8 @@ def limit_state(
         message += f"; {corners}"
     if wary := warning(coupled, load_factor):
         message += f"; {wary}"
+    if coupled.note:
+        message += f"; {coupled.note}"
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.LOCKED and discretisation.bodies:

@@ -12,14 +12,14 @@ from lacore.admissible import margins, scaled, weaker, within_friction
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
 from lacore.certificate import Certificate, certify
-from lacore.dead_collapse import collapses
+from lacore.claims import judged_claim
 from lacore.errors import CapabilityError, SolveError
-from lacore.isolation import preparing
 from lacore.polygonal import POLYGON
 from lacore.precision import exactness, smallest_angle
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.projection import in_equilibrium
+from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.static_model import StaticModel, static_model
 from lacore.status import Rigor, Status
@@ -161,8 +161,7 @@ def lower_bound(
         if attempts[-1].state is None:
             status = inner.status
             laws = associated_contact(program.contact)
-            if status is Status.LOCKED and collapses(program, laws, prepare, _TOLERANCE):
-                status = Status.UNSAFE
+            status, _ = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
     bound = _bound(model, program, status, attempts, backend, options or {}, built - begin, built)
     if throw and status is not Status.SOLVED:
         raise SolveError(bound.message, bound)

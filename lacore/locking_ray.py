@@ -1,0 +1,103 @@
+"""Whether a load is locked: reactions that carry it alone, with no strength called on (T13).
+
+``F0 . u <= 0`` for every admissible velocity u if and only if F0 is balanced by normal forces,
+forces of points that stick, and mean stresses of incompressible bodies (Farkas). Such reactions may
+be multiplied by any number: the load factor is +inf. They are looked for by a linear program and
+recomputed here; near misses, an incline of 1e-9, are none: what is left must be round-off.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
+from scipy.sparse.linalg import lsmr
+
+from lacore.arrays import Floats, Sparse
+from lacore.program import FrozenContact, KinematicProgram
+
+_ROUND_OFF = 1e-12  # of all forces on a part: sums of a thousand terms in double precision
+_SHARP = 1e-10
+_SECONDS = 60.0
+_SWEEPS = 2000
+_CARRIES = 1e-9  # of the largest multiplier: smaller ones are the linear program's tolerance
+
+
+@dataclass(frozen=True)
+class LockingRay:
+    """Reactions that carry the reference load alone, per load factor.
+
+    Attributes:
+        residual: largest force that is left, per sum of the sizes of the forces on its part.
+        release: power that shifts of contact points allow, as a load factor: it is +inf only where
+            this is below 1 per unit of ``F0.u``.
+    """
+
+    residual: float
+    release: float
+
+    @property
+    def proves(self) -> bool:
+        """Whether no admissible velocity feels the load; false for NaN."""
+        return self.residual <= _ROUND_OFF and self.release < 1 - _CARRIES
+
+
+def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay:
+    """The reactions that come closest to carrying ``F0`` alone.
+
+    For plane problems (one tangential direction).
+    """
+    rows = program.contact
+    dilated = csr_matrix(diags_array(contact.dilatancy) @ rows.tangential)
+    pressing = csr_matrix(vstack([rows.normal - dilated, rows.normal + dilated]))
+    free = csr_matrix(
+        vstack(
+            [
+                rows.tangential[np.repeat(np.isinf(contact.bound), rows.tangent_dim)],
+                *(group.volumetric for group in program.groups),
+            ]
+        )
+    )
+    load = np.abs(program.reference_load).max()
+    multipliers = _carried(pressing, free, -program.reference_load / load)
+    if multipliers is None:
+        return LockingRay(np.nan, np.nan)
+    pressed, _ = np.split(multipliers, [pressing.shape[0]])
+    carried = csr_matrix(vstack([pressing, free])).T
+    left = np.abs(carried @ multipliers + program.reference_load / load)
+    sizes = abs(carried) @ np.abs(multipliers) + np.abs(program.reference_load) / load
+    on_part = np.bincount(program.part, weights=sizes)[program.part]
+    acting = on_part > 0
+    return LockingRay(
+        residual=float(np.max(left[acting] / on_part[acting], initial=0.0)),
+        release=load * float(pressed @ np.concatenate([contact.shift, contact.shift])),
+    )
+
+
+def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
+    """Multipliers, of `pressing` >= 0, that leave the least of a load; None where none is found."""
+    count, n = pressing.shape
+    forces = csr_matrix(vstack([pressing, free])).T
+    found = linprog(
+        np.concatenate([np.zeros(forces.shape[1]), np.ones(2 * n)]),
+        A_eq=hstack([forces, eye_array(n), -eye_array(n)]),
+        b_eq=wanted,
+        bounds=[(0, None)] * count + [(None, None)] * free.shape[0] + [(0, None)] * (2 * n),
+        method="highs",
+        options={
+            "primal_feasibility_tolerance": _SHARP,
+            "dual_feasibility_tolerance": _SHARP,
+            "time_limit": _SECONDS,
+        },
+    )
+    if found.x is None:
+        return None
+    multipliers = np.array(found.x[: forces.shape[1]])
+    carries = np.abs(multipliers) > _CARRIES * np.abs(multipliers).max(initial=0.0)
+    multipliers[~carries] = 0.0
+    own = csr_matrix(forces[:, carries])
+    rest = wanted - own @ multipliers[carries]
+    change = lsmr(own, rest, atol=0.0, btol=0.0, conlim=0.0, maxiter=_SWEEPS)[0]
+    multipliers[carries] += change
+    multipliers[:count] = np.maximum(multipliers[:count], 0.0)
+    return np.asarray(multipliers)
