@@ -9,20 +9,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
+from lacore.linear_program import least
 from lacore.part_forces import own_loads
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.rescaling import PartUnits
 from lacore.rigid_cleaning import cleaned
 from lacore.state import ProgramState
-
-_SHARP = 1e-10
-_SECONDS = 60.0
 
 
 @dataclass(frozen=True)
@@ -147,30 +144,31 @@ def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
     bar = eye_array(price.size)
     none = csr_matrix((rows.count, price.size))
     equal = csr_matrix(vstack([rows.tangential[stick], *(g.volumetric for g in program.groups)]))
-    found = linprog(
+    found = least(
         np.concatenate([-program.reference_load, price]),
-        A_ub=vstack(
-            [
-                hstack([costly, -bar]),
-                hstack([-costly, -bar]),
-                hstack([dilated - rows.normal, none]),
-                hstack([-dilated - rows.normal, none]),
-            ]
+        at_most=(
+            csr_matrix(
+                vstack(
+                    [
+                        hstack([costly, -bar]),
+                        hstack([-costly, -bar]),
+                        hstack([dilated - rows.normal, none]),
+                        hstack([-dilated - rows.normal, none]),
+                    ]
+                )
+            ),
+            np.concatenate([np.zeros(2 * price.size), contact.shift, contact.shift]),
         ),
-        b_ub=np.concatenate([np.zeros(2 * price.size), contact.shift, contact.shift]),
-        A_eq=hstack([equal, csr_matrix((equal.shape[0], price.size))]),
-        b_eq=np.zeros(equal.shape[0]),
-        bounds=[(-1, 1)] * n + [(0, None)] * price.size,
-        method="highs",
-        options={
-            "primal_feasibility_tolerance": _SHARP,
-            "dual_feasibility_tolerance": _SHARP,
-            "time_limit": _SECONDS,
-        },
+        equal=(
+            csr_matrix(hstack([equal, csr_matrix((equal.shape[0], price.size))])),
+            np.zeros(equal.shape[0]),
+        ),
+        lower=np.concatenate([np.full(n, -1.0), np.zeros(price.size)]),
+        upper=np.concatenate([np.ones(n), np.full(price.size, np.inf)]),
     )
-    if found.x is None:
+    if found is None:
         return None
-    velocity = units.unknowns * np.asarray(found.x, dtype=float)[:n]
+    velocity = units.unknowns * found[:n]
     power = float(driven.reference_load @ velocity)
     return velocity / power if power > 0 else None
 

@@ -9,16 +9,14 @@ recomputed here; near misses, an incline of 1e-9, are none: what is left must be
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Floats, Sparse
+from lacore.linear_program import least
 from lacore.program import FrozenContact, KinematicProgram
 
 _ROUND_OFF = 1e-12  # of all forces on a part: sums of a thousand terms in double precision
-_SHARP = 1e-10
-_SECONDS = 60.0
 _SWEEPS = 2000
 _CARRIES = 1e-9  # of the largest multiplier: smaller ones are the linear program's tolerance
 
@@ -78,21 +76,17 @@ def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:
     """Multipliers, of `pressing` >= 0, that leave the least of a load; None where none is found."""
     count, n = pressing.shape
     forces = csr_matrix(vstack([pressing, free])).T
-    found = linprog(
+    free_ones = forces.shape[1] - count
+    found = least(
         np.concatenate([np.zeros(forces.shape[1]), np.ones(2 * n)]),
-        A_eq=hstack([forces, eye_array(n), -eye_array(n)]),
-        b_eq=wanted,
-        bounds=[(0, None)] * count + [(None, None)] * free.shape[0] + [(0, None)] * (2 * n),
-        method="highs",
-        options={
-            "primal_feasibility_tolerance": _SHARP,
-            "dual_feasibility_tolerance": _SHARP,
-            "time_limit": _SECONDS,
-        },
+        at_most=(csr_matrix((0, forces.shape[1] + 2 * n)), np.zeros(0)),
+        equal=(csr_matrix(hstack([forces, eye_array(n), -eye_array(n)])), wanted),
+        lower=np.concatenate([np.zeros(count), np.full(free_ones, -np.inf), np.zeros(2 * n)]),
+        upper=np.full(forces.shape[1] + 2 * n, np.inf),
     )
-    if found.x is None:
+    if found is None:
         return None
-    multipliers = np.array(found.x[: forces.shape[1]])
+    multipliers = found[: forces.shape[1]]
     carries = np.abs(multipliers) > _CARRIES * np.abs(multipliers).max(initial=0.0)
     multipliers[~carries] = 0.0
     own = csr_matrix(forces[:, carries])

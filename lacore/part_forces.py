@@ -17,7 +17,7 @@ _SUMMED = 1e-13  # of the largest force: smaller ones are round-off of sums
 def own_loads(program: KinematicProgram, load_factor: float) -> Floats:
     """Sum of the sizes of all loads on each part, shape (parts,)."""
     loads = abs(load_factor) * np.abs(program.reference_load) + np.abs(program.dead_load)
-    return np.bincount(program.part, weights=loads, minlength=1)
+    return np.asarray(np.bincount(program.part, weights=loads, minlength=1), dtype=float)
 
 
 def part_forces(program: KinematicProgram, state: ProgramState) -> Floats:

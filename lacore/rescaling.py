@@ -136,10 +136,22 @@ def _points(rows: Sparse, dim: int) -> Sparse:
 
 def _largest(units: Floats, *rows: Sparse) -> Floats:
     """Of the unknowns in each row, 1 in an empty one, shape (m,)."""
-    touched = csr_matrix(sum(abs(part) for part in rows)).tocoo()
-    result = np.zeros(touched.shape[0])
-    np.maximum.at(result, touched.row, units[touched.col])
+    result = np.zeros(rows[0].shape[0])
+    for part in rows:
+        touched = csr_matrix(part).tocoo()
+        np.maximum.at(result, touched.row, units[touched.col])
     return np.where(result > 0, result, 1.0)
+
+
+def largest_residual(
+    program: KinematicProgram, answer: InnerSolution, contact: FrozenContact
+) -> float:
+    """Of an answer, by the laws that it was asked with; infinite without a point."""
+    point = checked_answer(program, False, answer).point
+    if point is None:
+        return np.inf
+    worst = certify(program, point, contact).worst[1]
+    return worst if np.isfinite(worst) else np.inf
 
 
 class RescalingSolver:
@@ -164,7 +176,7 @@ class RescalingSolver:
         if self._units is not None and best.point is None and best.status not in _CLAIMS:
             self._renew(None)
             best = self._asked(contact)
-        residual = self._residual(best, contact)
+        residual = largest_residual(self._program, best, contact)
         for _ in range(_TRIES):
             if best.point is None or residual <= _GOOD:
                 break
@@ -175,18 +187,19 @@ class RescalingSolver:
                 break
             self._renew(better)
             answer = self._asked(contact)
-            spent = {
-                "iterations": best.iterations + answer.iterations,
-                "solve_time": best.solve_time + answer.solve_time,
-            }
-            found = self._residual(answer, contact)
+            found = largest_residual(self._program, answer, contact)
+            closer = answer if found < residual else best
+            best = replace(
+                closer,
+                iterations=best.iterations + answer.iterations,
+                solve_time=best.solve_time + answer.solve_time,
+            )
             if not found < residual:
-                best = replace(best, **spent)
                 break
-            best, residual = replace(answer, **spent), found
+            residual = found
         if self._units is not None and best.point is not None and residual > _GOOD:
             point = cleaned(self._program, best.point, contact)
-            if self._residual(replace(best, point=point), contact) < residual:
+            if largest_residual(self._program, replace(best, point=point), contact) < residual:
                 return replace(best, point=point)
         return best
 
@@ -202,12 +215,6 @@ class RescalingSolver:
         answer = checked_answer(self._program, False, answer)
         point = answer.point
         return answer if point is None else replace(answer, point=self._units.back(point))
-
-    def _residual(self, answer: InnerSolution, contact: FrozenContact) -> float:
-        if checked_answer(self._program, False, answer).point is None or answer.point is None:
-            return np.inf
-        worst = certify(self._program, answer.point, contact).worst[1]
-        return worst if np.isfinite(worst) else np.inf
 
     def close(self) -> None:
         """Close the solver at work."""

@@ -7,17 +7,15 @@ power. Its velocity, power per its small force, carries noise that is large besi
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, hstack, vstack
 
 from lacore.arrays import Floats
+from lacore.linear_program import least
 from lacore.part_forces import part_forces
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 
 _LIGHTEST = 1e-6  # price of a light part's velocity; a heavy one costs 1
-_SHARP = 1e-10  # of the largest velocity: rows of the program are met by that
-_SECONDS = 20.0
 
 
 def cleaned(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> ProgramState:
@@ -51,23 +49,17 @@ def cleaned(program: KinematicProgram, point: ProgramState, contact: FrozenConta
     forces = part_forces(program, point)
     price = np.maximum(forces / forces.max(), _LIGHTEST)[program.part[free]]
     over, even = inequal[:, free], equal[:, free]
-    found = linprog(
+    found = least(
         np.concatenate([price, price]),
-        A_ub=hstack([-over, over]),
-        b_ub=inequal @ u + shift,
-        A_eq=hstack([even, -even]),
-        b_eq=wanted - equal @ u,
-        method="highs",
-        options={
-            "primal_feasibility_tolerance": _SHARP,
-            "dual_feasibility_tolerance": _SHARP,
-            "time_limit": _SECONDS,
-        },
+        at_most=(csr_matrix(hstack([-over, over])), inequal @ u + shift),
+        equal=(csr_matrix(hstack([even, -even])), wanted - equal @ u),
+        lower=np.zeros(2 * free.size),
+        upper=np.full(2 * free.size, np.inf),
     )
-    if found.x is None:
+    if found is None:
         return point
     change = np.zeros(program.n)
-    more, less = np.split(np.asarray(found.x, dtype=float), 2)
+    more, less = np.split(found, 2)
     change[free] = (more - less) * size
     velocity: Floats = point.velocity + change
     return replace(point, velocity=velocity)

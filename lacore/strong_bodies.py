@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import bmat, csc_matrix, csr_matrix, diags_array, identity, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags_array, hstack, identity, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
-from lacore.certificate import certify
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -27,6 +26,7 @@ from lacore.program import (
     dimensionless,
     reduced,
 )
+from lacore.rescaling import largest_residual
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Status
 
@@ -60,13 +60,16 @@ class StrongBodySolver:
             return self._plain(contact)
         self.close()  # a process holds one program
         rigid = self._rigid(strong, weak, contact)
-        if rigid.status is Status.UNSAFE or self._residual(rigid, contact) <= _GOOD:
+        if (
+            rigid.status is Status.UNSAFE
+            or largest_residual(self._program, rigid, contact) <= _GOOD
+        ):
             return rigid
         self._failures += 1
         answer = self._plain(contact)
         if not isinstance(answer, InnerSolution):
             return answer
-        best = min((rigid, answer), key=lambda one: self._residual(one, contact))
+        best = min((rigid, answer), key=lambda one: largest_residual(self._program, one, contact))
         return replace(
             best if best.point is not None else answer,
             iterations=rigid.iterations + answer.iterations,
@@ -94,12 +97,6 @@ class StrongBodySolver:
         if answer.point is None:
             return answer
         return replace(answer, point=stiff.lifted(_times(answer.point, weak)))
-
-    def _residual(self, answer: InnerSolution, contact: FrozenContact) -> float:
-        if checked_answer(self._program, False, answer).point is None or answer.point is None:
-            return np.inf
-        worst = certify(self._program, answer.point, contact).worst[1]
-        return worst if np.isfinite(worst) else np.inf
 
     def close(self) -> None:
         """Close the solver of the whole program."""
@@ -159,9 +156,12 @@ class _Stiff:
         rows = [
             _scaled(group) for group, own in zip(self.whole.groups, self.strong, strict=True) if own
         ]
-        stiffness = csr_matrix(sum(part.T @ part for part in rows))
+        every = csr_matrix(vstack(rows))
+        stiffness = csr_matrix(every.T @ every)
         basis = self.basis * float(stiffness.diagonal().max())
-        return stiffness, csc_matrix(bmat([[stiffness, basis], [basis.T, None]]))
+        none = csr_matrix((basis.shape[1], basis.shape[1]))
+        upper, lower = hstack([stiffness, basis]), hstack([basis.T, none])
+        return stiffness, csc_matrix(vstack([upper, lower]))
 
     def lifted(self, point: ProgramState) -> ProgramState:
         """A state of the whole program: the stresses of strong groups are those of elastic ones."""
@@ -219,7 +219,7 @@ def _rigid_motions(rows: Sparse) -> Sparse:
         own = np.flatnonzero((part == number) & ~untouched)
         if own.size:
             columns.append(_motions_of(csc_matrix(stiffness[own][:, own]), own, n))
-    return csr_matrix(bmat([columns]))
+    return csr_matrix(hstack(columns))
 
 
 def _motions_of(stiffness: csc_matrix, own: Ints, n: int) -> Sparse:
