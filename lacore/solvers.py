@@ -11,6 +11,8 @@ from lacore.rescaling import RescalingSolver
 from lacore.strong_bodies import StrongBodySolver
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
+JUDGE = "clarabel"
+"""Exact backend that proves what regularised ones claim, which prove no equilibrium."""
 
 
 @contextmanager

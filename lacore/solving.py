@@ -42,7 +42,7 @@ from lacore.program import (
 )
 from lacore.regularization import RegularisedValues
 from lacore.result import LimitState
-from lacore.solvers import preparing
+from lacore.solvers import JUDGE, preparing
 from lacore.spaces import SPACES
 from lacore.stability import warning
 from lacore.status import Rigor, Status
@@ -60,8 +60,6 @@ _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
-_JUDGE = "clarabel"
-"""Exact backend that proves what a regularised one claims."""
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
 
@@ -168,7 +166,7 @@ def _solved(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
     if coupled.status in CLAIMED:
-        judge = find_backend(_JUDGE) if regularised else engine
+        judge = find_backend(JUDGE) if regularised else engine
         settings = read_options(judge, {}) if regularised else engine_options
         with preparing(judge, settings) as prepare:
             status, why = judged_claim(

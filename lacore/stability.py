@@ -31,12 +31,11 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
-from lacore.solvers import preparing
+from lacore.solvers import JUDGE, preparing
 from lacore.span_moments import span_excess
 from lacore.state import ProgramState
 from lacore.status import Status
 
-_JUDGE = "clarabel"  # of states of regularised backends, which prove no equilibrium
 _INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
@@ -124,7 +123,7 @@ def stability_of(
     )
     engine = find_backend(backend)
     if engine.capabilities.regularised:
-        engine, options, load_factor = find_backend(_JUDGE), {}, np.nan
+        engine, options, load_factor = find_backend(JUDGE), {}, np.nan
     program = dimensionless(discretisation.program, discretisation.natural)
     rows, scale = program.contact, discretisation.natural.load_factor
     laws = laws_of(coupling, rows) or associated_contact(rows)
