@@ -110,6 +110,15 @@ def require_range(field: str, *values: object) -> None:
             )
 
 
+def require_place(field: str, place: object) -> None:
+    """Raise `InputError` where coordinates are too large to be multiplied.
+
+    Small ones are places near the origin: what turning a frame leaves of a zero, say.
+    """
+    size = np.abs(np.asarray(place, dtype=np.float64))
+    require_range(field, np.where(size < 1, 0.0, size))
+
+
 def require_count(field: str, value: int) -> None:
     """Raise `InputError` unless `value` is a positive whole number that solvers can count to."""
     if not (isinstance(value, Integral) and not isinstance(value, bool) and value > 0):

@@ -11,7 +11,7 @@ from math import inf, radians, tan
 import numpy as np
 
 from lacore.boundaries import Where, where_name
-from lacore.errors import InputError, is_number, is_plane_vector, require_range
+from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_range
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
 
@@ -137,7 +137,7 @@ class RigidObstacle:
                 raise InputError(
                     "RigidObstacle.normal", self.normal, "has no direction", "give a vector != 0"
                 )
-            require_range("RigidObstacle.point", self.point)
+            require_place("RigidObstacle.point", self.point)
             require_range("RigidObstacle.normal", self.normal)
 
 

@@ -11,7 +11,14 @@ from math import hypot
 import numpy as np
 
 from lacore.boundaries import Where, where_name
-from lacore.errors import InputError, is_number, is_plane_vector, require_known, require_range
+from lacore.errors import (
+    InputError,
+    is_number,
+    is_plane_vector,
+    require_known,
+    require_place,
+    require_range,
+)
 
 COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
 
@@ -118,7 +125,7 @@ class PointForce:
         if not (isinstance(self.at, str) or is_plane_vector(self.at)):
             raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
         if not isinstance(self.at, str):
-            require_range("PointForce.at", self.at)
+            require_place("PointForce.at", self.at)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from lacore.errors import (
     is_number,
     is_plane_vector,
     require_known,
+    require_place,
     require_range,
     suggest,
 )
@@ -57,7 +58,7 @@ def read_nodes(nodes: Mapping[str, tuple[float, float]]) -> tuple[tuple[str, ...
             raise InputError("Frame.nodes", name, "not the name of a node", "give a text")
         if not is_plane_vector(place):
             raise InputError(f"Frame.nodes[{name!r}]", place, "not a place", "give (x, y) in m")
-        require_range(f"Frame.nodes[{name!r}]", place)
+        require_place(f"Frame.nodes[{name!r}]", place)
     return tuple(nodes), np.array([list(place) for place in nodes.values()], dtype=np.float64).T
 
 

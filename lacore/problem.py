@@ -20,7 +20,7 @@ from lacore.contact_geometry import (
 )
 from lacore.corners import resting_corners
 from lacore.curved import vertices
-from lacore.errors import InputError, is_plane_vector, require_known, require_range, suggest
+from lacore.errors import InputError, is_plane_vector, require_known, require_place, suggest
 from lacore.frame_dofs import COMPONENTS as NODE_COMPONENTS
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
@@ -305,7 +305,7 @@ def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")
     if not is_plane_vector(at):
         raise InputError(where, at, "not a point", "give (x, y)")
-    require_range(where, at)
+    require_place(where, at)
     places = vertices(body.mesh)
     distance = np.linalg.norm(places - np.reshape(at, (2, 1)), axis=0)
     nearest = int(np.argmin(distance))

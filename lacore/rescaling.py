@@ -147,10 +147,9 @@ def largest_residual(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact
 ) -> float:
     """Of an answer, by the laws that it was asked with; infinite without a point."""
-    point = checked_answer(program, False, answer).point
-    if point is None:
+    if answer.point is None:
         return np.inf
-    worst = certify(program, point, contact).worst[1]
+    worst = certify(program, answer.point, contact).worst[1]
     return worst if np.isfinite(worst) else np.inf
 
 
@@ -210,7 +209,7 @@ class RescalingSolver:
 
     def _asked(self, contact: FrozenContact) -> InnerSolution:
         if self._units is None:
-            return self._solver.solve(contact)
+            return checked_answer(self._program, False, self._solver.solve(contact))
         answer = self._solver.solve(self._units.contact(contact))
         answer = checked_answer(self._program, False, answer)
         point = answer.point

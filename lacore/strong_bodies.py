@@ -67,8 +67,6 @@ class StrongBodySolver:
             return rigid
         self._failures += 1
         answer = self._plain(contact)
-        if not isinstance(answer, InnerSolution):
-            return answer
         best = min((rigid, answer), key=lambda one: largest_residual(self._program, one, contact))
         return replace(
             best if best.point is not None else answer,

@@ -188,8 +188,8 @@ class AnswersWrongStress(Works):
 
     def solve(self, solver, contact):
         answer = solver.solve(contact)
-        (stress,) = answer.point.stress
-        return replace(answer, point=replace(answer.point, stress=(-stress,)))
+        wrong = tuple(-stress for stress in answer.point.stress)
+        return replace(answer, point=replace(answer.point, stress=wrong))
 
 
 class Talks(Works):

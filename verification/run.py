@@ -230,6 +230,8 @@ class Evidence:
     arrays: bytes
 
 
+FUZZ = "fuzz"
+"""Stands for a coupling in runs of random problems, whose rows keep no evidence."""
 NO_EVIDENCE = Evidence({}, (), b"")
 
 

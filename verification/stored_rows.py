@@ -21,13 +21,13 @@ from lacore.path import Ending, PathStep
 from verification.bracket_judging import STRICT
 from verification.bracketing import BRACKET
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.run import Row
+from verification.run import FUZZ, Row
 
 TEXTS = ("run", "code", "session", "finished", "identity", "row", "residuals", "history")
 """Columns of the store that are text or a number; the seal is of them."""
 _SOLVED = la.Status.SOLVED.label
 _WORDS: Mapping[str, tuple[str, ...]] = {
-    "status": (*(own.label for own in la.Status), "skipped"),
+    "status": (*(own.label for own in la.Status), "skipped", "refused"),
     "rigor": ("", STRICT, *(own.label for own in la.Rigor)),
     "verdict": (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE),
     "ending": ("", *(own.label for own in Ending)),
@@ -233,7 +233,7 @@ def _check_together(
     elif history:
         _check_history(history, _OF_LOOPS)
         _check_loop(row, residuals, history)
-    if row.status == _SOLVED:
+    if row.status == _SOLVED and row.coupling != FUZZ:  # its numbers make it anew
         _check_solved(row, residuals, arrays)
 
 

@@ -347,6 +347,7 @@ def test_slivers_and_other_bodies_are_refused():
     two = la.Problem(
         {"a": la.Body(flat, CRITERION), "b": la.Body(flat, CRITERION)},
         [la.Traction("a", "right", (1, 0))],
+        [la.Fix("a", "left"), la.Fix("b", "left")],
     )
     with pytest.raises(la.InputError, match="one body"):
         la.bracket(two)

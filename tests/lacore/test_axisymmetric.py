@@ -333,7 +333,8 @@ def problem_with(**changes):
                 "bodies": {
                     "b": section("crossed", (0, 1), (0, 1), 2, 2),
                     "plane": la.Body(la.meshes.rectangle((0, 1), (1, 2), 2, 2), S0),
-                }
+                },
+                "supports": [la.Fix("b", "bottom"), la.Fix("plane", "top")],
             },
             ("bodies\\['plane'\\] = 'plane_strain'", "axisymmetric"),
         ),

@@ -11,10 +11,8 @@ from verification.case import Band, Case, Reference, Variant
 from verification.fuzz.classes import CLASSES, draw, random_of
 from verification.fuzz.draw import Rng
 from verification.fuzz.recipe import Recipe, build
-from verification.run import Run
+from verification.run import FUZZ, Run
 
-FUZZ = "fuzz"
-"""Stands for a coupling in runs of random problems."""
 BACKEND = "clarabel"
 
 

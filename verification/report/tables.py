@@ -46,7 +46,7 @@ def results_table(results: pd.DataFrame) -> Table:
 
 def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
     """Whether structures stand under their dead loads, where that was asked."""
-    if not results["standing"].fillna("").ne("").any():
+    if "standing" not in results or not results["standing"].fillna("").ne("").any():
         return ()
     return Column("standing", "dead loads"), Column("side", "holds")
 
