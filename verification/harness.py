@@ -12,11 +12,10 @@ import lacore as la
 from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
 from verification.evidence import evidence_of
-from verification.fuzz.cases import FUZZ
 from verification.fuzz.fuzz_run import run_random
 from verification.judging import FAIL, SKIPPED, about, distance, judge
 from verification.path_run import run_path
-from verification.run import Outcome, Row, Run
+from verification.run import FUZZ, Outcome, Row, Run
 
 _RAW = {"damping": 1.0, "anderson": 0}
 RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
