@@ -58,7 +58,19 @@ def without_dissipation(
         powers = _NO_POWER * max(1.0, float(speed.max()))
         largest = np.full(rows.count, powers)
     dead = abs(float(program.dead_load @ u))
-    return bool(np.all(rubbed <= largest) and dead <= powers and abs(state.load_factor) <= powers)
+    weakest = tolerance * _weakest(program, loads)
+    return bool(np.all(rubbed <= largest) and dead <= powers and abs(state.load_factor) <= weakest)
+
+
+def _weakest(program: KinematicProgram, loads: Floats) -> float:
+    """The least of all strengths, limits of friction and dead loads on parts; 1 without any.
+
+    What a load factor is judged by. The largest velocity is no scale for it: a mode that no load
+    drives may have any.
+    """
+    limit = program.contact.limit
+    sizes = np.concatenate([*(g.bound for g in program.groups), limit[np.isfinite(limit)], loads])
+    return float(sizes[sizes > 0].min()) if np.any(sizes > 0) else 1.0
 
 
 def _fastest(rows: Sparse, dim: int, speed: Floats) -> Floats:

@@ -1,11 +1,14 @@
 """LOCKED, UNSAFE and FREE rest on rays that our own code checks, by the scale of the load (T13)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lacore as la
 from lacore.backend import InnerSolution
 from lacore.dead_collapse import dead_collapse
+from lacore.free_motion import without_dissipation
 from lacore.locking_ray import locking_ray
 from lacore.program import associated_contact, dimensionless, frictionless_contact
 from lacore.solvers import preparing
@@ -167,3 +170,24 @@ def test_outside_of_the_friction_cone_it_is_free():
     state = la.solve(green(0.99))
     assert state.status is la.Status.FREE
     assert "outside of the friction cones" in state.message
+
+
+def test_a_mode_that_no_load_drives_frees_nothing():
+    """A block crushed on a smooth floor may slide at any speed; beside it strain looks small."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 4, 4)
+    problem = la.Problem(
+        {"b": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        [la.Traction("b", "top", (0, -1.0))],
+        interfaces=[la.Interface(("b", "bottom"), la.RigidObstacle((0, 0), (0, 1)), la.SMOOTH)],
+    )
+    program, contact = frozen(problem)
+    backend = la.find_backend("clarabel")
+    with preparing(backend, backend.Options()) as prepare:
+        point = prepare(program).solve(contact).point
+    discretisation = la.discretise(problem)
+    sliding = np.zeros(discretisation.full.n)
+    sliding[discretisation.bodies["b"].dofs[0]] = 1e8
+    mode = np.linalg.lstsq(discretisation.free_basis.toarray(), sliding, rcond=None)[0]
+    moved = replace(point, velocity=point.velocity + mode)
+    assert abs(program.reference_load @ mode) <= 1e-6  # round-off of 1e8
+    assert not without_dissipation(program, moved, contact, 1e-6)
