@@ -115,9 +115,10 @@ def test_time_limit_holds_and_bad_rows_cost_themselves_only(cluster, tmp_path, m
     )
     begin = time.monotonic()
     outcomes = list(
-        dask_execution.execute(runs, client=cluster, folders=[tmp_path], time_limit=1.0)
+        dask_execution.execute(runs, client=cluster, folders=[tmp_path], time_limit=4.0)
     )
-    # Two that hang 3 s each (limit and grace), four quick ones, and processes to start.
+    # Two that hang 6 s each (limit and grace), four that take a fraction of a second, or of the
+    # limit on a busy machine, and processes to start.
     assert time.monotonic() - begin < 60
     by_backend = {(o.row.backend, o.row.status) for o in outcomes}
     assert by_backend == {("Sleeps", "time limit"), ("Exits", "failed"), ("clarabel", "solved")}
