@@ -75,11 +75,16 @@ def in_equilibrium(program: KinematicProgram, state: ProgramState) -> ProgramSta
 
 
 def _mobility(program: KinematicProgram, state: ProgramState) -> tuple[Floats, Floats]:
-    """Squares of how far reactions may move: normal (m,), tangential (m tangent_dim,)."""
+    """Squares of how far reactions may move: normal (m,), tangential (m tangent_dim,).
+
+    In units of the largest of them: what carries a body far stronger than its weight must not be
+    soft beside the body, or its rigid motions drown in the shift.
+    """
     rows = program.contact
-    t_n = np.maximum(state.normal_reaction, 0.0)
-    room = np.minimum(rows.limit + rows.dilatancy * t_n, 1.0)
-    return np.minimum(t_n, 1.0) ** 2, np.repeat(room**2, rows.tangent_dim)
+    t_n = np.minimum(np.maximum(state.normal_reaction, 0.0), 1.0)
+    room = np.minimum(rows.limit + rows.dilatancy * np.maximum(state.normal_reaction, 0.0), 1.0)
+    unit = max(t_n.max(initial=0.0), room.max(initial=0.0)) or 1.0
+    return (t_n / unit) ** 2, np.repeat((room / unit) ** 2, rows.tangent_dim)
 
 
 def _stiffness(program: KinematicProgram, normal: Floats, tangential: Floats) -> Sparse:

@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, diags_array, hstack, identity, vstack
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csc_matrix, csr_matrix, hstack, vstack
 from scipy.sparse.linalg import splu
 
-from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.program import (
     DissipationGroup,
@@ -27,6 +26,7 @@ from lacore.program import (
     reduced,
 )
 from lacore.rescaling import largest_residual
+from lacore.rigid_motions import motions_without_strain, weighted_rows
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Status
 
@@ -34,9 +34,6 @@ Prepare = Callable[[KinematicProgram], PreparedSolver]
 
 _STRONG = 1e3  # strength per what else limits the load; below it solvers have digits enough
 _GOOD = 1e-7  # residual of an answer that needs no second solve
-_SHIFT = 1e-10  # of the stiffness: separates rigid motions from the softest of the others
-_SWEEPS = 4  # of the inverse iteration; each gains as many digits as the shift leaves
-_RIGID = 1e-11  # strain of a rigid motion, per stiffness
 _REFINED = 3
 _PATIENCE = 2  # failures: bodies that do yield are not tried for ever
 
@@ -144,7 +141,7 @@ class _Stiff:
     def of(cls, whole: KinematicProgram, strong: Bools) -> "_Stiff":
         """Rigid motions are found from the rows of the groups."""
         groups = [group for group, own in zip(whole.groups, strong, strict=True) if own]
-        basis = _rigid_motions(csr_matrix(vstack([_scaled(group) for group in groups])))
+        basis = motions_without_strain(groups)
         weak = tuple(group for group, own in zip(whole.groups, strong, strict=True) if not own)
         return cls(whole, strong, basis, reduced(replace(whole, groups=weak), basis))
 
@@ -152,7 +149,9 @@ class _Stiff:
     def _elastic(self) -> tuple[Sparse, csc_matrix]:
         """Stiffness of the strong groups, and the same bordered by what it does not resist."""
         rows = [
-            _scaled(group) for group, own in zip(self.whole.groups, self.strong, strict=True) if own
+            weighted_rows(group)
+            for group, own in zip(self.whole.groups, self.strong, strict=True)
+            if own
         ]
         every = csr_matrix(vstack(rows))
         stiffness = csr_matrix(every.T @ every)
@@ -191,50 +190,3 @@ class _Stiff:
             rest = force - stiffness @ bent
             bent = bent + factor.solve(np.concatenate([rest, none]))[: force.size]
         return np.asarray(bent)
-
-
-def _scaled(group: DissipationGroup) -> Sparse:
-    """Rows of strain and volume times the roots of their weights."""
-    root = np.sqrt(group.weights)
-    return csr_matrix(
-        vstack(
-            [
-                diags_array(np.repeat(root, group.dim)) @ group.rows,
-                diags_array(root) @ group.volumetric,
-            ]
-        )
-    )
-
-
-def _rigid_motions(rows: Sparse) -> Sparse:
-    """Basis of the vectors that rows map to zero, shape (n, free), each of one connected part."""
-    n = rows.shape[1]
-    stiffness = csr_matrix(rows.T @ rows)
-    count, part = connected_components(stiffness, directed=False)
-    untouched = stiffness.diagonal() == 0
-    columns = [csr_matrix(identity(n, format="csr")[:, np.flatnonzero(untouched)])]
-    for number in range(count):
-        own = np.flatnonzero((part == number) & ~untouched)
-        if own.size:
-            columns.append(_motions_of(csc_matrix(stiffness[own][:, own]), own, n))
-    return csr_matrix(hstack(columns))
-
-
-def _motions_of(stiffness: csc_matrix, own: Ints, n: int) -> Sparse:
-    """Those of one part, by inverse iteration on a block that grows until it holds more."""
-    size = float(stiffness.diagonal().max())
-    factor = splu(csc_matrix(stiffness + _SHIFT * size * identity(own.size, format="csc")))
-    rng, width = np.random.default_rng(0), min(4, own.size)
-    while True:
-        block = rng.standard_normal((own.size, width))
-        for _ in range(_SWEEPS):
-            block = np.linalg.qr(factor.solve(block))[0]
-        values, vectors = np.linalg.eigh(block.T @ (stiffness @ block))
-        rigid = block @ vectors[:, values <= _RIGID * size]
-        if rigid.shape[1] < width or width == own.size:
-            break
-        width = min(2 * width, own.size)
-    rigid /= np.abs(rigid).max(axis=0, initial=np.finfo(float).tiny)
-    motions = csr_matrix(rigid)
-    at = np.repeat(own, np.diff(motions.indptr))
-    return csr_matrix((motions.data, (at, motions.indices)), (n, rigid.shape[1]))
