@@ -60,6 +60,19 @@ def test_a_stone_on_a_wall_of_any_weight(ratio):
     assert known.highest == pytest.approx(0.2, rel=BAR)
 
 
+@pytest.mark.parametrize("ratio", [1e-10, 1e-7, 1e-4])
+def test_a_light_block_that_slides_by_itself_carries_nothing(ratio):
+    """Beside a heavy one the tolerance of a linear program is more than its whole weight."""
+    polygons = {"base": BASE, "wall": box(0, 1, 0, 1), "stone": box(2, 3, 0, 1)}
+    dead = [
+        {"load": "BodyForce", "vector": [0.0, -1.0], "where": "wall"},
+        {"load": "BodyForce", "vector": [0.31 * ratio, -ratio], "where": "stone"},
+    ]
+    known = known_of(assembly(polygons, {**PUSH, "where": "wall"}, dead, 0.3))
+    assert not np.isfinite(known.highest)
+    assert known.has_load is not True
+
+
 def test_words():
     between = {"base": BASE, "left": box(-1, 0, 0, 1), "mid": box(0, 1, 0, 1)}
     pressed = {"load": "BodyForce", "vector": [-1.0, 0.0], "where": "mid"}

@@ -73,7 +73,10 @@ def maximum(program: Program) -> Optimum:
         if step is None or isinstance(step, float):
             break
         x, y = x + step[0] / up, y + step[1] / rise
-    off = abs(program.right - matrix @ x)
+    # What lies outside of its bounds counts by what it does to the rows: of a light block, little
+    # is enough to carry it.
+    outside = np.maximum(np.maximum(program.low - x, x - program.high), 0.0)
+    off = abs(program.right - matrix @ x) + np.abs(matrix) @ outside
     scale = np.abs(matrix) @ abs(x) + abs(program.right)
     if np.any(off > _ENOUGH * scale):
         return Optimum(nan)
