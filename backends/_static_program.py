@@ -137,7 +137,8 @@ class StaticProgram:
             values.append(value)
             slopes.append(slope)
             curvature, first = curvature + more, first + part.count
-        power, rows = ca.dot(cost, x), ca.vertcat(*values)
+        # Dense: an unknown that no force can act on leaves a row without an entry.
+        power, rows = ca.dot(cost, x), ca.densify(ca.vertcat(*values))
         return {"x": x, "p": cost, "f": power, "g": rows}, {
             "grad_f": ca.Function("grad_f", [x, cost], [power, cost]),
             "jac_g": ca.Function("jac_g", [x, cost], [rows, ca.vertcat(*slopes)]),

@@ -107,40 +107,33 @@ def certify(
     at_points = forces_at_points(program, by_part)
     moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
     residual = np.abs(out_of_balance(program, state))
-    reaction = max(
+    reaction = _most(
         _largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))),
         forces / _nonzero(float(rows.weights.sum())),
     )
     area = sum(float(group.weights.sum()) for group in program.groups)
-    strain = max(
-        [
-            velocity / np.sqrt(_nonzero(area)),
-            *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
-        ]
+    strain = _most(
+        velocity / np.sqrt(_nonzero(area)),
+        *(_largest(np.linalg.norm(group.cone_vectors(u), axis=1)) for group in program.groups),
     )
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
     return Certificate(
-        equilibrium=max(_largest(residual) / forces, _largest(residual / by_part[program.part])),
-        yield_violation=_largest(
-            np.array(
-                [
-                    _largest(np.linalg.norm(stress, axis=1) / group.bound - 1)
-                    for group, stress in zip(program.groups, state.stress, strict=True)
-                ]
+        equilibrium=_most(_largest(residual) / forces, _largest(residual / by_part[program.part])),
+        yield_violation=_most(
+            *(
+                _largest(_beyond(np.linalg.norm(stress, axis=1), group.bound))
+                for group, stress in zip(program.groups, state.stress, strict=True)
             )
         ),
-        cone=max(
+        cone=_most(
             _largest(np.maximum(excess, -t_n)) / reaction,
             # A short joint carries tractions beside which those of all others look small.
             _largest(rows.weights * np.maximum(excess, -t_n) / at_points),
         ),
-        penetration=max(_largest(inward) / velocity, _largest(inward * at_points) / moving),
-        divergence=_largest(
-            np.array([_largest(np.abs(group.volumetric @ u)) for group in program.groups])
-        )
-        / strain,
+        penetration=_most(_largest(inward) / velocity, _largest(inward * at_points) / moving),
+        divergence=_most(*(_largest(np.abs(g.volumetric @ u)) for g in program.groups)) / strain,
         normalisation=abs(float(program.reference_load @ u) - 1),
         flow=abs(_flow_defect(program, state)) / power,
         slip=float(rows.weights @ np.abs(bipotential)) / power,
@@ -157,8 +150,20 @@ def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
     return defect
 
 
+def _beyond(size: Floats, bound: Floats) -> Floats:
+    """Share by which stresses exceed their bound; what has no strength carries none."""
+    strong = bound > 0
+    share = size / np.where(strong, bound, 1.0) - 1
+    return np.where(strong, share, np.where(size == 0, 0.0, np.where(size > 0, np.inf, np.nan)))
+
+
+def _most(*values: float) -> float:
+    """Largest of values and 0; NaN where there is one (the built-in max may drop it)."""
+    return _largest(np.array(values, dtype=float))
+
+
 def _largest(values: Floats) -> float:
-    """Largest of values and 0; NaN where there is one (the built-in max would drop it)."""
+    """As `_most`, of an array."""
     return float(np.maximum(0.0, values.max())) if values.size else 0.0
 
 

@@ -229,6 +229,12 @@ def test_empty_groups():
     assert [stress.shape for stress in answer.point.stress] == [(0, 2), (1, 2)]
 
 
+def test_an_unknown_that_no_force_acts_on():
+    """Its balance is a row without an entry; it moves or not, and alpha is that of the others."""
+    stated = program([group(np.eye(2, 3), [0, 0, 0], 2.0, 3.0)], no_contact(3), [0.6, 0.8, 0.0])
+    assert solve(stated).point.load_factor == pytest.approx(6.0, abs=BAR)
+
+
 # Statuses.
 
 

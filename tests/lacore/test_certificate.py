@@ -205,6 +205,15 @@ def test_one_nan_is_refused(name):
     assert not certify(d.program, replace(state, **{name: spoilt})).holds(1e300)
 
 
+def test_what_has_no_strength_carries_no_stress():
+    d, state = SLIDING
+    (group,) = d.program.groups
+    program = replace(d.program, groups=(replace(group, bound=0 * group.bound),))
+    assert certify(program, state).yield_violation == np.inf
+    slack = replace(state, stress=tuple(0 * stress for stress in state.stress))
+    assert certify(program, slack).yield_violation == 0.0
+
+
 def test_the_right_residual_speaks():
     """Errors that touch one law only are reported under its name, the others stay silent."""
 
