@@ -40,6 +40,14 @@ def test_more_random_problems(kind):
     assert not [wrong for wrong in (judged(kind, n) for n in range(FEW, MANY)) if wrong]
 
 
+@pytest.mark.parametrize(("kind", "number"), [("axisymmetric", 1035), ("two-bodies", 360)])
+def test_what_was_found_wrong_before_is_right(kind, number):
+    """A row that nothing enters; stick that slips at the strength where a footing begins."""
+    found = examine(draw(kind, 1, number), random_of(kind, 1, number, "examine"))
+    assert found.wrong is None
+    assert found.status in ("solved", "unsafe")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_recipe_is_plain_data_and_always_the_same(kind):
     for number in range(5):

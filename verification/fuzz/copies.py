@@ -14,6 +14,7 @@ from verification.fuzz.recipe import Recipe, copied
 
 _SWAPPED = {"x": "y", "y": "x"}
 _AXES = ("x", "y")
+_ROUGHER = 3.0  # times a coefficient of friction
 
 
 def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> Recipe:
@@ -205,13 +206,14 @@ COPIES: Mapping[str, Callable[[Recipe, Rng], Recipe]] = {
 
 
 def with_law(recipe: Recipe, kind: str) -> Recipe:
-    """Coulomb's law ``associated``, ``smooth`` or ``stick`` wherever it stands."""
+    """Coulomb's law ``associated``, or so and ``rougher``, ``smooth`` or ``stick``."""
     made = copied(recipe)
 
     def other(law: Any) -> Any:
         if isinstance(law, str | Mapping):
             return law
-        return {"associated": law} if kind == "associated" else kind
+        factor = {"associated": 1.0, "rougher": _ROUGHER}.get(kind)
+        return kind if factor is None else {"associated": factor * law}
 
     for body in made["bodies"].values():
         if body["kind"] == "blocks":
