@@ -4,13 +4,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, PPoly
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_positive
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator, PPoly
 
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])
 _KINKS = 0.25  # of the samples may lie at corners of a law
@@ -212,11 +214,14 @@ class Table:
         return np.asarray(np.where(np.asarray(strain) > self.strains[-1], 0.0, slopes))
 
     @cached_property
-    def _curve(self) -> PchipInterpolator:
+    def _curve(self) -> "PchipInterpolator":
+        # Here: it takes half a second to load, and only tables have a use for it.
+        from scipy.interpolate import PchipInterpolator
+
         return PchipInterpolator(self.strains, self.stresses)
 
     @cached_property
-    def _slope(self) -> PPoly:
+    def _slope(self) -> "PPoly":
         return self._curve.derivative()
 
 

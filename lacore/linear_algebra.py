@@ -5,22 +5,15 @@ small dense blocks D that change and rows R that do not, and the solution with K
 """
 
 from collections.abc import Sequence
-from copy import copy
 from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, csr_matrix, vstack
+from scipy.sparse import csc_array, csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.errors import LacoreError
-
-try:
-    import pypardiso
-    from pypardiso.pardiso_wrapper import PyPardisoError
-except ImportError:  # an extra
-    pypardiso = None
 
 
 class SingularError(LacoreError):
@@ -88,7 +81,19 @@ class SymmetricSolver(Protocol):
 
 def symmetric_solver() -> SymmetricSolver:
     """The best solver installed: PARDISO (extra ``fast``), else SuperLU."""
-    return SuperLU() if pypardiso is None else Pardiso()
+    fast = fast_solver()
+    return SuperLU() if fast is None else fast()
+
+
+@cache
+def fast_solver() -> type[SymmetricSolver] | None:
+    """PARDISO where it is installed, else None."""
+    try:
+        # Here: MKL takes half a second to load, and only second-order methods have a use for it.
+        from lacore.pardiso import Pardiso
+    except ImportError:  # an extra
+        return None
+    return Pardiso
 
 
 class SuperLU:
@@ -119,65 +124,3 @@ class SuperLU:
     def close(self) -> None:
         """See `SymmetricSolver`."""
         self._factor = None
-
-
-@cache
-def _loaded() -> Any:
-    """A solver that is never used: looking for the library takes longer than a small solve."""
-    return pypardiso.PyPardisoSolver(mtype=_POSITIVE_DEFINITE)
-
-
-_ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
-_POSITIVE_DEFINITE = 2
-
-
-class Pardiso:
-    """Intel MKL PARDISO: analyses a pattern once, and factorises ten times faster than SuperLU."""
-
-    name = "PARDISO"
-
-    def __init__(self) -> None:
-        self._solver = copy(_loaded())
-        self._solver.pt = np.zeros_like(self._solver.pt)
-        self._solver.iparm = np.zeros_like(self._solver.iparm)
-        self._pattern: tuple[Any, Any] | None = None
-        self._upper: Any = None  # which entries of the matrix are in its upper triangle
-        self._matrix: Any = None
-
-    def factorise(self, matrix: Sparse) -> None:
-        """See `SymmetricSolver`."""
-        if self._pattern is None or not (
-            np.array_equal(self._pattern[0], matrix.indptr)
-            and np.array_equal(self._pattern[1], matrix.indices)
-        ):
-            self._analyse(matrix)
-        self._matrix.data[:] = matrix.data[self._upper]
-        self._call(_FACTORISE, np.zeros(matrix.shape[0]))
-
-    def solve(self, right: Floats) -> Floats:
-        """See `SymmetricSolver`."""
-        return np.asarray(self._call(_SOLVE, np.array(right)))
-
-    def close(self) -> None:
-        """See `SymmetricSolver`."""
-        self._solver.free_memory(everything=True)
-        self._pattern = None
-
-    def _analyse(self, matrix: Sparse) -> None:
-        self._solver.free_memory(everything=True)
-        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-        self._upper = np.flatnonzero(matrix.indices >= row)
-        starts = np.searchsorted(self._upper, matrix.indptr)
-        self._matrix = csr_array(
-            (matrix.data[self._upper], matrix.indices[self._upper], starts), shape=matrix.shape
-        )
-        self._call(_ANALYSE, np.zeros(matrix.shape[0]))
-        self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
-
-    def _call(self, phase: int, right: Floats) -> Any:
-        # Its public methods analyse anew with every matrix, which takes ten factorisations.
-        self._solver.set_phase(phase)
-        try:
-            return self._solver._call_pardiso(self._matrix, right)
-        except PyPardisoError as error:
-            raise SingularError(f"PARDISO: {error}") from error

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import csr_matrix
 
 from lacore.arrays import Floats, Sparse
@@ -41,5 +40,8 @@ def least(
             "time_limit": _SECONDS,
         },
     }
+    # Here: it takes a third of a second to load, and most problems need no such proof.
+    from scipy.optimize import linprog
+
     found = linprog(cost, method="highs", **given)
     return None if found.x is None else np.array(found.x, dtype=float)

@@ -12,7 +12,8 @@ from lacore.approach import gaps
 from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
 from lacore.loads import RigidFooting
-from lacore.path import Ending, Event, Path, PathStep, Snapshot
+from lacore.path import Event, Path, PathStep, Snapshot
+from lacore.path_ending import Ending
 from lacore.progress import Progress
 from lacore.remeshing import NewMeshes
 from lacore.result import LimitState

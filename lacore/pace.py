@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.errors import InputError, require_positive
-from lacore.path import Ending
+from lacore.path_ending import Ending
 from lacore.schemes import PathEndError
 
 _END = 1e-9  # of the travel: what is left is round-off

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from numbers import Integral
 from os import PathLike
 from pathlib import Path as File
@@ -14,43 +13,13 @@ from lacore.arrays import Floats
 from lacore.configuration import Configuration
 from lacore.errors import InputError
 from lacore.flow import Moment, flow
+from lacore.path_ending import Ending
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.staging import Stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-class Ending(Enum):
-    """Why a path ends where it ends. The text says what to do."""
-
-    REACHED = "the travel asked for is reached"
-    INVERSION = (
-        "the next step would turn an element inside out: start from elements that are drawn out"
-        " across the flow, mesh anew from the last configuration, or take smaller steps if these"
-        " are long"
-    )
-    OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
-    STANDSTILL = (
-        "the control does not move in its direction: turn its direction around, or follow another"
-        " point or a footing"
-    )
-    LOCKED = (
-        "no flow at constant volume makes the next step, or one under a load without bound:"
-        " obstacles or supports enclose the bodies, or they harden without end within it"
-    )
-    NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
-    NOT_ITERATED = (
-        "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
-    )
-    NOT_REMESHED = "the new meshes cannot be taken: see the message"
-    STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
-
-    @property
-    def label(self) -> str:
-        """The name as shown in tables: ``not solved``."""
-        return self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)

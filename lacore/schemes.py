@@ -13,7 +13,7 @@ from lacore.control import Gauge
 from lacore.curved import signed_jacobians
 from lacore.errors import InputError
 from lacore.flow import Flow, Moment, flow
-from lacore.path import Ending
+from lacore.path_ending import Ending
 from lacore.selection import LeastNorm, least_norm
 from lacore.staging import Stage
 from lacore.status import Status

@@ -15,7 +15,8 @@ from lacore.flow import Moment, discretised
 from lacore.interfaces import Interface
 from lacore.logbook import Log
 from lacore.pace import AdaptiveSteps, Pace
-from lacore.path import Ending, Path, PathStep
+from lacore.path import Path, PathStep
+from lacore.path_ending import Ending
 from lacore.problem import Problem
 from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
 from lacore.schemes import (

@@ -18,6 +18,7 @@ from lacore.claims import CLAIMED, judged_claim
 from lacore.conversion import point_in_si
 from lacore.coulomb_bounds import kinematic_load_factor
 from lacore.coupling import Coupled, CouplingOptions, Iterate
+from lacore.coupling_names import COUPLINGS
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError, require_known
 from lacore.hinging import ROUNDS, excess, hinged
@@ -47,15 +48,16 @@ from lacore.spaces import SPACES
 from lacore.stability import warning
 from lacore.status import Rigor, Status
 
-COUPLINGS: dict[str, Coupling] = {
-    "certified": certified_loop,
-    "reaction": reaction_loop,
-    "shift": shift_loop,
-    "kappa": kappa_loop,
-    "associated": associated,
-    "frictionless": frictionless,
-    "stick": stick,
-}
+_LOOPS: tuple[Coupling, ...] = (
+    certified_loop,
+    reaction_loop,
+    shift_loop,
+    kappa_loop,
+    associated,
+    frictionless,
+    stick,
+)
+_LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 _UPPER = ("associated", "stick")
@@ -159,7 +161,7 @@ def _solved(
         prepare = stack.enter_context(preparing(engine, engine_options, process))
         solver = prepare(program)
         stack.callback(solver.close)
-        couple = COUPLINGS[coupling]
+        couple = _LOOP_OF[coupling]
         if couple is certified_loop and process is None:
             couple = partial(certified_loop, prepare=prepare)
         coupled = couple(

@@ -52,8 +52,74 @@ def test_a_case_knows_no_backend(path):
     assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
 
 
-def test_import_lacore_loads_neither_plots_nor_solvers():
-    heavy = ("matplotlib", "backends", "verification", *SOLVERS)
-    code = f"import sys, lacore; print([m for m in {heavy} if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "[]"
+HEAVY = (
+    *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL"),
+    *("cvxpy", "casadi", "clarabel", "highspy", "dask", "distributed"),
+    *("playwright", "jinja2", "rich", "IPython"),
+)
+"""What takes a tenth of a second or more to load; together they take several."""
+
+
+@pytest.mark.parametrize(
+    ("code", "more"),
+    [
+        ("import lacore", ("numpy", "lacore.errors", "backends", "verification")),
+        ("import lacore.child_process", ("numpy", "backends", "verification")),
+        ("import lacore.isolation", ("pandas", "skfem", "backends", "verification")),
+        ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.solving",)),
+        ("import verification", ("numpy", "lacore", "backends")),
+    ],
+)
+def test_names_load_what_they_need_only(code, more):
+    banned = [*more, *(name for name in HEAVY if "isolation" not in code or name != "scipy")]
+    assert loaded_of(code, banned) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        ["compar"],
+        ["compare", "--help"],
+        ["compare", "prandl-punch"],
+        ["verify", "prandl-punch"],
+        ["sweep", "wall-9", "--vary", "mu=0.1,0.2"],
+        ["manual", "prandl-punch"],
+        ["fuzz", "--help"],
+    ],
+    ids=" ".join,
+)
+def test_help_and_slips_of_the_keyboard_load_nothing_that_solves_or_draws(arguments):
+    call = f"""
+try:
+    from verification.cli import main
+    main({arguments!r})
+except SystemExit:
+    pass"""
+    banned = [*HEAVY, "backends", "lacore.solving", "verification.execution"]
+    assert loaded_of(call, [*banned, "verification.cases.prandtl_punch"]) == []
+
+
+def test_every_name_that_lacore_promises_is_there():
+    """Also where a function has the name of its module, and that was imported before."""
+    code = """
+import lacore.coulomb_range, lacore.gap_identity, lacore.sequential
+import lacore as la
+from types import ModuleType
+found = {name: getattr(la, name) for name in la.__all__}
+print(sorted(name for name, value in found.items() if isinstance(value, ModuleType)))
+"""
+    assert printed_by(code) == "['hardening', 'masonry', 'meshes']"
+
+
+def loaded_of(code, banned):
+    """Which of some modules a fresh interpreter has loaded after running code."""
+    asked = f"import sys; print([name for name in {banned!r} if name in sys.modules])"
+    return ast.literal_eval(printed_by(f"{code}\n{asked}").splitlines()[-1])
+
+
+def printed_by(code):
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    return run.stdout.strip()

@@ -1,5 +1,8 @@
-"""Verification: cases with references, and the harness that compares backends with them."""
+"""Verification: cases with references, and the harness that compares backends with them.
 
-from verification.results import load_results
+As of `lacore`, the public names are those of `__init__.pyi`, each imported when first asked for.
+"""
 
-__all__ = ["load_results"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

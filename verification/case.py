@@ -1,5 +1,7 @@
 """What a verification case is: a problem, its reference, and how far a result may lie from it."""
 
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -112,7 +114,7 @@ class Reference:
             return False
         return self.up_to is not None or not isclose(self.associated, self.value)
 
-    def of_associated(self) -> "Reference":
+    def of_associated(self) -> Reference:
         """What associated friction must give, where that is known."""
         assert self.associated is not None
         status = la.Status.LOCKED if self.associated == inf else la.Status.SOLVED
@@ -308,7 +310,7 @@ class Case:
     order: Callable[..., Order | None] | None = None
     bracket: Bracketing | None = field(default_factory=Bracketing)
     path: Callable[..., Following] | None = None
-    sketch: "Callable[[Axes, la.Problem], None] | None" = None
+    sketch: Callable[[Axes, la.Problem], None] | None = None
 
     @property
     def meshed(self) -> bool:

@@ -1,6 +1,7 @@
 """The catalogue: cases by id. Those of `verification.cases` are found by themselves."""
 
 import pkgutil
+from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,7 +17,7 @@ class Catalogue(Mapping[str, Case]):
     """Cases by id.
 
     Attributes:
-        cases: in the order in which they are run.
+        cases: in the order in which they are run; those of lacore are imported when asked for.
         sources: where each comes from, for messages.
         broken: what is wrong with what could not be loaded, by the name that would ask for it.
     """
@@ -34,16 +35,43 @@ class Catalogue(Mapping[str, Case]):
     def __len__(self) -> int:
         return len(self.cases)
 
+    def __contains__(self, key: object) -> bool:
+        return key in self.cases
+
+    def extended(self, case: Case, source: str) -> "Catalogue":
+        """With a case of another source, whose id is new."""
+        both = ChainMap({case.id: case}, self.cases)  # type: ignore[arg-type]  # never written to
+        return Catalogue(both, {**self.sources, case.id: source}, self.broken)
+
+
+class _Files(Mapping[str, Case]):
+    """Cases by id, which is the name of their file: to tell a name, none need be imported."""
+
+    def __init__(self) -> None:
+        found = sorted(module.name for module in pkgutil.iter_modules(cases.__path__))
+        self._modules = {name.replace("_", "-"): f"{cases.__name__}.{name}" for name in found}
+
+    def __getitem__(self, key: str) -> Case:
+        module = self._modules[key]
+        case: Case = import_module(module).CASE
+        if case.id != key:
+            raise ValueError(f"{module} has the case {case.id!r}: it must be called after its file")
+        return case
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._modules)
+
+    def __len__(self) -> int:
+        return len(self._modules)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._modules
+
 
 @cache
 def catalogue() -> Catalogue:
     """The cases of lacore itself, in the order of their files."""
-    found: dict[str, Case] = {}
-    for module in sorted(pkgutil.iter_modules(cases.__path__), key=lambda entry: entry.name):
-        case: Case = import_module(f"{cases.__name__}.{module.name}").CASE
-        if case.id in found:
-            raise ValueError(f"two case files have the id {case.id!r}")
-        found[case.id] = case
+    found = _Files()
     return Catalogue(found, dict.fromkeys(found, "lacore"))
 
 

@@ -1,6 +1,10 @@
 """The command line: ``lacore``, also ``python -m verification``.
 
 Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
+
+A command imports what it works with when it is called, here and in the modules of other commands:
+help and mistyped names are answered before any solver, table or picture is loaded, which takes
+seconds.
 """
 
 from collections import Counter
@@ -11,35 +15,26 @@ from typing import Any
 import click
 
 import lacore as la
+from lacore.coupling_names import COUPLINGS
 from lacore.errors import require_positive
-from lacore.solving import COUPLINGS
-from verification import conformance, doctor, terminal
 from verification.bracketing import BRACKET
 from verification.case import KINDS
 from verification.catalogue import Catalogue, find, tagged
-from verification.compare import ON_DEMAND, efforts, plan, run_all, tally
-from verification.execution import execute
+from verification.defaults import ON_DEMAND, RAW
 from verification.fuzz.fuzz_command import fuzz
-from verification.harness import RAW
 from verification.options import (
     cases_option,
     fresh_option,
     json_option,
     name_list,
+    named_cases,
     names_option,
     out_option,
     print_json,
     resumable,
     time_limit_option,
 )
-from verification.provenance import describe
-from verification.report.files import write
-from verification.report.manual import write as write_manual
-from verification.report.page import compared
-from verification.results import as_table, export, load_outcomes
-from verification.store import NAME, file_of, sessions
 from verification.sweep_command import sweep
-from verification.verify import load_checks
 from verification.verify_command import verify
 
 
@@ -67,7 +62,7 @@ def main() -> None:
 
 
 @main.command()
-@click.argument("cases", nargs=-1, metavar="[CASE]...")
+@named_cases("[CASE]...")
 @names_option(
     "--backends",
     f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
@@ -122,6 +117,15 @@ def compare(
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
       lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
     """  # noqa: D301  # click reads the backspace
+    from verification import terminal
+    from verification.compare import efforts, plan, run_all, tally
+    from verification.execution import execute
+    from verification.provenance import describe
+    from verification.report.files import write
+    from verification.report.page import compared
+    from verification.results import as_table, export
+    from verification.store import NAME
+
     require_positive("--time-limit", time_limit)
     runs = plan(cases, backends, meshes, couplings, known)
     with resumable(out / NAME), terminal.watching(len(runs)) as watch:
@@ -175,6 +179,12 @@ def report(folder: Path, out: Path | None, known: Catalogue) -> None:
     each number linked to its certificate, what regularisation costs, solvers side by side. The
     same tables are in tables/ as CSV and Markdown.
     """
+    from verification import terminal
+    from verification.report.files import write
+    from verification.report.page import compared
+    from verification.results import load_outcomes
+    from verification.store import file_of, sessions
+
     outcomes, strange = load_outcomes(folder, known)
     for entry in strange:
         name = f"{entry.row.case}:{entry.row.variant}"
@@ -188,7 +198,7 @@ def report(folder: Path, out: Path | None, known: Catalogue) -> None:
 
 
 @main.command()
-@click.argument("names", nargs=-1, metavar="[CASE]...")
+@named_cases("[CASE]...")
 @click.option(
     "--results",
     type=click.Path(path_type=Path),
@@ -198,20 +208,27 @@ def report(folder: Path, out: Path | None, known: Catalogue) -> None:
 )
 @out_option("reports/manual", "Folder for the pages.")
 @cases_option
-def manual(names: tuple[str, ...], results: Path, out: Path, known: Catalogue) -> None:
+def manual(cases: tuple[str, ...], results: Path, out: Path, known: Catalogue) -> None:
     """Write the verification manual: a page for each case.
 
     Each shows the problem drawn from its model, the reference and how it is found by hand, what
     error is allowed and why, and what lacore found, with its certificates. CASE is the id of a
     case; without any, all that have results are shown.
     """
+    from verification import terminal
+    from verification.report.manual import write as write_manual
+    from verification.results import load_outcomes
+    from verification.store import file_of, sessions
+    from verification.verify import load_checks
+
     outcomes, _ = load_outcomes(results, known)
     seen = {outcome.run.case.id for outcome in outcomes}
-    chosen = [find(name, known)[0].id for name in names] or [name for name in known if name in seen]
+    chosen = [find(name, known)[0].id for name in cases] or [name for name in known if name in seen]
     with terminal.status("drawing problems and mechanisms, writing the pages"):
         about = list(sessions(file_of(results)).values())[-1]
-        cases = [known[name] for name in chosen]
-        page = write_manual(cases, outcomes, load_checks(results), about, out)
+        page = write_manual(
+            [known[name] for name in chosen], outcomes, load_checks(results), about, out
+        )
     click.echo(f"Manual: {page}")
 
 
@@ -227,6 +244,8 @@ def manual(names: tuple[str, ...], results: Path, out: Path, known: Catalogue) -
 @json_option
 def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
     """List the verification cases."""
+    from verification import terminal
+
     records = [
         {
             "id": case.id,
@@ -257,6 +276,8 @@ def list_backends(as_json: bool) -> None:
 
     Solvers that a family of backends offers are asked for as NAME:SOLVER.
     """
+    from verification import doctor, terminal
+
     records = [doctor.backend_record(*entry) for entry in doctor.all_backends()]
     if as_json:
         print_json(records)
@@ -280,6 +301,8 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
       lacore conformance
       lacore conformance clarabel cvxpy:SCS
     """  # noqa: D301  # click reads the backspace
+    from verification import conformance, doctor, terminal
+
     ready = [name for name, _, missing in doctor.all_backends() if not missing]
     names = list(dict.fromkeys(backends or ready))
     for name in names:  # a wrong name is to be known before the first one has run
@@ -315,6 +338,8 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
     Says what is missing and how to get it. Exit code 1 when something has to be mended.
     """
+    from verification import doctor, terminal
+
     entries = sum(1 for _ in doctor.all_backends())
     with terminal.patiently("self-test", entries) as on_start:
         found = doctor.examine(on_start)

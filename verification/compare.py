@@ -9,20 +9,18 @@ from statistics import median
 
 import lacore as la
 from lacore.backend import load_backend
+from lacore.coupling_names import COUPLINGS
 from lacore.errors import require_known
-from lacore.solving import COUPLINGS, coupling_for
+from lacore.solving import coupling_for
 from verification.bracketing import BRACKET
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find
-from verification.execution import TIME_LIMIT, Executor, execute
-from verification.harness import RAW
+from verification.defaults import ON_DEMAND, RAW, TIME_LIMIT
+from verification.execution import Executor, execute
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.provenance import code_of, describe
 from verification.run import Outcome, Row, Run
 from verification.store import Store
-
-ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
-"""Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
 
 PATHS = ("clarabel", "newton")
 """Backends that paths are compared with, each of them tens of solves; only the first where the
@@ -73,9 +71,11 @@ def check_names(
     Rigid bodies have no meshes, and run whatever level is asked for; one that no case at all has is
     a slip of the keyboard.
     """
-    levels = {level for case in (*catalogue().values(), *known.values()) for level in case.meshes}
-    for name in meshes:
-        require_known("mesh", name, levels)
+    if meshes:
+        cases = (*catalogue().values(), *known.values())
+        levels = {level for case in cases for level in case.meshes}
+        for name in meshes:
+            require_known("mesh", name, levels)
     for name in backends:
         with suppress(la.CapabilityError):
             load_backend(name)

@@ -28,7 +28,8 @@ from distributed import (
 
 import lacore as la
 from lacore.errors import InputError
-from verification.execution import TIME_LIMIT, OnStart, RunProcess, attempt
+from verification.defaults import TIME_LIMIT
+from verification.execution import OnStart, RunProcess, attempt
 from verification.harness import lost
 from verification.provenance import code_version
 from verification.run import Evidence, Outcome, Row, Run

@@ -18,10 +18,10 @@ from lacore.child_process import (
     peak_memory,
 )
 from verification.case import Case, is_of_lacore
+from verification.defaults import TIME_LIMIT
 from verification.harness import Assembled, assemble, lost, perform
 from verification.run import FUZZ, Evidence, Outcome, Row, Run
 
-TIME_LIMIT = 600.0  # s, of a run: ten times what the largest default one needs
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
 _WORKER = "verification.execution:Worker"

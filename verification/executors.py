@@ -4,12 +4,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from lacore.errors import InputError
-from verification.execution import Executor, execute
+
+if TYPE_CHECKING:
+    from verification.execution import Executor
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -41,13 +43,15 @@ def require_one_place(on_dask: bool, scheduler: str | None) -> None:
 @contextmanager
 def executor_of(
     jobs: int, on_dask: bool, scheduler: str | None, folders: Sequence[Path] = ()
-) -> Iterator[Executor]:
+) -> "Iterator[Executor]":
     """What performs runs; `folders`: of cases of users, for imports on other machines.
 
     Raises:
         InputError: Dask is not installed, or the scheduler cannot be used.
     """
     if not on_dask and scheduler is None:
+        from verification.execution import execute
+
         yield partial(execute, jobs=jobs)
         return
     try:

@@ -1,13 +1,18 @@
 """How a case is followed along a path of large deformation (T29), and what must come of it."""
 
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import TYPE_CHECKING
 
 import lacore as la
-from lacore.control import Control
 from lacore.errors import require_count, require_known, require_positive
-from lacore.path import Ending
+from lacore.path_ending import Ending
+
+if TYPE_CHECKING:
+    from lacore.control import Control
 
 ORDERS: Mapping[str, float] = {
     "explicit": 1.0,

@@ -1,7 +1,7 @@
 """Run one case variant on one mesh with a backend and a coupling, and judge it: one row a run."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import nan
 from typing import Any
@@ -11,18 +11,12 @@ import numpy as np
 import lacore as la
 from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
+from verification.defaults import RAW
 from verification.evidence import evidence_of
 from verification.fuzz.fuzz_run import run_random
 from verification.judging import FAIL, SKIPPED, about, distance, judge
 from verification.path_run import run_path
 from verification.run import FUZZ, Outcome, Row, Run
-
-_RAW = {"damping": 1.0, "anderson": 0}
-RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
-    "paper": ("reaction", {"start": "zero", **_RAW}),
-    **{f"{name}-raw": (name, _RAW) for name in ("reaction", "shift", "kappa")},
-}
-"""Loops without damping and acceleration by name; ``paper`` starts from zero reactions, too."""
 
 
 @dataclass(frozen=True)

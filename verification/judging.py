@@ -1,10 +1,11 @@
 """Verdicts: what a result must be, from the reference and the band of its case."""
 
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
 from math import inf, isfinite, nan
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import lacore as la
-from lacore.regularization import RegularisedValues
 from verification.bracketing import BRACKET
 from verification.case import (
     Allowed,
@@ -14,6 +15,9 @@ from verification.case import (
     lower_values,
     upper_values,
 )
+
+if TYPE_CHECKING:
+    from lacore.regularization import RegularisedValues
 
 PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
 NO_REFERENCE = "no reference"

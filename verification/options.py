@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import click
 
-from verification.catalogue import Catalogue
-from verification.execution import TIME_LIMIT
+from verification.catalogue import Catalogue, find
+from verification.defaults import TIME_LIMIT
 from verification.plugins import gather
 
 _STOPPED = 130  # as shells say of Ctrl-C
@@ -72,10 +72,24 @@ cases_option = click.option(
     multiple=True,
     metavar="FOLDER",
     callback=_gathered,
+    is_eager=True,  # names of cases are looked up in it
     help="Folder with cases of your own: each NAME.py in it defines CASE or CASES. May be repeated."
     " Those of installed packages (entry-point group lacore.cases) are found without it.",
 )
 """Gives a command the `Catalogue` as its argument `known`."""
+
+
+def _existing(
+    ctx: click.Context, argument: click.Parameter, names: tuple[str, ...]
+) -> tuple[str, ...]:
+    for name in names:
+        find(name, ctx.params["known"])
+    return names
+
+
+def named_cases(metavar: str, required: bool = False) -> Callable[[_Command], _Command]:
+    """Gives a command with the `cases_option` the argument `cases`: names that exist."""
+    return click.argument("cases", nargs=-1, required=required, metavar=metavar, callback=_existing)
 
 
 def cores() -> int:

@@ -52,17 +52,16 @@ def gather(folders: Sequence[Path] = ()) -> Catalogue:
 
 
 def _extended(known: Catalogue, found: Iterable[Case], source: str) -> Catalogue:
-    cases, sources = dict(known.cases), dict(known.sources)
     for case in found:
-        if case.id in cases:
+        if case.id in known:
             raise InputError(
                 f"{source}: Case.id",
                 case.id,
-                f"is that of a case of {sources[case.id]}",
+                f"is that of a case of {known.sources[case.id]}",
                 "rename it",
             )
-        cases[case.id], sources[case.id] = case, source
-    return Catalogue(cases, sources, known.broken)
+        known = known.extended(case, source)
+    return known
 
 
 def _source(entry: EntryPoint) -> str:

@@ -19,7 +19,7 @@ class Run:
 
     Attributes:
         case, variant, mesh, backend: names and things.
-        coupling: a name of `la.solve` or `verification.harness.RAW`; None is the default of the
+        coupling: a name of `la.solve` or `verification.defaults.RAW`; None is the default of the
             backend; `BRACKET` stands for a lower and an upper bound.
         insist: whether to end without a result is a failure.
         skip: why it is not run after all.
@@ -52,7 +52,7 @@ class Run:
         )
         return " ".join(name for name in names if name)
 
-    def problem(self) -> la.Problem:
+    def problem(self) -> "la.Problem":  # not evaluated: it would load the whole core
         """The problem; two runs of one `problem_key` have the same."""
         return self.case.problem_of(
             {**self.case.meshes[self.mesh], **self.size}, self.variant.parameters

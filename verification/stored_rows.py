@@ -17,7 +17,8 @@ from typing import Any
 import lacore as la
 from lacore.brackets import Step
 from lacore.certificate import Certificate
-from lacore.path import Ending, PathStep
+from lacore.path import PathStep
+from lacore.path_ending import Ending
 from verification.bracket_judging import STRICT
 from verification.bracketing import BRACKET
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED

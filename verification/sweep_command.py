@@ -1,44 +1,44 @@
 """The command ``lacore sweep``."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import pandas as pd
 
+from lacore.coupling_names import COUPLINGS
 from lacore.errors import require_positive
-from lacore.solving import COUPLINGS
-from verification import terminal
 from verification.catalogue import Catalogue
-from verification.compare import ON_DEMAND, run_all
+from verification.defaults import ON_DEMAND, RAW
 from verification.executors import dask_options, executor_of, require_one_place
-from verification.harness import RAW
 from verification.judging import FAIL
 from verification.options import (
     cases_option,
     fresh_option,
     jobs_option,
     json_option,
+    named_cases,
     names_option,
     out_option,
     print_json,
     resumable,
     time_limit_option,
 )
-from verification.provenance import describe
-from verification.results import export, load_results
-from verification.run import Outcome
-from verification.store import NAME
-from verification.sweep import plan
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from verification.run import Outcome
 
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
 
 
 @click.command()
-@click.argument("cases", nargs=-1, required=True, metavar="CASE...")
+@named_cases("CASE...", required=True)
 @click.option(
     "--vary",
     multiple=True,
@@ -107,6 +107,12 @@ def sweep(
       lacore sweep hardening-cylinder:voce --vary steps=5:40:4:log --vary scheme=leapfrog,explicit
       lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
     """  # noqa: D301  # click reads the backspace
+    from verification import terminal
+    from verification.compare import run_all
+    from verification.results import export, load_results
+    from verification.store import NAME
+    from verification.sweep import plan
+
     require_positive("--time-limit", time_limit)
     runs = plan(cases, vary, backends, meshes, couplings, known)
     require_one_place(on_dask, scheduler)
@@ -143,6 +149,9 @@ def _document(
     slopes: Sequence[dict[str, Any]],
     orders: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
+    from verification.provenance import describe
+    from verification.store import NAME
+
     statuses = Counter(outcome.row.status for outcome in outcomes)
     verdicts = Counter(outcome.row.verdict for outcome in outcomes)
     return {
@@ -164,6 +173,8 @@ def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     ]
     if not varied:
         return []
+    import pandas as pd
+
     # Here, because it takes most of a second that other sweeps need not wait for.
     from verification.analysis import regularisation_slopes, with_exact
 
@@ -184,6 +195,8 @@ def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
 def _results(out: Path, outcomes: Sequence[Outcome]) -> pd.DataFrame:
     """Those of a sweep, of all that are in its folder."""
+    from verification.results import load_results
+
     keys = {outcome.run.key for outcome in outcomes}
     results = load_results(out)
     return results[results["run"].isin(keys)]

@@ -1,39 +1,40 @@
 """The command ``lacore verify``."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 from collections.abc import Mapping, Sequence
 from functools import partial
 from math import isfinite
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
 
 from lacore.errors import require_positive
-from verification import terminal
 from verification.catalogue import Catalogue
-from verification.compare import ON_DEMAND, run_all
-from verification.execution import execute
+from verification.defaults import ON_DEMAND
 from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.options import (
     cases_option,
     fresh_option,
     jobs_option,
     json_option,
+    named_cases,
     names_option,
     out_option,
     print_json,
     resumable,
     time_limit_option,
 )
-from verification.provenance import describe
-from verification.results import export
-from verification.store import NAME
-from verification.terminal import print_line
-from verification.verify import FILE, Finding, answer, as_table, ask, finish, runs_of, tally
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from verification.verify import Finding
 
 
 @click.command()
-@click.argument("cases", nargs=-1, metavar="[CASE]...")
+@named_cases("[CASE]...")
 @names_option(
     "--backends",
     f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}; highs on rigid bodies.",
@@ -78,6 +79,14 @@ def verify(
       lacore verify prandtl-punch wall-1:mu-0.65 --backends clarabel,cvxpy
       lacore verify my-case --cases my-folder
     """  # noqa: D301  # click reads the backspace
+    from verification import terminal
+    from verification.compare import run_all
+    from verification.execution import execute
+    from verification.provenance import describe
+    from verification.results import export
+    from verification.store import NAME
+    from verification.verify import FILE, answer, as_table, ask, finish, runs_of, tally
+
     require_positive("--time-limit", time_limit)
     questions = ask(cases, backends, meshes, known)
     runs = runs_of(questions)
@@ -123,6 +132,8 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
 
     Of a path the value is the largest error on the way, and the order that of its steps.
     """
+    from verification.terminal import print_line
+
     line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6} {:>7} {:>7}  {}".format
     head = (
         *("backend", "coupling", "meshes", "value %", "side", "residuals", "order"),

@@ -15,9 +15,8 @@ from skfem import Basis
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import lacore as la
-from lacore import linear_algebra
 from lacore.backend import Backend, PreparedSolver
-from lacore.linear_algebra import SuperLU, symmetric_solver
+from lacore.linear_algebra import SuperLU, fast_solver, symmetric_solver
 from lacore.program import dimensionless, reaction_contact
 
 POISSON = 0.3
@@ -88,8 +87,7 @@ def stiffness(discretisation):
 
 def direct_solvers():
     """Those that are installed."""
-    pardiso = [] if linear_algebra.pypardiso is None else [linear_algebra.Pardiso]
-    return [SuperLU, *pardiso]
+    return [solver for solver in (SuperLU, fast_solver()) if solver is not None]
 
 
 def solve_elastic(solver, matrix, load):

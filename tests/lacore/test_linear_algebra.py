@@ -7,15 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lacore import linear_algebra
-from lacore.linear_algebra import Gram, Pardiso, SingularError, SuperLU, symmetric_solver
+from lacore.linear_algebra import Gram, SingularError, SuperLU, fast_solver, symmetric_solver
 
-SOLVERS = [
-    SuperLU,
-    pytest.param(
-        Pardiso,
-        marks=pytest.mark.skipif(linear_algebra.pypardiso is None, reason="extra 'fast'"),
-    ),
-]
+SOLVERS = [solver for solver in (SuperLU, fast_solver()) if solver is not None]
 
 
 def rows(rng, count, dim, n):
@@ -81,5 +75,5 @@ def test_a_singular_matrix_has_a_name(solver):
 
 
 def test_without_the_extra_superlu_does_it(monkeypatch):
-    monkeypatch.setattr(linear_algebra, "pypardiso", None)
+    monkeypatch.setattr(linear_algebra, "fast_solver", lambda: None)
     assert isinstance(symmetric_solver(), SuperLU)

@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore import drift
-from lacore.path import Ending
+from lacore.path_ending import Ending
 from lacore.selection import least_norm
 from tests.lacore.path_billets import billet, pressed
 from verification.exact_paths import cylinder, pressure

@@ -13,7 +13,7 @@ from lacore.configuration import Configuration
 from lacore.curved import edge_curves
 from lacore.dofs import number
 from lacore.errors import InputError
-from lacore.path import Ending
+from lacore.path_ending import Ending
 from lacore.remeshing import carried, restaged
 from lacore.staging import staged
 from lacore.transfer import transferred

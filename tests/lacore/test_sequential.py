@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore import flow as flow_module
-from lacore.path import Ending
+from lacore.path_ending import Ending
 from verification.exact_paths import strip_force
 
 LAWS = {

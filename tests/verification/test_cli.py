@@ -73,7 +73,8 @@ def test_page_has_every_case_and_loads_nothing(compared):
 def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
     case = wrong_case()
     object.__setattr__(case, "title", "<script>planted</script>")
-    monkeypatch.setattr(cli, "plan", lambda *_: [Run(case, VARIANT, "coarse", "clarabel")])
+    runs = [Run(case, VARIANT, "coarse", "clarabel")]
+    monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
     assert run("compare", "--out", str(tmp_path)).exit_code == 1
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "<script>planted" not in page
@@ -82,7 +83,7 @@ def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
 
 def test_wrong_result_is_exit_code_1(tmp_path, monkeypatch):
     runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
-    monkeypatch.setattr(cli, "plan", lambda *_: runs)
+    monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
     result = run("compare", "--out", str(tmp_path))
     assert result.exit_code == 1
     assert "1 FAIL" in result.stdout

@@ -11,8 +11,8 @@ import lacore as la
 from verification.assemblies import ASSEMBLIES, FRICTIONS
 from verification.catalogue import catalogue, find
 from verification.compare import efforts, plan, run_all
+from verification.defaults import RAW
 from verification.execution import execute
-from verification.harness import RAW
 from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
 from verification.store import NAME
 

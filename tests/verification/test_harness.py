@@ -10,7 +10,8 @@ import verification.harness as harness
 from lacore.regularization import RegularisedValues
 from verification.case import Band, Reference, Variant
 from verification.catalogue import find
-from verification.compare import LINEAR, ON_DEMAND, plan, run_all, tally
+from verification.compare import LINEAR, plan, run_all, tally
+from verification.defaults import ON_DEMAND
 from verification.harness import execute
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED, judge
 from verification.results import load_results

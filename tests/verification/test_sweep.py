@@ -8,9 +8,9 @@ from click.testing import CliRunner
 
 import lacore as la
 import verification.cli as cli
-from verification import executors
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, find
+from verification.execution import execute
 from verification.results import load_results
 from verification.store import NAME
 from verification.sweep import plan
@@ -157,11 +157,11 @@ def test_resume_is_the_default(swept, monkeypatch):
     _, words, out = swept
     before = load_results(out)
 
-    def nobody(runs, **_):
+    def nobody(runs, jobs, **_):
         assert not runs
         yield from ()
 
-    monkeypatch.setattr(executors, "execute", lambda runs, jobs, **more: nobody(runs, **more))
+    monkeypatch.setattr("verification.execution.execute", nobody)
     result = command(*words, "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -173,11 +173,11 @@ def test_resume_is_the_default(swept, monkeypatch):
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
     def interrupted(runs, jobs, **more):
-        finished = cli.execute(runs[:2], jobs, **more)
+        finished = execute(runs[:2], jobs, **more)
         yield from finished
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(executors, "execute", interrupted)
+    monkeypatch.setattr("verification.execution.execute", interrupted)
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130

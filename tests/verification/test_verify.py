@@ -14,7 +14,6 @@ import pytest
 from click.testing import CliRunner
 
 import verification.plugins as plugins
-import verification.verify_command as verify_command
 from tests.conftest import ROOT
 from verification.case import Band, Reference
 from verification.catalogue import Catalogue, catalogue, find
@@ -411,7 +410,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
     def stopped(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(verify_command, "run_all", stopped)
+    monkeypatch.setattr("verification.compare.run_all", stopped)
     result = run("shear-patch", "--out", tmp_path)
     assert result.exit_code == 130
     assert "give the same command again" in result.stderr

@@ -21,7 +21,7 @@ def recipe_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -
     return draw(kind, seed, number) if recipe is None else recipe
 
 
-def problem_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> la.Problem:
+def problem_of(kind: str, seed: int, number: int, recipe: Recipe | None = None) -> "la.Problem":
     """The problem of a variant."""
     return build(recipe_of(kind, seed, number, recipe))
 

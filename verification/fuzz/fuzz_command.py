@@ -1,17 +1,16 @@
 """The command ``lacore fuzz``."""
 
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.table import Table
 
 from lacore.errors import require_known, require_positive
-from verification import terminal
-from verification.compare import run_all
 from verification.executors import dask_options, executor_of, require_one_place
-from verification.fuzz.campaign import Tally, keep_wrong, tallied
 from verification.fuzz.cases import kind_of, known_kinds, runs_of
 from verification.judging import FAIL
 from verification.options import (
@@ -24,10 +23,10 @@ from verification.options import (
     resumable,
     time_limit_option,
 )
-from verification.provenance import describe
-from verification.results import export, load_results
-from verification.run import Outcome
-from verification.store import NAME
+
+if TYPE_CHECKING:
+    from verification.fuzz.campaign import Tally
+    from verification.run import Outcome
 
 _MOST_SHOWN = 12
 
@@ -80,6 +79,13 @@ def fuzz(
       lacore fuzz --count 1000
       lacore fuzz --count 10000 --seed 2 --classes blocks,weights --jobs 4
     """  # noqa: D301  # click reads the backspace
+    from verification import terminal
+    from verification.compare import run_all
+    from verification.fuzz.campaign import keep_wrong, tallied
+    from verification.provenance import describe
+    from verification.results import export, load_results
+    from verification.store import NAME
+
     require_positive("--time-limit", time_limit)
     require_one_place(on_dask, scheduler)
     for name in classes:
@@ -122,6 +128,10 @@ def _record(outcome: Outcome) -> dict[str, object]:
 
 def _show(tallies: Sequence[Tally], outcomes: Sequence[Outcome]) -> None:
     """Final table, reasons, and the first of what is wrong."""
+    from rich.table import Table
+
+    from verification import terminal
+
     console = terminal.table_console()
     table = Table(box=None, pad_edge=False)
     for head in ("class", "problems", "a load", "certified", "%", "no load", "unknown", "refused"):

@@ -4,23 +4,27 @@ A recipe has ``bodies`` by name, and lists ``reference``, ``dead``, ``supports``
 each entry the arguments of the class it names, boundaries as names or as a line of two points.
 """
 
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from skfem import MeshQuad, MeshTri
 
 import lacore as la
-from lacore.arrays import Bools, Floats
+from lacore.errors import require_known
+
+if TYPE_CHECKING:
+    from skfem import MeshQuad, MeshTri
+
+    from lacore.arrays import Bools, Floats
 
 Recipe = dict[str, Any]
 LISTS = ("reference", "dead", "supports", "interfaces")
 _NEAR = 1e-7  # of the length of a line: coordinates that were turned agree to this
-LOADS = {one.__name__: one for one in (la.Traction, la.Pressure, la.BodyForce, la.PointForce)} | {
-    "RigidFooting": la.RigidFooting
-}
+LOADS = ("Traction", "Pressure", "BodyForce", "PointForce", "RigidFooting")
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,8 @@ def load_of(data: Mapping[str, Any]) -> Any:
     for name in ("vector", "direction", "at"):
         if name in given and not isinstance(given[name], str):
             given[name] = tuple(given[name])
-    return LOADS[data["load"]](**given)
+    require_known("load", data["load"], LOADS)
+    return getattr(la, data["load"])(**given)
 
 
 def body_of(data: Mapping[str, Any]) -> Any:

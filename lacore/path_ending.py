@@ -1,0 +1,34 @@
+"""Why a path ends where it ends."""
+
+from enum import Enum
+
+
+class Ending(Enum):
+    """Each text says what to do."""
+
+    REACHED = "the travel asked for is reached"
+    INVERSION = (
+        "the next step would turn an element inside out: start from elements that are drawn out"
+        " across the flow, mesh anew from the last configuration, or take smaller steps if these"
+        " are long"
+    )
+    OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
+    STANDSTILL = (
+        "the control does not move in its direction: turn its direction around, or follow another"
+        " point or a footing"
+    )
+    LOCKED = (
+        "no flow at constant volume makes the next step, or one under a load without bound:"
+        " obstacles or supports enclose the bodies, or they harden without end within it"
+    )
+    NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"
+    NOT_ITERATED = (
+        "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
+    )
+    NOT_REMESHED = "the new meshes cannot be taken: see the message"
+    STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables: ``not solved``."""
+        return self.name.lower().replace("_", " ")

@@ -1,0 +1,17 @@
+"""What commands and their help say before anything is loaded that solves."""
+
+from collections.abc import Mapping
+from typing import Any
+
+ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
+"""Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
+
+TIME_LIMIT = 600.0
+"""s, of a run: ten times what the largest default one needs."""
+
+_RAW = {"damping": 1.0, "anderson": 0}
+RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    "paper": ("reaction", {"start": "zero", **_RAW}),
+    **{f"{name}-raw": (name, _RAW) for name in ("reaction", "shift", "kappa")},
+}
+"""Loops without damping and acceleration by name; ``paper`` starts from zero reactions, too."""
