@@ -2,17 +2,19 @@
 
 Unknowns are ``y = R U`` with ``R^T R`` the viscous matrix (every point unyielded), in which the
 problem is close to isotropic; values and gradients are analytic. A first solve continues in r from
-1 down, later ones start from the answer before. What scipy says of its own end is rechecked by the
-forces out of balance.
+1 down, later ones start from the answer before. Values tell minima apart to the root of round-off
+only, so that an end is brought to balance by the equations of equilibrium themselves. What scipy
+says of its own end is rechecked by the forces out of balance.
 """
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import root
 from scipy.sparse import diags_array
 from threadpoolctl import threadpool_limits
 
@@ -33,6 +35,8 @@ from lacore.status import Status
 
 _BALANCED = 1e-7  # of the forces: an end that deserves a certificate's look
 _OUT_OF_BALANCE = 1e-3  # of the forces: no minimum, whatever scipy says
+_AT_REST = 1e-10  # of the forces: nothing is left to balance
+_JACOBIANS = 6  # differences in all unknowns that one method may spend on balance
 LATE = "time limit"  # native status of a run that our callback stops
 AWAY = "ran away"  # native status of a run whose velocity has no bound
 
@@ -46,7 +50,7 @@ class DenseOptions:
         eta, bulk: instead of r: viscosity and bulk penalty, Pa s.
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation in r, 0 < reduction < 1.
-        tolerance: scipy's own; near round-off, because nodal forces balance only to its root.
+        tolerance: scipy's own, of the energy: near its round-off.
         max_iterations: of one continuation step.
         time_limit: s, one inner solve.
     """
@@ -57,7 +61,7 @@ class DenseOptions:
     normal: float | None = None
     tangential: float | None = None
     reduction: float = 0.1
-    tolerance: float = 1e-18
+    tolerance: float = 1e-14
     max_iterations: int = 5000
     time_limit: float = 600.0
 
@@ -143,10 +147,11 @@ class PreconditionedSolver:
             iterations += end.iterations
             if end.native in (LATE, AWAY):
                 break
-        point = evaluate(
-            self._program, contact, self._target, self._velocity(end.y), end.multiplier
-        )
-        claimed = self._recheck(self._statuses[end.native], point)
+        claimed = self._statuses[end.native]
+        if claimed in (Status.SOLVED, Status.STALLED):
+            end = self._balanced(contact, end, watch)
+        point = self._point(contact, end)
+        claimed = self._recheck(claimed, point)
         status = judged_status(claimed, self._program, point)
         finished = status in (Status.SOLVED, Status.ALMOST_SOLVED)
         self._start = end.y if finished else None
@@ -190,15 +195,60 @@ class PreconditionedSolver:
         except _Ran:
             return Minimum(np.nan_to_num(last), AWAY, AWAY, 0, float("nan"))
 
-    def _recheck(self, claimed: Status, point: RegularisedPoint) -> Status:
-        """What is left of scipy's claim when forces are counted."""
+    def _balanced(
+        self, contact: FrozenContact, end: Minimum, watch: Callable[..., None]
+    ) -> Minimum:
+        """An end near the minimum, closer to it where equilibrium as an equation gets there.
+
+        By gradients alone (MINPACK): of a convex energy whoever is in equilibrium is at the
+        minimum. Powell's method is quick; where much is at the very point of yielding, so that
+        stiffness jumps, Levenberg's and Marquardt's gets on.
+        """
+        rest = self._rest(self._point(contact, end))
+        if not rest <= _OUT_OF_BALANCE:
+            return end
+
+        def unbalanced(unknowns: Floats) -> Floats:
+            watch()
+            y, multiplier = unknowns[:-1], unknowns[-1]
+            gradient = evaluate(self._program, contact, self._target, self._velocity(y)).gradient
+            forces = solve_triangular(self._factor, gradient, trans="T") - multiplier * self._load
+            return np.append(forces, self._load @ y - 1.0)
+
+        most = _JACOBIANS * (end.y.size + 2)
+        for method, limits in {"hybr": {"maxfev": most}, "lm": {"maxiter": most}}.items():
+            if rest <= _AT_REST:
+                break
+            start = np.append(end.y, end.multiplier)
+            try:
+                with threadpool_limits(1, user_api="blas"):
+                    found: Any = root(unbalanced, start, method=method, tol=1e-15, options=limits)
+            except StopIteration:  # time is up: what is there is an answer
+                break
+            closer = replace(end, y=found.x[:-1], multiplier=float(found.x[-1]))
+            left = self._rest(self._point(contact, closer))
+            if left < rest:
+                end, rest = closer, left
+        return end
+
+    def _point(self, contact: FrozenContact, end: Minimum) -> RegularisedPoint:
+        velocity = self._velocity(end.y)
+        return evaluate(self._program, contact, self._target, velocity, end.multiplier)
+
+    def _rest(self, point: RegularisedPoint) -> float:
+        """Largest force out of balance, of the sum of all."""
         load_factor = point.values.load_factor
         forces = abs(load_factor) * float(np.abs(self._program.reference_load).sum())
         forces += float(np.abs(self._program.dead_load).sum())
         rest = np.abs(point.gradient - load_factor * self._program.reference_load).max()
-        if claimed is Status.STALLED and rest <= _BALANCED * forces:
+        return float(rest / forces)
+
+    def _recheck(self, claimed: Status, point: RegularisedPoint) -> Status:
+        """What is left of scipy's claim when forces are counted."""
+        rest = self._rest(point)
+        if claimed is Status.STALLED and rest <= _BALANCED:
             return Status.ALMOST_SOLVED  # its line search ended at round-off
-        if claimed is Status.SOLVED and not rest <= _OUT_OF_BALANCE * forces:
+        if claimed is Status.SOLVED and not rest <= _OUT_OF_BALANCE:
             return Status.STALLED
         return claimed
 
