@@ -222,7 +222,9 @@ class PreconditionedSolver:
             start = np.append(end.y, end.multiplier)
             try:
                 with threadpool_limits(1, user_api="blas"):
-                    found: Any = root(unbalanced, start, method=method, tol=1e-15, options=limits)
+                    found: Any = root(  # type: ignore[call-overload]  # a method by name
+                        unbalanced, start, method=method, tol=1e-15, options=limits
+                    )
             except StopIteration:  # time is up: what is there is an answer
                 break
             closer = replace(end, y=found.x[:-1], multiplier=float(found.x[-1]))

@@ -106,9 +106,11 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
         with suppress(Exception):  # of others, at parameters of others: the row says so
             known = case.reference_of(variant).associated is not None
     skip, insist = _unfit(variant, backend), coupling is None or known
+    # Penalties and smooth laws may be beyond a solver, which says so: only exact ones must answer.
     with suppress(la.CapabilityError):  # of a missing backend the row says so
         engine = load_backend(backend)
         insist |= coupling == coupling_for(engine, None)
+        insist &= not engine.capabilities.regularised
         try:
             coupling_for(engine, RAW.get(coupling or "", (coupling, {}))[0])
         except la.InputError as error:

@@ -14,7 +14,15 @@ from verification.bracketing import BRACKET
 from verification.defaults import RAW
 from verification.evidence import evidence_of
 from verification.fuzz.fuzz_run import run_random
-from verification.judging import FAIL, SKIPPED, about, distance, judge
+from verification.judging import (
+    FAIL,
+    NO_RESULT,
+    SKIPPED,
+    about,
+    distance,
+    judge,
+    refutation,
+)
 from verification.path_run import run_path
 from verification.run import FUZZ, Outcome, Row, Run
 
@@ -103,14 +111,16 @@ def perform(
     except Exception as error:  # a broken backend must not take the others' results with it
         return Outcome(run, _failed(names, error))
     names["coupling"] = run.coupling or state.coupling
-    verdict, why = judge(state, reference, band, run.insist)
+    evidence = evidence_of(state)
+    refuted = refutation(_claimed(state), evidence.residuals)
+    verdict, why = judge(state, reference, band, run.insist, refuted)
     if state.coupling == "associated" and reference.associated is not None:
         reference = reference.of_associated()
         names |= about(reference)
     off = distance(state.load_factor, reference, band)
     names["peak_memory_mb"] = float(np.fmax(state.peak_memory, memory()))  # of either process
     names |= _standing(state)
-    return Outcome(run, _row(names, state, off, verdict, why), evidence_of(state))
+    return Outcome(run, _row(names, state, off, verdict, why), evidence)
 
 
 def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Outcome:
@@ -134,8 +144,10 @@ def _standing(state: la.LimitState) -> dict[str, Any]:
 
 
 def lost(run: Run, status: la.Status, message: str) -> Outcome:
-    """The row of a run whose process did not come back."""
-    row = Row(**_names(run), status=status.label, message=message, verdict=FAIL, why=message)
+    """The row of a run whose process did not come back; late is no result, as of `judge`."""
+    late = status is la.Status.TIME_LIMIT and run.coupling != BRACKET
+    verdict = NO_RESULT if late and not run.insist else FAIL
+    row = Row(**_names(run), status=status.label, message=message, verdict=verdict, why=message)
     return Outcome(run, row)
 
 
@@ -160,7 +172,7 @@ def _failed(names: dict[str, Any], error: Exception) -> Row:
 
 
 def _row(names: dict[str, Any], state: la.LimitState, error: float, verdict: str, why: str) -> Row:
-    values, last = state.regularised, state.history.iloc[-1]
+    values = state.regularised
     return Row(
         **names,
         load_factor=state.load_factor,
@@ -180,5 +192,10 @@ def _row(names: dict[str, Any], state: la.LimitState, error: float, verdict: str
         energy=values.energy if values else nan,
         contraction=state.contraction,
         iterations=float(state.history["inner_iterations"].sum()),
-        claimed=bool(last["inner_status"] == la.Status.SOLVED.label),
+        claimed=_claimed(state),
     )
+
+
+def _claimed(state: la.LimitState) -> bool:
+    """Whether the solver itself called its last inner solve solved."""
+    return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # not evaluated: names of lacore in them load nothing
 
+from collections.abc import Mapping
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -23,6 +24,10 @@ PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
 NO_REFERENCE = "no reference"
 """Of what is proven, and cannot be compared with anything: neither right nor wrong."""
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
+REGULARISED = ("equilibrium", "yield_violation", "normalisation")
+"""What a regularised state is judged by: penalties let through the rest (T19)."""
+REFUTED = 1e-3
+"""Of these: who called an end with more than this solved was wrong, not short of digits."""
 BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
 FINDS_NONE = (*BOUNDS, BRACKET)
@@ -46,16 +51,21 @@ class Judged(Protocol):
     def regularised(self) -> RegularisedValues | None: ...  # noqa: D102
 
 
-def judge(state: Judged, reference: Reference, band: Band, insist: bool = True) -> tuple[str, str]:
+def judge(
+    state: Judged, reference: Reference, band: Band, insist: bool = True, refuted: str = ""
+) -> tuple[str, str]:
     """Verdict on a result, and why.
 
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
     lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
     the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
-    claims nothing, or nothing that can be judged, is none. Without a reference nothing passes.
+    claims nothing, or nothing that can be judged, is none; one that claims what residuals have
+    `refuted` (see `refutation`) is wrong. Without a reference nothing passes.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
+        if refuted:
+            return FAIL, refuted
         return FAIL if insist else NO_RESULT, f"not solved: {state.message}"
     if why := cannot_judge(reference, band):
         return FAIL, why
@@ -74,6 +84,20 @@ def judge(state: Judged, reference: Reference, band: Band, insist: bool = True) 
     if state.regularised is not None and (too_strong := _too_strong(state, band)):
         return FAIL if insist else NO_RESULT, too_strong
     return _judge_value(state, reference, allowed_of(reference, band))
+
+
+def refutation(claimed: bool, residuals: Mapping[str, float]) -> str:
+    """How the claim of a solver to have solved its last problem is refuted; empty if it is not.
+
+    Args:
+        claimed: whether there is one.
+        residuals: of the certificate, by name; empty where nothing was computed.
+    """
+    for name in REGULARISED if claimed and residuals else ():
+        size = residuals.get(name, nan)
+        if not size <= REFUTED:
+            return f"claimed to be solved, refuted by its residuals: {name} {size:.2g}"
+    return ""
 
 
 def cannot_judge(reference: Reference, band: Band) -> str:

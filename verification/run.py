@@ -21,7 +21,7 @@ class Run:
         case, variant, mesh, backend: names and things.
         coupling: a name of `la.solve` or `verification.defaults.RAW`; None is the default of the
             backend; `BRACKET` stands for a lower and an upper bound.
-        insist: whether to end without a result is a failure.
+        insist: whether to end without a result is a failure; not of regularised backends.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.
         settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...
@@ -141,8 +141,8 @@ class Row:
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
         verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference`` of what is proven and cannot be
-            compared, or ``no result`` of a coupling that is not the default and claims nothing;
-            `why` says why.
+            compared, or ``no result`` of what claims nothing and need not: a regularised backend,
+            or a coupling that is not the default; `why` says why.
         why: the rule that gave the verdict, with its numbers.
         alpha_reg, regularised_lambda, P: the values of T19, as load factors.
         energy: C of T19.

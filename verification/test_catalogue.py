@@ -12,7 +12,7 @@ import pytest
 
 from verification.compare import run_all
 from verification.execution import execute
-from verification.judging import NO_REFERENCE, PASS, SKIPPED
+from verification.judging import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.options import cores
 from verification.plugins import gather
 from verification.store import NAME
@@ -46,6 +46,6 @@ def _selected(session: pytest.Session) -> Iterator[Question]:
 def test_case(question: Question, finished: Finished) -> None:
     """One check of a case with a backend."""
     found = answer(question, finished)
-    if found.verdict in (SKIPPED, NO_REFERENCE):
+    if found.verdict in (SKIPPED, NO_RESULT, NO_REFERENCE):
         pytest.skip(found.why)
     assert found.verdict == PASS, found.why

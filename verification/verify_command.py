@@ -13,7 +13,7 @@ import click
 from lacore.errors import require_positive
 from verification.catalogue import Catalogue
 from verification.defaults import ON_DEMAND
-from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.options import (
     cases_option,
     fresh_option,
@@ -117,7 +117,8 @@ def verify(
         print_json(document)
     else:
         _show(terminal.table_console(), findings)
-        unjudged = f", {count['no_reference']} without reference" if count["no_reference"] else ""
+        rare = {"no_result": "without result", "no_reference": "without reference"}
+        unjudged = "".join(f", {count[kind]} {text}" for kind, text in rare.items() if count[kind])
         click.echo(
             f"\n{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped"
             f"{unjudged}; {len(runs)} runs\nChecks:  {out / FILE}\nResults: {out / NAME}"
@@ -173,9 +174,9 @@ def _show(console: Console, findings: Sequence[Finding]) -> None:
 
 
 def _verdict(checks: Mapping[str, Finding]) -> str:
-    """Of checks none of which failed: what has no reference has not passed."""
+    """Of checks none of which failed: what has no result or no reference has not passed."""
     verdicts = {found.verdict for found in checks.values()}
-    return next(kind for kind in (NO_REFERENCE, PASS, SKIPPED) if kind in verdicts)
+    return next(kind for kind in (NO_RESULT, NO_REFERENCE, PASS, SKIPPED) if kind in verdicts)
 
 
 def _cell(checks: Mapping[str, Finding], check: str, how: str, scale: float = 1.0) -> str:

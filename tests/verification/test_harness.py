@@ -12,8 +12,16 @@ from verification.case import Band, Reference, Variant
 from verification.catalogue import find
 from verification.compare import LINEAR, plan, run_all, tally
 from verification.defaults import ON_DEMAND
-from verification.harness import execute
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED, judge
+from verification.harness import execute, lost
+from verification.judging import (
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+    judge,
+    refutation,
+)
 from verification.results import load_results
 from verification.run import NO_EVIDENCE, Run
 from verification.store import NAME
@@ -118,6 +126,45 @@ def test_no_result_is_no_failure_where_none_is_insisted_on(state):
     assert judge(stuck, LOADS, WEIGHTY)[0] == FAIL
     wrong = replace(state, coupling="shift", load_factor=3.0)
     assert judge(wrong, LOADS, WEIGHTY, insist=False)[0] == FAIL
+
+
+@pytest.mark.parametrize(
+    ("claimed", "residuals", "verdict"),
+    [
+        (False, {"equilibrium": 0.5, "yield_violation": 0.0, "normalisation": 0.0}, NO_RESULT),
+        (True, {"equilibrium": 2e-6, "yield_violation": 0.0, "normalisation": 0.0}, NO_RESULT),
+        (True, {"equilibrium": 0.5, "yield_violation": 0.0, "normalisation": 0.0}, FAIL),
+        (True, {"equilibrium": 0.0, "yield_violation": nan, "normalisation": 0.0}, FAIL),
+        (True, {"divergence": 0.5}, FAIL),  # forged: the others are missing
+        (True, {}, NO_RESULT),  # it came to no state
+    ],
+)
+def test_a_claim_is_refuted_by_residuals_that_are_no_matter_of_digits(
+    state, claimed, residuals, verdict
+):
+    stuck = replace(state, status=la.Status.NOT_CERTIFIED)
+    refuted = refutation(claimed, residuals)
+    assert judge(stuck, LOADS, WEIGHTY, insist=False, refuted=refuted)[0] == verdict
+
+
+def test_only_exact_backends_must_answer():
+    """Of regularised ones a comparison counts how often they do."""
+    runs = {run.backend: run for run in plan(["shear-patch:yielding"], meshes=["coarse"])}
+    assert runs["clarabel"].insist
+    assert runs["cvxpy"].insist
+    assert not any(runs[name].insist for name in ("newton", "ipopt", "slsqp"))
+    assert lost(runs["newton"], la.Status.TIME_LIMIT, "late").row.verdict == NO_RESULT
+    assert lost(runs["newton"], la.Status.FAILED, "signal 11").row.verdict == FAIL
+    assert lost(runs["clarabel"], la.Status.TIME_LIMIT, "late").row.verdict == FAIL
+
+
+def test_a_regularised_backend_that_gives_up_is_no_failure():
+    (run,) = plan(["shear-patch:yielding"], ["slsqp"], ["coarse"])
+    (outcome,) = execute([replace(run, options={"max_iterations": 1})])
+    assert outcome.row.status == la.Status.ITERATION_LIMIT.label
+    assert isnan(outcome.row.load_factor)
+    assert outcome.row.verdict == NO_RESULT
+    assert "not solved" in outcome.row.why
 
 
 def test_a_load_that_is_not_listed_is_named(state):

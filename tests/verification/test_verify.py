@@ -137,6 +137,7 @@ def test_all_is_well(cylinder, punch):
             "passed": len(questions),
             "failed": 0,
             "skipped": 0,
+            "no_result": 0,
             "no_reference": 0,
         }
         assert len(as_table(findings)) == len(questions)
@@ -270,6 +271,25 @@ def test_what_was_not_solved_fails_once_and_what_was_not_run_is_skipped(punch):
     missing = changed(finished, value, status="skipped", verdict=SKIPPED, why="no licence")
     assert answer(value, missing).verdict == SKIPPED
     assert answer(value, missing).why == "no licence"
+
+
+@pytest.mark.parametrize(
+    ("backend", "claimed", "verdict"),
+    [("newton", False, "no result"), ("newton", True, FAIL), ("clarabel", False, FAIL)],
+)
+def test_only_a_regularised_backend_may_say_that_it_has_no_result(punch, backend, claimed, verdict):
+    """And not that it has one, where residuals refute it."""
+    questions, finished = punch
+    value = of(questions, "value", backend)
+    (key,) = (run.key for run in value.runs)
+    stuck = changed(
+        finished, value, status="not certified", load_factor=nan, P=nan, claimed=claimed
+    ).outcomes
+    evidence = stuck[key].evidence
+    unbalanced = replace(evidence, residuals={**evidence.residuals, "equilibrium": 0.1})
+    found = answer(value, Finished({**stuck, key: replace(stuck[key], evidence=unbalanced)}, {}))
+    assert found.verdict == verdict
+    assert tally([found])["no_result"] == (verdict == "no result")
 
 
 def test_a_wrong_status_is_found():

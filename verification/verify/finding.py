@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.spreadsheets import unquoted
 
 FILE = "checks.csv"
@@ -20,7 +20,8 @@ class Answer:
     """What a check found.
 
     Attributes:
-        verdict: ``pass``, ``FAIL``, ``skipped``, or ``no reference``: nothing to compare with.
+        verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference``: nothing to compare with, or
+            ``no result`` of a regularised backend that gives none and says so.
         why: one line with the numbers.
         measured: the number that decided; NaN where it was a status, or there is none.
         allowed: what it may be, as text.
@@ -62,7 +63,13 @@ class Finding:
 def tally(findings: Sequence[Finding]) -> dict[str, int]:
     """How many questions were answered how."""
     count = Counter(finding.verdict for finding in findings)
-    kinds = {"passed": PASS, "failed": FAIL, "skipped": SKIPPED, "no_reference": NO_REFERENCE}
+    kinds = {
+        "passed": PASS,
+        "failed": FAIL,
+        "skipped": SKIPPED,
+        "no_result": NO_RESULT,
+        "no_reference": NO_REFERENCE,
+    }
     return {name: count[kind] for name, kind in kinds.items()}
 
 

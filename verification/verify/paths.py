@@ -8,11 +8,12 @@ import numpy as np
 import lacore as la
 from verification.case import SOLVER
 from verification.following import ORDER_TOLERANCE, ORDERS
-from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.path_run import judge_path
 from verification.run import Outcome
 from verification.verify.finding import Answer
 from verification.verify.questions import Question
+from verification.verify.values import lost_verdict
 
 
 def path(outcomes: Sequence[Outcome]) -> Answer:
@@ -21,7 +22,7 @@ def path(outcomes: Sequence[Outcome]) -> Answer:
     Judged afresh: the row of a store may be older than the reference.
     """
     answers = [_path(outcome) for outcome in outcomes]
-    for verdict in (FAIL, NO_REFERENCE):
+    for verdict in (FAIL, NO_RESULT, NO_REFERENCE):
         found = [one for one in answers if one.verdict == verdict]
         if found:
             return found[0]
@@ -31,10 +32,11 @@ def path(outcomes: Sequence[Outcome]) -> Answer:
 def _path(outcome: Outcome) -> Answer:
     run, row = outcome.run, outcome.row
     if not row.ending or isnan(row.n_elements):  # nothing was solved
-        return Answer(FAIL, f"{run.label}: {row.why}")
+        return Answer(lost_verdict(outcome), f"{run.label}: {row.why}")
     band = run.case.band_of(run.variant, int(row.n_elements))
     reference = run.case.reference_of(run.variant)
-    verdict, why = judge_path(row, run.case.following_of(run.variant), reference, band)
+    stated = run.case.following_of(run.variant)
+    verdict, why = judge_path(row, stated, reference, band, run.insist)
     allowed = "" if isnan(row.path_error) else f"<= {max(band.below, band.above):.3g}"
     return Answer(verdict, f"{run.label}: {why}", row.path_error, allowed)
 

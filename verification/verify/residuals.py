@@ -9,15 +9,13 @@ import numpy as np
 import lacore as la
 from verification.case import SOLVER
 from verification.evidence import Proof
-from verification.judging import FAIL, PASS, SKIPPED
+from verification.judging import FAIL, PASS, REGULARISED, SKIPPED
 from verification.run import Outcome
 from verification.verify.finding import Answer
 
 Rechecked = Proof | str
 """A proof, or why there is none."""
 
-REGULARISED = ("equilibrium", "yield_violation", "normalisation")
-"""What a regularised state is judged by: penalties let through the rest (T19)."""
 _SAME = 1e-12  # of a load factor that is stored twice
 
 

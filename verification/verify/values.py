@@ -10,7 +10,16 @@ import numpy as np
 import lacore as la
 from lacore.regularization import RegularisedValues
 from verification.case import SOLVER, Band, Reference
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED, distance, judge
+from verification.judging import (
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+    distance,
+    judge,
+    refutation,
+)
 from verification.run import Outcome, Row
 from verification.verify.finding import Answer
 
@@ -50,9 +59,11 @@ def value(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
 def _value(outcome: Outcome, reference: Reference) -> Answer:
     run, row = outcome.run, outcome.row
     if isnan(row.n_elements):  # nothing was solved
-        return Answer(FAIL, f"{run.label}: {row.why}", allowed=reference.text)
+        return Answer(lost_verdict(outcome), f"{run.label}: {row.why}", allowed=reference.text)
     band = run.case.band_of(run.variant, int(row.n_elements))
-    verdict, why = judge(_said(row), run.case.reference_of(run.variant), band, insist=True)
+    refuted = refutation(row.claimed, outcome.evidence.residuals)
+    own = run.case.reference_of(run.variant)
+    verdict, why = judge(_said(row), own, band, run.insist, refuted)
     if reference.status is not la.Status.SOLVED:
         return Answer(verdict, f"{run.label}: {why}; {reference.formula}", allowed=reference.text)
     return Answer(
@@ -61,6 +72,12 @@ def _value(outcome: Outcome, reference: Reference) -> Answer:
         distance(row.load_factor, reference, band),
         f"-{band.below:.3g} ... +{band.above:.3g}",
     )
+
+
+def lost_verdict(outcome: Outcome) -> str:
+    """Verdict on a run that left no numbers: late is no result, where none is insisted on."""
+    late = outcome.row.status == la.Status.TIME_LIMIT.label
+    return NO_RESULT if late and not outcome.run.insist else FAIL
 
 
 def upper_from_above(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
@@ -128,12 +145,13 @@ def _relative(difference: float, value: float, band: Band) -> float:
 
 
 def _worst(answers: Sequence[Answer], badness: Callable[[float], float]) -> Answer:
-    """The first failure, or what has no reference, or else the answer whose measure is worst."""
+    """The first failure, or no result, or no reference, or else the answer that is worst."""
     if not answers:
         return Answer(SKIPPED, "no run was solved: there is nothing to look at")
-    failed = [answer for answer in answers if answer.verdict in (FAIL, NO_RESULT)]
-    if failed:
-        more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
-        return Answer(FAIL, failed[0].why + more, failed[0].measured, failed[0].allowed)
+    for verdict in (FAIL, NO_RESULT):
+        found = [answer for answer in answers if answer.verdict == verdict]
+        if found:
+            more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+            return Answer(verdict, found[0].why + more, found[0].measured, found[0].allowed)
     answers = [answer for answer in answers if answer.verdict == NO_REFERENCE] or answers
     return max(answers, key=lambda a: -inf if isnan(a.measured) else badness(a.measured))
