@@ -36,6 +36,7 @@ from lacore.program import (
     reduced,
 )
 from lacore.rigid import RigidDofs
+from lacore.showing import Facts, Picture, Shown, counted, listed, sized
 from lacore.slips import Slip, slips
 from lacore.span_nodes import spanned
 from lacore.status import Scope
@@ -49,8 +50,8 @@ _CORNER = 0.5  # cosine of a corner that is meant: edges turn by 60 degrees and 
 _LOAD_ORDER, _CURVED_ORDER = 3, 7
 
 
-@dataclass(frozen=True)
-class Discretisation:
+@dataclass(frozen=True, repr=False)
+class Discretisation(Shown):
     """An assembled problem.
 
     Attributes:
@@ -93,6 +94,26 @@ class Discretisation:
     def scope(self) -> Scope:
         """Of which problem its load factors are."""
         return Scope.DISCRETE if self.bodies else Scope.ITSELF
+
+    @property
+    def contents(self) -> str:
+        """``576 elements, 2401 unknowns, 12 contact points``."""
+        return sized(self.n_elements, self.program.n, self.program.contact.count)
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        natural, free = self.natural, counted(self.program.n, "free unknown")
+        told = {
+            "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
+            "bodies": listed(self.problem.bodies),
+            "contact": listed(self.points.names) or "none",
+            "scales": f"{natural.length:.4g} m, {natural.stress:.4g} Pa",
+        }
+        return Facts(f"Discretisation: {free}, of {self.scope.value}", told)
+
+    def picture(self) -> Picture:
+        """The problem."""
+        return Picture(self.problem.plot(), "the problem")
 
     @property
     def n_elements(self) -> int:

@@ -17,6 +17,7 @@ import numpy as np
 from lacore.errors import CapabilityError, InputError, require_known
 from lacore.program import FrozenContact, KinematicProgram, require_finite
 from lacore.regularization import RegularisedValues
+from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -24,8 +25,8 @@ GROUP = "lacore.backends"
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
 
 
-@dataclass(frozen=True)
-class Capabilities:
+@dataclass(frozen=True, repr=False)
+class Capabilities(Compact):
     """What a backend can do. Duals are no choice: certificates and contact live on them.
 
     Attributes:
@@ -49,8 +50,8 @@ class Capabilities:
     isolated: bool = False
 
 
-@dataclass(frozen=True)
-class InnerSolution:
+@dataclass(frozen=True, repr=False)
+class InnerSolution(Compact):
     """Answer of one inner solve, in the units of the program.
 
     Attributes:

@@ -27,6 +27,7 @@ from lacore.polygons import (
     require_apart,
     require_no_slits,
 )
+from lacore.showing import Facts, Shown, counted, listed, short
 
 Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the mean block size
@@ -35,8 +36,8 @@ _SLIVER = 1e-6  # of the size of its block: an edge below it is none
 _DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
 
 
-@dataclass(frozen=True, eq=False)
-class BlockAssembly:
+@dataclass(frozen=True, eq=False, repr=False)
+class BlockAssembly(Shown):
     """Rigid blocks and the joints between them.
 
     A joint is a segment that two outlines share: edges that face each other, overlap along more
@@ -122,6 +123,21 @@ class BlockAssembly:
         }
         for name, value in computed.items():
             object.__setattr__(self, name, value)
+
+    @property
+    def contents(self) -> str:
+        """``13 blocks, 22 joints``."""
+        return f"{counted(len(self.names), 'rigid block')}, {counted(self.joints.count, 'joint')}"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        laws = self.joint_friction or {}
+        told = {
+            "blocks": listed(self.names, 10),
+            "friction": short(self.friction) + (f", {len(laws)} joints differ" if laws else ""),
+            "size": f"{self.area.sum():.4g} m^2, {self.size:.4g} m across",
+        }
+        return Facts(f"BlockAssembly: {self.contents}", told)
 
     @property
     def polygons(self) -> Mapping[str, Floats]:

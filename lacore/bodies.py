@@ -1,6 +1,7 @@
 """Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from skfem import MeshQuad, MeshTri
@@ -13,15 +14,19 @@ from lacore.errors import InputError, require_known
 from lacore.locking import crossed_quadrilaterals
 from lacore.mesh_checks import check_mesh
 from lacore.polygonal import geometry_of
+from lacore.showing import Facts, Picture, Shown, counted, listed, short
 from lacore.spaces import SPACES, VelocitySpace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
 
 GEOMETRIES = ("exact", "approximated")
 
 
-@dataclass(frozen=True)
-class Body:
+@dataclass(frozen=True, repr=False)
+class Body(Shown):
     """A continuum body.
 
     Attributes:
@@ -90,6 +95,35 @@ class Body:
                 "take 'p1-disc' or 'p2-vertex', or cut all quadrilaterals along both diagonals"
                 " (lacore.meshes.rectangle(crossed=True))",
             )
+
+    @property
+    def contents(self) -> str:
+        """``576 triangles, plane_strain, p2-vertex, k = 1 Pa``."""
+        elements = counted(
+            self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
+        )
+        return f"{elements}, {self.kinematics}, {self.space}, k = {self.criterion.k:.4g} Pa"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        (left, low), (right, high) = self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
+        told = {
+            "criterion": short(self.criterion),
+            "size": f"{self.mesh.nvertices} vertices, {left:.4g} to {right:.4g} m by {low:.4g} to"
+            f" {high:.4g} m, geometry {self.geometry}",
+            "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
+        }
+        return Facts(f"Body: {self.contents}", told)
+
+    def picture(self) -> Picture:
+        """Its mesh."""
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """Its mesh, with the names of boundaries: see `lacore.plotting_mesh.plot_body`."""
+        from lacore.plotting_mesh import plot_body
+
+        return plot_body(self)
 
     @property
     def axisymmetric(self) -> bool:

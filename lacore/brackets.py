@@ -11,6 +11,7 @@ import pandas as pd
 from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.kinematic_bound import UpperBound
 from lacore.precision import exactness
+from lacore.showing import Compact, Facts, Picture, Shown, counted
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 # Round-off of a proven load factor per residual that counts as zero, of all loads: some ten times
 # that in sums over elements, and two digits in hand.
 _SUMMED = 1e3
+BODY = "load factor"
+POLYGON = "load factor of the polygon"  # that stands for a curved outline
+_EVERY = "every Coulomb "  # what bounds enclose where friction is Coulomb's
 
 
 class Ending(Enum):
@@ -46,8 +50,8 @@ class Ending(Enum):
         return self.name.lower().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class Step:
+@dataclass(frozen=True, repr=False)
+class Step(Compact):
     """One solve on the way.
 
     Attributes:
@@ -72,8 +76,8 @@ class Step:
     seconds: float
 
 
-@dataclass(frozen=True)
-class Bracket:
+@dataclass(frozen=True, repr=False)
+class Bracket(Shown):
     """A load factor between two proven ones: of the body where `strict`, else of its polygon.
 
     With Coulomb friction every Coulomb load factor.
@@ -126,6 +130,12 @@ class Bracket:
         return any(dofs.body.geometry != "exact" for dofs in bodies)
 
     @property
+    def heading(self) -> str:
+        """``5.116 <= load factor <= 5.198   (width 1.58%, reached)``."""
+        bounded = f"{_EVERY if self.coulomb else ''}{POLYGON if self.polygonal else BODY}"
+        return heading(self.lower, self.upper, self.width, self.status.label, bounded)
+
+    @property
     def message(self) -> str:
         """The status in words, what it is proven of, and what failed."""
         proven_of = ""
@@ -169,11 +179,46 @@ class Bracket:
         one, other = above.body.mesh, below.body.mesh
         return np.array_equal(one.t, other.t) and np.array_equal(one.p, other.p)
 
+    def facts(self) -> Facts:
+        """What is proven, and how it came about."""
+        lower, upper = self.lower_bound, self.upper_bound
+        told = {
+            "status": self.message,
+            "rigor": "both bounds are strict" if self.strict else "not both bounds are strict",
+            "residual": f"equilibrium {_equilibrium(lower):.1e} below; divergence"
+            f" {upper.divergence:.1e}, penetration {upper.penetration:.1e} above",
+            "size": f"{counted(lower.model.n_elements, 'element')} below,"
+            f" {upper.discretisation.n_elements} above",
+        }
+        solves = counted(len(self.history), "solve")
+        seconds = self.history["seconds"].max() if len(self.history) else np.nan
+        told["solved by"] = f"{lower.backend}: {solves} in {seconds:.3g} s"
+        return Facts(f"Bracket: {self.heading}", told)
+
+    def picture(self) -> Picture:
+        """Shares in the gap where they are known; to be drawn, others need a solve (`plot`)."""
+        if self.upper_bound.status is Status.SOLVED and (self.one_mesh or "gaps" in vars(self)):
+            return Picture(self.plot())
+        problem = self.upper_bound.discretisation.problem
+        return Picture(problem.plot(), "the problem, on the mesh of the upper bound")
+
     def plot(self) -> "Figure":
         """Both meshes and their shares: see `lacore.plotting_bracket.plot_bracket`."""
         from lacore.plotting_bracket import plot_bracket
 
         return plot_bracket(self)
+
+
+def heading(lower: float, upper: float, width: float, status: str, bounded: str = BODY) -> str:
+    """What stands above a picture; `bounded` is what both are bounds of."""
+    told = f"{lower:.6g} <= {bounded} <= {upper:.6g}"
+    if lower > upper:
+        told = f"lower bound {lower:.6g}, upper bound {upper:.6g}"
+    return f"{told}   (width {width:.2%}, {status})"
+
+
+def _equilibrium(bound: LowerBound) -> float:
+    return np.nan if bound.certificate is None else bound.certificate.equilibrium
 
 
 def width(lower: float, upper: float) -> float:

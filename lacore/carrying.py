@@ -19,13 +19,14 @@ from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
 from lacore.own_unknown import with_own_unknown
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.showing import Compact
 from lacore.state import ProgramState
 
 _SOME = 1e-3  # share, or power of the dead load per S: less is noise of a solver
 
 
-@dataclass(frozen=True)
-class Carrying:
+@dataclass(frozen=True, repr=False)
+class Carrying(Compact):
     """What is proven, in the units of the program; at most one of the two.
 
     Attributes:

@@ -11,11 +11,12 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.part_forces import forces_at_points, part_forces
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.showing import Facts, Shown
 from lacore.state import ProgramState, out_of_balance
 
 
-@dataclass(frozen=True)
-class Certificate:
+@dataclass(frozen=True, repr=False)
+class Certificate(Shown):
     """Residuals, each >= 0 up to round-off and 0 for an exact Coulomb limit state.
 
     Of a regularised state divergence, penetration, flow, slip and gap stay as large as its
@@ -61,6 +62,25 @@ class Certificate:
         residuals: dict[str, float] = asdict(self)
         name = max(residuals, key=lambda key: np.nan_to_num(residuals[key], nan=np.inf))
         return name, residuals[name]
+
+    @property
+    def summary(self) -> str:
+        """``largest 1.2e-09 (gap)``."""
+        name, size = self.worst
+        return f"largest {size:.1e} ({name})"
+
+    def facts(self) -> Facts:
+        """All residuals, the largest first."""
+        kinds = {
+            "of forces": ("equilibrium", "yield_violation", "cone"),
+            "of velocities": ("penetration", "divergence", "normalisation"),
+            "of powers": ("flow", "slip", "gap"),
+        }
+        told = {
+            kind: ", ".join(f"{name} {getattr(self, name):.1e}" for name in names)
+            for kind, names in kinds.items()
+        }
+        return Facts(f"Certificate: residuals, {self.summary}", told)
 
     def holds(self, tolerance: float) -> bool:
         """Whether every residual is within `tolerance`; false for NaN."""

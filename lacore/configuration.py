@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.showing import Compact
 
 
-@dataclass(frozen=True)
-class Configuration:
+@dataclass(frozen=True, repr=False)
+class Configuration(Compact):
     """Bodies at one moment of a path.
 
     Attributes:

@@ -14,6 +14,7 @@ from lacore.curved import edge_curves
 from lacore.errors import InputError
 from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
+from lacore.showing import Compact
 from lacore.touching import Edges, near_misses, touching
 
 AnyBody = Body | BlockAssembly | Frame
@@ -21,8 +22,8 @@ _SAME_FACE = 1 - 1e-9  # cosine between the normals of faces on one line
 _TOUCH = 1e-9  # of the body size: coordinates written in double precision agree to this
 
 
-@dataclass(frozen=True)
-class Segments:
+@dataclass(frozen=True, repr=False)
+class Segments(Compact):
     """Straight parts along which one edge of the slave touches one of the master.
 
     Attributes:

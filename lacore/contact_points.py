@@ -21,6 +21,7 @@ from lacore.contact_geometry import Segments, interface_segments
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
 from lacore.rigid import RigidDofs
+from lacore.showing import Compact
 from lacore.staging import Obstacle
 
 _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
@@ -29,8 +30,8 @@ _SAME_PLACE = 1e-9  # of the extent of the contact
 _ROUND_OFF = 1e-13  # of an entry of order one
 
 
-@dataclass(frozen=True)
-class ContactPoints:
+@dataclass(frozen=True, repr=False)
+class ContactPoints(Compact):
     """Geometry of contact points, for results and pictures.
 
     Attributes:
@@ -57,8 +58,8 @@ class ContactPoints:
         return ContactPoints(*arrays, self.names, gap, self.obstacles)
 
 
-@dataclass(frozen=True)
-class Laws:
+@dataclass(frozen=True, repr=False)
+class Laws(Compact):
     """Friction of segments or points, each of shape (k,): see `lacore.interfaces.FrictionTerms`."""
 
     coefficient: Floats
@@ -66,8 +67,8 @@ class Laws:
     dilatancy: Floats
 
 
-@dataclass(frozen=True)
-class Station:
+@dataclass(frozen=True, repr=False)
+class Station(Compact):
     """Contact points of one interface, or of all joints of an assembly.
 
     Attributes:

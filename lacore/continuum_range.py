@@ -10,12 +10,13 @@ from lacore.assembly import Discretisation
 from lacore.enclosing import associated, frictionless
 from lacore.errors import CapabilityError, InputError
 from lacore.kinematic_bound import UpperBound, upper_bound
+from lacore.showing import Compact
 from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor
 
 
-@dataclass(frozen=True)
-class ContinuumRange:
+@dataclass(frozen=True, repr=False)
+class ContinuumRange(Compact):
     """Two load factors with every Coulomb one of the continuum between them.
 
     Attributes:

@@ -12,6 +12,7 @@ from lacore.bodies import Body
 from lacore.errors import InputError, is_plane_vector, require_range
 from lacore.loads import RigidFooting
 from lacore.problem import Problem, vertex_at
+from lacore.showing import Compact
 
 Gauge = Callable[[Discretisation, Floats], float]
 """Rate of the travel at a velocity of all unknowns, in units of the travel per s."""
@@ -44,8 +45,8 @@ def gauge_of(control: Control, problem: Problem) -> Gauge:
     return control.gauge(problem)
 
 
-@dataclass(frozen=True)
-class FootingTravel:
+@dataclass(frozen=True, repr=False)
+class FootingTravel(Compact):
     """How far the rigid footing of the reference load has moved along its direction, m."""
 
     def gauge(self, problem: Problem) -> Gauge:
@@ -61,8 +62,8 @@ class FootingTravel:
         return lambda d, velocity: float(velocity[d.footings[0]])
 
 
-@dataclass(frozen=True)
-class PointTravel:
+@dataclass(frozen=True, repr=False)
+class PointTravel(Compact):
     """How far a point of a body has moved along a direction, m.
 
     Attributes:
@@ -93,8 +94,8 @@ class PointTravel:
         return lambda d, velocity: float(along @ velocity[d.bodies[self.body].dofs[:, node]])
 
 
-@dataclass(frozen=True)
-class Time:
+@dataclass(frozen=True, repr=False)
+class Time(Compact):
     """The time that has gone by, s, at velocities of ``F0.u = 1``: the work of the unit load."""
 
     def gauge(self, problem: Problem) -> Gauge:

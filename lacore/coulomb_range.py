@@ -20,6 +20,7 @@ from lacore.errors import InputError, require_whole
 from lacore.problem import Problem
 from lacore.program import dimensionless
 from lacore.result import LimitState
+from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers import preparing
 from lacore.solving import limit_state, solve
 from lacore.status import Scope, Status
@@ -29,8 +30,8 @@ _COLUMNS = ["restart", "origin", "low", "high", "low_end", "high_end", "residual
 _CLOSE = 1e-6  # relative: a load factor this close to a bound has reached it
 
 
-@dataclass(frozen=True)
-class CoulombRange:
+@dataclass(frozen=True, repr=False)
+class CoulombRange(Shown):
     """The lowest and the highest Coulomb load factor found, in SI units.
 
     Each is proven to be one, by its certificate. That there is none lower or higher is proven only
@@ -88,6 +89,38 @@ class CoulombRange:
     def highest_proven(self) -> bool:
         """Whether there is proven to be no higher Coulomb load factor of the problem of `scope`."""
         return _reached(self.high, self.bracket[1])
+
+    def facts(self) -> Facts:
+        """What was found, and what of it is proven; `summary` has the whole."""
+        found = f"{self.low:.7g} to {self.high:.7g}{self.scope.phrase}"
+        if self.lowest is None or self.highest is None:
+            found = "none is certified"
+        below, above = self.bracket
+        proven = f"every one is in [{below:.7g}, {above:.7g}]"
+        if self.scope is Scope.DISCRETE:
+            below, above = self.continuum
+            proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
+        told = {"status": self.status.said(self.message), "proven": proven}
+        worst = [
+            f"{state.certificate.summary} of the {name}"
+            for name, state in (("lowest", self.lowest), ("highest", self.highest))
+            if state is not None and state.certificate is not None
+        ]
+        if worst:
+            told["residual"] = "; ".join(worst)
+        told["solved by"] = (
+            f"{self.backend}: {counted(len(self.states), 'state')} in"
+            f" {counted(self.solves, 'solve')}, {self.solve_time:.3g} s"
+        )
+        if self.lowest is not None:
+            told["size"] = self.lowest.discretisation.contents
+        return Facts(f"CoulombRange: Coulomb load factors {found}", told)
+
+    def picture(self) -> Picture | None:
+        """The mechanism of the lowest load factor."""
+        if self.lowest is None:
+            return None
+        return Picture(self.lowest.plot(), "the mechanism with the lowest load factor")
 
     def summary(self) -> str:
         """What was found, and what of it is proven, as plain text."""

@@ -22,6 +22,7 @@ from lacore.coulomb_bounds import lower_bound, upper_bound
 from lacore.coupling import CouplingOptions, Iterate, Run
 from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact
+from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -34,8 +35,8 @@ _BEST = 0.1  # at the best end, in each restart
 _FURTHER = 1e-7  # of the size of load factors; less is round-off of interior-point methods
 
 
-@dataclass(frozen=True)
-class Found:
+@dataclass(frozen=True, repr=False)
+class Found(Compact):
     """One certified mechanism, in the units of the program.
 
     Attributes:

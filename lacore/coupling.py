@@ -26,6 +26,7 @@ from lacore.errors import (
 )
 from lacore.free_motion import without_dissipation
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
+from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -37,8 +38,8 @@ _NO_POWER = 1e-7  # of stress * length * velocity: what interior-point round-off
 _NO_CHANGE = 1e-6  # relative: smaller changes of what is frozen say nothing of a rate
 
 
-@dataclass(frozen=True)
-class CouplingOptions:
+@dataclass(frozen=True, repr=False)
+class CouplingOptions(Compact):
     """How to couple.
 
     Attributes:
@@ -75,8 +76,8 @@ class CouplingOptions:
             raise InputError("kappa", self.kappa, "outside [0, 1]", "0 is `reaction`, 1 is `shift`")
 
 
-@dataclass(frozen=True)
-class Iterate:
+@dataclass(frozen=True, repr=False)
+class Iterate(Compact):
     """One inner solve of a loop.
 
     Attributes:
@@ -115,8 +116,8 @@ class Iterate:
         }
 
 
-@dataclass(frozen=True)
-class Coupled:
+@dataclass(frozen=True, repr=False)
+class Coupled(Compact):
     """End of a coupling loop: its status, and every inner solve on the way.
 
     Attributes:

@@ -8,12 +8,13 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known, require_range
 from lacore.hardening import HardeningLaw, Perfect, require_hardening_law
+from lacore.showing import Compact
 
 KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
 
 
-@dataclass(frozen=True)
-class ConicForm:
+@dataclass(frozen=True, repr=False)
+class ConicForm(Compact):
     """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``.
 
     `eps` is the strain rate in engineering components (xx, yy, gamma_xy), of axisymmetric bodies
@@ -64,8 +65,8 @@ class ConicForm:
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
 
 
-@dataclass(frozen=True)
-class VonMises:
+@dataclass(frozen=True, repr=False)
+class VonMises(Compact):
     """von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
 
     Give one of the two, or a law of `lacore.hardening`, of which a limit load takes the initial

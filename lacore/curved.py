@@ -9,6 +9,7 @@ from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
 from lacore.errors import InputError
+from lacore.showing import Compact
 
 _SHARES = np.linspace(0.0, 1.0, 4)
 _DRAWN = 7  # points of a curved edge in pictures
@@ -62,8 +63,8 @@ def vertices(mesh: Mesh) -> Floats:
     return np.asarray(mesh.p[:, : mesh.nvertices])
 
 
-@dataclass(frozen=True)
-class EdgeCurves:
+@dataclass(frozen=True, repr=False)
+class EdgeCurves(Compact):
     """Quadratic curves by parameters 0 at `start`, 1/2 at `middle`, 1 at `end`, each (2, k)."""
 
     start: Floats

@@ -10,13 +10,14 @@ from skfem import Basis
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies import Body, on_axis
 from lacore.curved import EdgeCurves, edge_curves, is_curved
+from lacore.showing import Compact
 from lacore.spaces import SPACES, VelocitySpace
 
 _ROUND_OFF = 1e-13  # of a shape function
 
 
-@dataclass(frozen=True)
-class BodyDofs:
+@dataclass(frozen=True, repr=False)
+class BodyDofs(Compact):
     """Where a body's velocity stands in the vector of all unknowns.
 
     Attributes:

@@ -12,13 +12,14 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError
+from lacore.showing import Compact
 
 _PARALLEL = 1e-12  # squared sine between directions that count as one: far above round-off
 _CONFLICT = 1e-9
 
 
-@dataclass(frozen=True)
-class NodeConditions:
+@dataclass(frozen=True, repr=False)
+class NodeConditions(Compact):
     """Conditions on nodes.
 
     Attributes:

@@ -20,13 +20,14 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies import Body
 from lacore.boundaries import facet_geometry
 from lacore.program import DissipationGroup
+from lacore.showing import Compact
 
 _OPPOSITE = np.array([2, 0, 1])  # local vertex across each local facet of scikit-fem
 _FACETS = np.array([[0, 2], [0, 1], [1, 2]])  # local facets at each local vertex
 
 
-@dataclass(frozen=True)
-class EquilibriumDofs:
+@dataclass(frozen=True, repr=False)
+class EquilibriumDofs(Compact):
     """Where a body's multipliers stand among all: as nodes, then components.
 
     Attributes:

@@ -35,7 +35,9 @@ class InputError(LacoreError, ValueError):
 def _short(value: object) -> str:
     """As it is written; of what would fill pages only what it is."""
     written = repr(value)
-    return written if len(written) <= _LONGEST else f"<{type(value).__name__}>"
+    return (
+        written if len(written) <= _LONGEST and "\n" not in written else f"<{type(value).__name__}>"
+    )
 
 
 class CapabilityError(LacoreError):

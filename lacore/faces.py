@@ -29,6 +29,7 @@ from lacore.program import (
     associated_contact,
     kept_points,
 )
+from lacore.showing import Compact
 from lacore.state import ProgramState
 
 # Between rest and motion, of the fastest. Velocities of interior-point methods carry noise of 1e-9
@@ -60,8 +61,8 @@ class _Branches:
         return all(np.array_equal(a, b) for a, b in zip(mine, its, strict=True))
 
 
-@dataclass(frozen=True)
-class Face:
+@dataclass(frozen=True, repr=False)
+class Face(Compact):
     """Kinematic program of the largest load factor of a mechanism, and the way back.
 
     Attributes:

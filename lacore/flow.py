@@ -17,6 +17,7 @@ from lacore.interfaces import Interface
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
 from lacore.result import LimitState
 from lacore.selection import Selected
+from lacore.showing import Compact
 from lacore.solving import solve
 from lacore.staging import Stage
 
@@ -25,8 +26,8 @@ from lacore.staging import Stage
 _CHOICE = 1e-3
 
 
-@dataclass(frozen=True)
-class Moment:
+@dataclass(frozen=True, repr=False)
+class Moment(Compact):
     """Where and for what a limit problem of a step is stated.
 
     Attributes:
@@ -42,8 +43,8 @@ class Moment:
     share: float
 
 
-@dataclass(frozen=True)
-class Flow:
+@dataclass(frozen=True, repr=False)
+class Flow(Compact):
     """Answer at a moment.
 
     Attributes:

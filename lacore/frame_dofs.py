@@ -19,6 +19,7 @@ from lacore.errors import InputError, suggest
 from lacore.frames import Frame
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.program import DissipationGroup
+from lacore.showing import Compact
 
 COMPONENTS = {
     "x": (True, False, False),
@@ -31,8 +32,8 @@ _DEPENDENT = 1e-9  # a sine: far above round-off, far below any angle that is me
 _ROUND_OFF = 1e-13  # of an entry of order one
 
 
-@dataclass(frozen=True)
-class FrameDofs:
+@dataclass(frozen=True, repr=False)
+class FrameDofs(Compact):
     """Where the velocity of a frame stands in the vector of all unknowns.
 
     Attributes:

@@ -22,13 +22,14 @@ from lacore.members import (
     require_single,
     split_members,
 )
+from lacore.showing import Facts, Shown, counted, listed
 
 Nodes = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
+@dataclass(frozen=True, eq=False, repr=False)
+class Frame(Shown):
     """Rigid-plastic members, inextensible, with potential plastic hinges at nodes.
 
     A node that lies on a member, within `tolerance`, splits it: the member may hinge there, on
@@ -110,6 +111,24 @@ class Frame:
         }
         for name, value in computed.items():
             object.__setattr__(self, name, value)
+
+    @property
+    def contents(self) -> str:
+        """``3 members, 4 nodes``."""
+        members = counted(len(self.member_names), "member")
+        return f"{members}, {counted(len(self.names), 'node')}"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        low, high = self.pieces.plastic_moment.min(), self.pieces.plastic_moment.max()
+        told = {
+            "members": listed(self.member_names, 10),
+            "nodes": listed(self.names, 10),
+            "moment": f"M_p = {low:.4g} N" if low == high else f"M_p = {low:.4g} to {high:.4g} N",
+            "releases": counted(len(self.releases), "release"),
+            "size": f"{self.pieces.length.sum():.4g} m of members, {self.size:.4g} m across",
+        }
+        return Facts(f"Frame: {self.contents}", told)
 
     def find(self, where: Nodes, field: str) -> Ints:
         """Numbers of nodes: of a name, of names, or of a predicate on coordinates (2, n) -> (n,).

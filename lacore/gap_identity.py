@@ -2,35 +2,43 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.bodies import Body
 from lacore.dofs import BodyDofs
 from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
 from lacore.kinematic_bound import UpperBound, plastic_power
 from lacore.program import require_homogeneous
 from lacore.result import LimitState
+from lacore.showing import Facts, Picture, Shown, counted
 from lacore.slips import Slip
 from lacore.static_bound import LowerBound
 from lacore.status import Status
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-@dataclass(frozen=True)
-class GapIdentity:
+
+@dataclass(frozen=True, repr=False)
+class GapIdentity(Shown):
     """``upper - lower`` as a sum of shares that are all >= 0.
 
     Attributes:
         upper, lower: load factors.
         elements: share of each element by body, shape (elements,), in the unit of load factors.
         interfaces: share of each interface, and of each joint of rigid blocks, by name.
+        bodies: the continua, with the mesh of the elements, by name.
     """
 
     upper: float
     lower: float
     elements: Mapping[str, Floats]
     interfaces: Mapping[str, float]
+    bodies: Mapping[str, Body]
 
     @property
     def total(self) -> float:
@@ -44,6 +52,28 @@ class GapIdentity:
         return min(
             [*self.interfaces.values(), *(float(gaps.min()) for gaps in self.elements.values())]
         )
+
+    def facts(self) -> Facts:
+        """The gap, and its shares."""
+        gap, count = self.upper - self.lower, sum(gaps.size for gaps in self.elements.values())
+        pairs = counted(len(self.interfaces), "interface")
+        told = {
+            "shares": f"of {counted(count, 'element')} and {pairs}",
+            "sum": f"{self.total:.7g}, off by {self.total - gap:.1e}",
+            "least": f"{self.least:.1e}",
+        }
+        title = f"GapIdentity: gap {gap:.7g} = upper {self.upper:.7g} - lower {self.lower:.7g}"
+        return Facts(title, told)
+
+    def picture(self) -> Picture | None:
+        """As `plot` draws it."""
+        return Picture(self.plot()) if self.bodies else None
+
+    def plot(self) -> "Figure":
+        """Shares of the elements: see `lacore.plotting_mesh.plot_gap`."""
+        from lacore.plotting_mesh import plot_gap
+
+        return plot_gap(self)
 
     def __str__(self) -> str:
         gap, count = self.upper - self.lower, sum(gaps.size for gaps in self.elements.values())
@@ -107,6 +137,7 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         lower=lower.load_factor,
         elements=elements,
         interfaces=dict(zip(names, shares.tolist(), strict=True)),
+        bodies={name: discretisation.bodies[name].body for name in lower.model.bodies},
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_positive
+from lacore.showing import Compact
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator, PPoly
@@ -34,8 +35,8 @@ class HardeningLaw(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Perfect:
+@dataclass(frozen=True, repr=False)
+class Perfect(Compact):
     """No hardening: the yield stress stays what it is.
 
     Attributes:
@@ -59,8 +60,8 @@ class Perfect:
         return np.zeros(np.shape(strain))
 
 
-@dataclass(frozen=True)
-class Linear:
+@dataclass(frozen=True, repr=False)
+class Linear(Compact):
     """``sigma_Y = yield_stress + slope eb``.
 
     Attributes:
@@ -90,8 +91,8 @@ class Linear:
         return np.full(np.shape(strain), float(self.slope))
 
 
-@dataclass(frozen=True)
-class Voce:
+@dataclass(frozen=True, repr=False)
+class Voce(Compact):
     """``sigma_Y = saturation - (saturation - yield_stress) exp(-rate eb)``: hardening that ends.
 
     Attributes:
@@ -129,8 +130,8 @@ class Voce:
         return np.asarray((self.saturation - self.yield_stress) * self.rate * left)
 
 
-@dataclass(frozen=True)
-class Swift:
+@dataclass(frozen=True, repr=False)
+class Swift(Compact):
     """``sigma_Y = strength (offset + eb)^exponent``: a power law that starts at a yield stress.
 
     Attributes:
@@ -167,8 +168,8 @@ class Swift:
         return np.asarray(self.strength * self.exponent * total ** (self.exponent - 1))
 
 
-@dataclass(frozen=True)
-class Table:
+@dataclass(frozen=True, repr=False)
+class Table(Compact):
     """Measured points, between them the monotone cubic interpolation of Fritsch & Carlson (1980).
 
     Beyond the last point the yield stress stays what it is there: nobody has measured more, and a

@@ -12,12 +12,13 @@ import numpy as np
 
 from lacore.boundaries import Where, where_name
 from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_range
+from lacore.showing import Compact
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
 
 
-@dataclass(frozen=True)
-class FrictionTerms:
+@dataclass(frozen=True, repr=False)
+class FrictionTerms(Compact):
     """A law as ``||t_t|| <= coefficient t_n + limit`` with ``u_n >= dilatancy ||u_t||``."""
 
     coefficient: float
@@ -25,8 +26,8 @@ class FrictionTerms:
     dilatancy: float
 
 
-@dataclass(frozen=True)
-class Coulomb:
+@dataclass(frozen=True, repr=False)
+class Coulomb(Compact):
     """Unilateral Coulomb friction ``||t_t|| <= mu t_n`` (T2).
 
     Attributes:
@@ -53,8 +54,8 @@ class Coulomb:
         return FrictionTerms(self.mu, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Tresca:
+@dataclass(frozen=True, repr=False)
+class Tresca(Compact):
     """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa.
 
     The bound holds wherever the body is, also where it lifts off.
@@ -108,8 +109,8 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
         raise InputError(field, friction, wrong.why, wrong.mend) from None
 
 
-@dataclass(frozen=True)
-class RigidObstacle:
+@dataclass(frozen=True, repr=False)
+class RigidObstacle(Compact):
     """A rigid obstacle at rest.
 
     Attributes:
@@ -141,8 +142,8 @@ class RigidObstacle:
             require_range("RigidObstacle.normal", self.normal)
 
 
-@dataclass(frozen=True)
-class Interface:
+@dataclass(frozen=True, repr=False)
+class Interface(Compact):
     """Contact between a boundary and a rigid obstacle, or between the boundaries of two bodies.
 
     Which of two bodies is called slave changes no result, only the signs of `LimitState.reactions`.

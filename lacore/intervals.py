@@ -26,6 +26,7 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.showing import Facts, Shown
 from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -50,8 +51,8 @@ class EndStatus(Enum):
         return self.name.lower().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class End:
+@dataclass(frozen=True, repr=False)
+class End(Shown):
     """One end of an interval.
 
     Attributes:
@@ -67,9 +68,15 @@ class End:
     point: ProgramState
     certificate: Certificate
 
+    def facts(self) -> Facts:
+        """Its value, and what proves it."""
+        told = {"status": f"{self.status.label}: {self.status.value}"}
+        told["residual"] = self.certificate.summary
+        return Facts(f"End: load factor {self.load_factor:.7g}", told)
 
-@dataclass(frozen=True)
-class Interval:
+
+@dataclass(frozen=True, repr=False)
+class Interval(Shown):
     """Load factors that one mechanism carries: all of [low, high].
 
     Ends are rounded outward: by what their proofs leave open, and to the load factor of the state,
@@ -99,6 +106,16 @@ class Interval:
         """Whether both ends are proven, unbounded ones included."""
         proven = (EndStatus.EXACT, EndStatus.UNBOUNDED)
         return self.lower.status in proven and self.upper.status in proven
+
+    def facts(self) -> Facts:
+        """Both ends, and what each is worth."""
+        told = {
+            side: f"{end.load_factor:.7g}, {end.status.label}"
+            for side, end in (("low", self.lower), ("high", self.upper))
+        }
+        told["residual"] = f"{self.lower.certificate.summary}; {self.upper.certificate.summary}"
+        title = f"Interval: this mechanism carries load factors {self.low:.7g} to {self.high:.7g}"
+        return Facts(title, told)
 
     def __str__(self) -> str:
         ends = f"{self.low:.6g} ({self.lower.status.label}), {self.high:.6g}"

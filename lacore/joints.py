@@ -9,13 +9,14 @@ from lacore.arrays import Floats, Ints
 from lacore.errors import InputError, suggest
 from lacore.interfaces import Friction, friction_law
 from lacore.polygons import BlockEdges
+from lacore.showing import Compact
 from lacore.touching import Shared, touching
 
 JointFriction = Mapping[tuple[str, str], float | Friction]
 
 
-@dataclass(frozen=True, eq=False)
-class Joints:
+@dataclass(frozen=True, eq=False, repr=False)
+class Joints(Compact):
     """Shared segments of two blocks each, with their friction (T2, T4).
 
     Attributes:

@@ -19,6 +19,7 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.dofs import BodyDofs
 from lacore.program import DissipationGroup
+from lacore.showing import Compact
 from lacore.slips import Slip
 
 CONTROL = {
@@ -29,8 +30,8 @@ CONTROL = {
 _ROUND_OFF = 1e-12  # of the entries of a row
 
 
-@dataclass(frozen=True)
-class Jumps:
+@dataclass(frozen=True, repr=False)
+class Jumps(Compact):
     """The velocity jumps of a body.
 
     Attributes:

@@ -25,6 +25,7 @@ from lacore.program import (
 )
 from lacore.result import LimitState
 from lacore.rigid_motions import motions_without_strain
+from lacore.showing import Facts, Picture, Shown
 from lacore.solving import solve
 from lacore.spaces import VelocitySpace
 from lacore.state import ProgramState
@@ -36,8 +37,8 @@ _PARTS = 8  # into which the edges of an element are divided
 _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
 
 
-@dataclass(frozen=True)
-class UpperBound:
+@dataclass(frozen=True, repr=False)
+class UpperBound(Shown):
     """A kinematically admissible velocity, and the load factor that it proves.
 
     Attributes:
@@ -68,6 +69,22 @@ class UpperBound:
     def discretisation(self) -> Discretisation:
         """The assembled problem."""
         return self.state.discretisation
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {
+            "status": self.status.said(f"{self.status.label}: {self.status.value}"),
+            "residual": f"divergence {self.divergence:.1e}, penetration {self.penetration:.1e}",
+            "solved by": f"{self.state.backend} in {self.state.solve_time:.3g} s,"
+            f" after {self.state.build_time:.3g} s of assembly",
+            "size": self.discretisation.contents,
+        }
+        return Facts(f"UpperBound: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+
+    def picture(self) -> Picture:
+        """That of the solve."""
+        drawn = self.state.picture()
+        return Picture(drawn.figure, drawn.caption or "the solve that the bound was made of")
 
 
 def upper_bound(

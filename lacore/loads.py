@@ -19,6 +19,7 @@ from lacore.errors import (
     require_place,
     require_range,
 )
+from lacore.showing import Compact, short
 
 COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
 
@@ -39,8 +40,8 @@ def _check_size(field: str, value: float, unit: str) -> None:
     require_range(field, value)
 
 
-@dataclass(frozen=True)
-class Fix:
+@dataclass(frozen=True, repr=False)
+class Fix(Compact):
     """Velocity components held at zero on a part of the boundary.
 
     Attributes:
@@ -57,9 +58,14 @@ class Fix:
     def __post_init__(self) -> None:
         require_known("Fix.components", self.components, COMPONENTS)
 
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{self.components} of {self.body}.{where_name(self.where)}"
 
-@dataclass(frozen=True)
-class Traction:
+
+@dataclass(frozen=True, repr=False)
+class Traction(Compact):
     """Uniform traction `vector` [Pa] on a part of the boundary.
 
     On a frame `where` names a member, and the vector is a force per length of it.
@@ -72,9 +78,14 @@ class Traction:
     def __post_init__(self) -> None:
         _check_vector("Traction.vector", self.vector, "Pa")
 
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{short(self.vector)} Pa on {self.body}.{where_name(self.where)}"
 
-@dataclass(frozen=True)
-class Pressure:
+
+@dataclass(frozen=True, repr=False)
+class Pressure(Compact):
     """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary."""
 
     body: str
@@ -84,9 +95,14 @@ class Pressure:
     def __post_init__(self) -> None:
         _check_size("Pressure.value", self.value, "Pa")
 
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"pressure {short(self.value)} Pa on {self.body}.{where_name(self.where)}"
 
-@dataclass(frozen=True)
-class BodyForce:
+
+@dataclass(frozen=True, repr=False)
+class BodyForce(Compact):
     """Uniform force per volume [N/m^3].
 
     Attributes:
@@ -102,9 +118,15 @@ class BodyForce:
     def __post_init__(self) -> None:
         _check_vector("BodyForce.vector", self.vector, "N/m^3")
 
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        part = "" if self.where is None else f".{where_name(self.where)}"
+        return f"{short(self.vector)} N/m^3 in {self.body}{part}"
 
-@dataclass(frozen=True)
-class PointForce:
+
+@dataclass(frozen=True, repr=False)
+class PointForce(Compact):
     """A single force.
 
     Attributes:
@@ -127,9 +149,14 @@ class PointForce:
         if not isinstance(self.at, str):
             require_place("PointForce.at", self.at)
 
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{short(self.vector)} N/m at {short(self.at)} of {self.body}"
 
-@dataclass(frozen=True)
-class RigidFooting:
+
+@dataclass(frozen=True, repr=False)
+class RigidFooting(Compact):
     """A rigid footing that moves along `direction` without rotating, and loads what it touches.
 
     The load is a force of mean pressure `pressure` [Pa] along `direction`, so that the load factor
@@ -161,6 +188,14 @@ class RigidFooting:
     def name(self) -> str:
         """For messages: ``soil: footing``."""
         return f"{self.body}: {where_name(self.where)}"
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return (
+            f"footing on {self.body}.{where_name(self.where)} along {short(self.direction)},"
+            f" {short(self.pressure)} Pa"
+        )
 
 
 Load = Traction | Pressure | BodyForce | PointForce | RigidFooting

@@ -25,12 +25,13 @@ from scipy.sparse.csgraph import connected_components
 from lacore.arrays import Bools, Floats, Ints
 from lacore.joints import Joints
 from lacore.polygons import BlockEdges
+from lacore.showing import Compact
 
 _NEAR = 3.0  # tolerances: corners may be off a joint by its gap and by the least overlap
 
 
-@dataclass(frozen=True, eq=False)
-class Meetings:
+@dataclass(frozen=True, eq=False, repr=False)
+class Meetings(Compact):
     """Corners of two blocks each that meet, where joints alone do not keep them apart.
 
     Attributes:

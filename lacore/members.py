@@ -18,12 +18,13 @@ from lacore.errors import (
     require_range,
     suggest,
 )
+from lacore.showing import Compact
 
 Members = Mapping[str, tuple[str, str]] | Sequence[tuple[str, str]]
 
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
+@dataclass(frozen=True, eq=False, repr=False)
+class Pieces(Compact):
     """Parts of members from node to node: rigid, and as straight as the member.
 
     Attributes:

@@ -7,13 +7,14 @@ import numpy as np
 from lacore.errors import InputError, require_positive
 from lacore.path_ending import Ending
 from lacore.schemes import PathEndError
+from lacore.showing import Compact
 
 _END = 1e-9  # of the travel: what is left is round-off
 _SAFETY, _CHANGE = 0.9, (0.3, 2.0)  # of the length of adaptive steps
 
 
-@dataclass(frozen=True)
-class AdaptiveSteps:
+@dataclass(frozen=True, repr=False)
+class AdaptiveSteps(Compact):
     """Steps as long as their error allows.
 
     Attributes:

@@ -16,14 +16,15 @@ from lacore.flow import Moment, flow
 from lacore.path_ending import Ending
 from lacore.problem import Problem
 from lacore.result import LimitState
+from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
 from lacore.staging import Stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class PathStep:
+@dataclass(frozen=True, repr=False)
+class PathStep(Compact):
     """One step, as a row of the history.
 
     Attributes:
@@ -70,8 +71,8 @@ class PathStep:
         )
 
 
-@dataclass(frozen=True)
-class Event:
+@dataclass(frozen=True, repr=False)
+class Event(Compact):
     """Something that happened on the way.
 
     Attributes:
@@ -90,8 +91,8 @@ class Event:
     what: str
 
 
-@dataclass(frozen=True)
-class Snapshot:
+@dataclass(frozen=True, repr=False)
+class Snapshot(Compact):
     """The bodies at the end of a step.
 
     Attributes:
@@ -115,8 +116,8 @@ class Snapshot:
     duration: float = 0.0
 
 
-@dataclass(frozen=True)
-class Path:
+@dataclass(frozen=True, repr=False)
+class Path(Shown):
     """A path of large deformation.
 
     Attributes:
@@ -140,6 +141,31 @@ class Path:
     stage: Stage
     later: tuple[tuple[int, Stage], ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def facts(self) -> Facts:
+        """How far it has come, and what was met on the way."""
+        rows = self.history
+        steps, told = counted(len(rows), "step"), {"status": self.message}
+        title = f"Path: {steps} to travel {self.snapshots[-1].travel:.7g}"
+        if len(rows):
+            loads = rows["load_factor"]
+            title += f", load factor {loads.iloc[0]:.7g} to {loads.iloc[-1]:.7g}"
+            told["residual"] = f"gap of a load at most {rows['gap'].max():.1e}"
+            told["strain"] = (
+                f"at most {rows['max_strain'].iloc[-1]:.4g}, volume"
+                f" {rows['volume'].iloc[-1]:.7g} after {rows['volume'].iloc[0]:.7g}"
+            )
+            told["solved by"] = (
+                f"{self.settings.get('backend', 'unknown')}:"
+                f" {counted(int(rows['solves'].sum()), 'solve')} in {rows['seconds'].sum():.3g} s"
+            )
+        kinds = listed(list(dict.fromkeys(self.events["kind"]))) if len(self.events) else "none"
+        told["events"] = f"{len(self.events)}: {kinds}" if len(self.events) else kinds
+        return Facts(title, told)
+
+    def picture(self) -> Picture:
+        """As `plot` draws it."""
+        return Picture(self.plot())
 
     def __str__(self) -> str:
         """How far it has come, and why it ends there."""

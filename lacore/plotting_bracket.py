@@ -12,9 +12,6 @@ from lacore.arrays import Floats
 from lacore.brackets import Bracket
 from lacore.marking import lower_shares
 
-BODY = "load factor"
-POLYGON = "load factor of the polygon"  # that stands for a curved outline
-_EVERY = "every Coulomb "  # what bounds enclose where friction is Coulomb's
 _PAGE = 9.0  # inches
 _DECADES = 3.0  # of shares that the colours span
 _WIDE = 0.7  # height over width: below it pictures stand above each other
@@ -28,13 +25,7 @@ def plot_bracket(bracket: Bracket) -> Figure:
     """
     (name,) = bracket.upper_bound.discretisation.bodies
     return plot_shares(
-        heading(
-            bracket.lower,
-            bracket.upper,
-            bracket.width,
-            bracket.status.label,
-            f"{_EVERY if bracket.coulomb else ''}{POLYGON if bracket.polygonal else BODY}",
-        ),
+        bracket.heading,
         bracket.upper_bound.discretisation.bodies[name].body.mesh,
         bracket.gaps.elements[name],
         bracket.lower_bound.model.bodies[name].body.mesh,
@@ -42,19 +33,11 @@ def plot_bracket(bracket: Bracket) -> Figure:
     )
 
 
-def heading(lower: float, upper: float, width: float, status: str, bounded: str = BODY) -> str:
-    """What stands above a picture; `bounded` is what both are bounds of."""
-    told = f"{lower:.6g} <= {bounded} <= {upper:.6g}"
-    if lower > upper:
-        told = f"lower bound {lower:.6g}, upper bound {upper:.6g}"
-    return f"{told}   (width {width:.2%}, {status})"
-
-
 def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying: Floats) -> Figure:
     """The same of meshes and shares that were kept.
 
     Args:
-        title: see `heading`.
+        title: see `lacore.brackets.heading`.
         above: mesh of the upper bound.
         gap: shares of its elements in the gap.
         below: mesh of the lower bound.

@@ -16,7 +16,7 @@ _DEGENERATE = 1e-10  # area over squared perimeter; below it no inside is left i
 _RESERVED = "|#"  # joints are called "a|b#2"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BlockEdges(Edges):
     """Edges of all blocks, each block's one after the other; `block` numbers, (n,)."""
 

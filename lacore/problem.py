@@ -27,6 +27,7 @@ from lacore.frames import Frame
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.rigid import RigidDofs
+from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +37,8 @@ _SAME_NORMAL = 9  # digits to which the normals of two faces count as one
 _Place = tuple[str, int, tuple[float, float]]  # body, edge, and for a node the normal of its face
 
 
-@dataclass(frozen=True)
-class Problem:
+@dataclass(frozen=True, repr=False)
+class Problem(Shown):
     """A limit analysis problem: find the load factor alpha of ``alpha F0 + Fd`` at collapse (T5).
 
     Attributes:
@@ -67,6 +68,26 @@ class Problem:
         from lacore.plotting_problem import plot_problem
 
         return plot_problem(self)
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        parts = {
+            "bodies": [f"{name}: {own.contents}" for name, own in self.bodies.items()],
+            "supports": [own.told for own in self.supports],
+            "interfaces": [f"{own.name}: {short(own.law)}" for own in self.interfaces],
+            "reference": [own.told for own in self.reference_loads],
+            "dead": [own.told for own in self.dead_loads],
+        }
+        kinds = ("support", "interface", "reference load", "dead load")
+        counts = ["1 body" if len(self.bodies) == 1 else f"{len(self.bodies)} bodies"]
+        for kind, own in zip(kinds, list(parts.values())[1:], strict=True):
+            counts += [counted(len(own), kind)] if own else []
+        told = {kind: listed(own) or "none" for kind, own in parts.items()}
+        return Facts(f"Problem: {', '.join(counts)}", told)
+
+    def picture(self) -> Picture:
+        """As `plot` draws it."""
+        return Picture(self.plot())
 
     def __post_init__(self) -> None:
         if not isinstance(self.bodies, Mapping) or not self.bodies:

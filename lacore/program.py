@@ -14,13 +14,14 @@ from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError
+from lacore.showing import Compact
 
 _ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
 _DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
 
 
-@dataclass(frozen=True)
-class Scales:
+@dataclass(frozen=True, repr=False)
+class Scales(Compact):
     """Units in which a program is written: SI value = scale * program value.
 
     Attributes:
@@ -46,8 +47,8 @@ class Scales:
         return self.force * self.velocity
 
 
-@dataclass(frozen=True)
-class DissipationGroup:
+@dataclass(frozen=True, repr=False)
+class DissipationGroup(Compact):
     """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
 
     Hardening adds ``weights_g modulus_g ||(rows U)_g||^2/2`` (T29): the stress at yield is then
@@ -111,8 +112,8 @@ class DissipationGroup:
         return replace(self, bound=self.bound + self.modulus * lengths, modulus=None)
 
 
-@dataclass(frozen=True)
-class ContactRows:
+@dataclass(frozen=True, repr=False)
+class ContactRows(Compact):
     """Contact points of all interfaces (rows of T28).
 
     Attributes:
@@ -161,8 +162,8 @@ class ContactRows:
         return np.asarray(self.normal @ velocity)
 
 
-@dataclass(frozen=True)
-class FrozenContact:
+@dataclass(frozen=True, repr=False)
+class FrozenContact(Compact):
     """What the coupling loop freezes for one inner solve (T9-T11), each of shape (m,).
 
     Attributes:
@@ -245,8 +246,8 @@ def stick_contact(contact: ContactRows) -> FrozenContact:
     )
 
 
-@dataclass(frozen=True)
-class KinematicProgram:
+@dataclass(frozen=True, repr=False)
+class KinematicProgram(Compact):
     """The program (T6) for n velocity unknowns; immutable, no mesh in it.
 
     Attributes:

@@ -14,6 +14,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_positive
 from lacore.program import FrozenContact, KinematicProgram, Scales
+from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -23,8 +24,8 @@ _LOCKED_SHARE = 0.8  # of the power; about 0.04 for a mechanism at r = 0.1, 1 fo
 _LOCKED_POWER = 1.0  # dimensionless: below it the load is small, whatever carries it
 
 
-@dataclass(frozen=True)
-class Penalties:
+@dataclass(frozen=True, repr=False)
+class Penalties(Compact):
     """Viscosity and penalties in the units of the program (T17, T18).
 
     Attributes:
@@ -119,8 +120,8 @@ def penalties(
     )
 
 
-@dataclass(frozen=True)
-class RegularisedValues:
+@dataclass(frozen=True, repr=False)
+class RegularisedValues(Compact):
     """The values of one regularised solve (T19): ``P <= alpha_reg <= load_factor <= alpha*``.
 
     With hardening they are those of the program whose stress bounds are ``bound + modulus ||v_p||``
@@ -190,8 +191,8 @@ def beside(stiffness: float, bound: Floats, modulus: Floats) -> Beside:
     return Beside(share * modulus, share * stiffness, share * bound)
 
 
-@dataclass(frozen=True)
-class RegularisedPoint:
+@dataclass(frozen=True, repr=False)
+class RegularisedPoint(Compact):
     """The regularised energy at a velocity, and its derivative as stresses and reactions.
 
     Attributes:

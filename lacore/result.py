@@ -17,6 +17,7 @@ from lacore.checking import Table, checked
 from lacore.contact_sides import contact_sides
 from lacore.intervals import Interval, interval_of_state
 from lacore.regularization import RegularisedValues
+from lacore.showing import Facts, Picture, Shown, counted
 from lacore.stability import Stability, stability_of
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Rigor, Status
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
 
 
-@dataclass(frozen=True)
-class LimitState:
+@dataclass(frozen=True, repr=False)
+class LimitState(Shown):
     """A plastic collapse state, or the reason why there is none.
 
     Attributes:
@@ -275,6 +276,32 @@ class LimitState:
         return stability_of(
             self.discretisation, self.backend, self.options, self.coupling, self.tolerance, known
         )
+
+    def facts(self) -> Facts:
+        """What is known: nothing is computed for it."""
+        told = {"status": self.status.said(self.message)}
+        if self.certificate is not None:
+            told["residual"] = self.certificate.summary
+        if self.bracket is not None:
+            lower, upper = self.bracket
+            of = self.discretisation.scope.phrase
+            told["bracket"] = f"every Coulomb load factor{of} is in [{lower:.7g}, {upper:.7g}]"
+        elif self.regularised is not None:
+            values = self.regularised
+            told["energies"] = f"alpha_reg {values.alpha_reg:.7g}, plastic {values.plastic:.7g}"
+        solves = counted(self.outer_iterations, "inner solve")
+        told["solved by"] = (
+            f"{self.backend}, {self.coupling} coupling: {solves} in {self.solve_time:.3g} s,"
+            f" after {self.build_time:.3g} s of assembly"
+        )
+        told["size"] = self.discretisation.contents
+        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+
+    def picture(self) -> Picture:
+        """The mechanism, or where there is none the problem."""
+        if self.point is None:
+            return Picture(self.discretisation.problem.plot(), "the problem: there is no mechanism")
+        return Picture(self.plot())
 
     def __str__(self) -> str:
         """What was found, what it is worth, and `stability`, which is computed for it."""

@@ -18,14 +18,15 @@ from lacore.contact_geometry import tolerance
 from lacore.errors import InputError, suggest
 from lacore.loads import BodyForce, Fix, PointForce, Pressure, RigidFooting, Traction
 from lacore.program import DissipationGroup
+from lacore.showing import Compact
 
 _HELD = 1e-12  # squared: of the largest direction that supports hold; far above round-off
 _ROUND_OFF = 1e-14  # of a unit vector
 _AXES = {"x": (True, False), "y": (False, True), "xy": (True, True)}
 
 
-@dataclass(frozen=True)
-class RigidDofs:
+@dataclass(frozen=True, repr=False)
+class RigidDofs(Compact):
     """Where the velocity of an assembly stands in the vector of all unknowns.
 
     Attributes:

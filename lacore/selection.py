@@ -19,6 +19,7 @@ from lacore.program import (
     reaction_contact,
 )
 from lacore.result import LimitState
+from lacore.showing import Compact
 from lacore.solvers import preparing
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
@@ -27,8 +28,8 @@ _HALVINGS = 40  # of the way between two velocities
 _LARGEST = 0.1  # excess beyond which velocities have no load in common
 
 
-@dataclass(frozen=True)
-class LeastNorm:
+@dataclass(frozen=True, repr=False)
+class LeastNorm(Compact):
     """Of all velocities of nearly the same load, one with the least strain rates (T32).
 
     The norm, ``sum w sigma_Y t^2``, decides where hardening leaves a choice, and keeps bodies as
@@ -68,8 +69,8 @@ def require_selection(selection: LeastNorm | None, backend: Backend) -> None:
         )
 
 
-@dataclass(frozen=True)
-class Selected:
+@dataclass(frozen=True, repr=False)
+class Selected(Compact):
     """A velocity of nearly the same load as that of a limit state.
 
     Attributes:

@@ -24,13 +24,14 @@ from lacore.elimination import NodeConditions, contradictory, join
 from lacore.interfaces import RigidObstacle
 from lacore.loads import RigidFooting
 from lacore.problem import Problem
+from lacore.showing import Compact
 
 _NONE = np.zeros(0, dtype=np.int64)
 _PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
 
 
-@dataclass(frozen=True)
-class Slip:
+@dataclass(frozen=True, repr=False)
+class Slip(Compact):
     """Facets of a body along which it may slip past what holds it.
 
     Attributes:

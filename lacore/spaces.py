@@ -20,12 +20,13 @@ from skfem import (
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats
+from lacore.showing import Compact
 
 _ROUND_OFF = 1e-12  # of a factor of order one
 
 
-@dataclass(frozen=True)
-class VelocitySpace:
+@dataclass(frozen=True, repr=False)
+class VelocitySpace(Compact):
     """One velocity space.
 
     Attributes:

@@ -31,6 +31,7 @@ from lacore.program import (
     dimensionless,
     require_homogeneous,
 )
+from lacore.showing import Facts, Shown
 from lacore.solvers import JUDGE, preparing
 from lacore.span_moments import span_excess
 from lacore.state import ProgramState
@@ -53,8 +54,8 @@ class Standing(Enum):
         return self.name.lower()
 
 
-@dataclass(frozen=True)
-class Stability:
+@dataclass(frozen=True, repr=False)
+class Stability(Shown):
     """What is proven of a structure under its dead loads, and under loads that hold it.
 
     Attributes:
@@ -77,6 +78,15 @@ class Stability:
     point: ProgramState | None
     residual: float
     why: str = ""
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {"why": self.why} if self.why else {}
+        told["carried"] = f"load factors {self.low:.7g} to {self.high:.7g}"
+        if np.isnan(self.low):
+            told["carried"] = "no load factor is proven to be"
+        told["residual"] = f"largest {self.residual:.1e}"
+        return Facts(f"Stability: {self.standing.label}: {self.standing.value}", told)
 
     def __str__(self) -> str:
         text = f"{self.standing.label}: {self.standing.value}"

@@ -23,6 +23,7 @@ from lacore.errors import InputError
 from lacore.interfaces import FrictionTerms, Interface, RigidObstacle
 from lacore.loads import BodyForce, Load, PointForce
 from lacore.problem import Problem, vertex_at
+from lacore.showing import Compact
 from lacore.spaces import SPACES
 
 _TOUCH = 1e-9  # of the body size
@@ -30,8 +31,8 @@ _NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell fro
 _STRAIGHT = 1e-9  # sine between edges of one plane
 
 
-@dataclass(frozen=True)
-class Obstacle:
+@dataclass(frozen=True, repr=False)
+class Obstacle(Compact):
     """A plane that does not move, and the part of a body that may come to it.
 
     Attributes:
@@ -68,8 +69,8 @@ class Obstacle:
         return np.asarray(self.normal @ (places - self.point[:, None]))
 
 
-@dataclass(frozen=True)
-class Stage:
+@dataclass(frozen=True, repr=False)
+class Stage(Compact):
     """What does not change along a path.
 
     Attributes:

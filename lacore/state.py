@@ -6,10 +6,11 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.program import KinematicProgram
+from lacore.showing import Compact
 
 
-@dataclass(frozen=True)
-class ProgramState:
+@dataclass(frozen=True, repr=False)
+class ProgramState(Compact):
     """A velocity and the stresses and reactions that go with it.
 
     Signs: tension positive in the body; ``normal_reaction >= 0`` is compression on the slave;

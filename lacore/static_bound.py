@@ -3,7 +3,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -19,16 +19,20 @@ from lacore.precision import exactness, smallest_angle
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.projection import in_equilibrium
+from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.static_model import StaticModel, static_model
 from lacore.status import Rigor, Status
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
 
 
-@dataclass(frozen=True)
-class LowerBound:
+@dataclass(frozen=True, repr=False)
+class LowerBound(Shown):
     """A statically admissible state, and the load factor that it proves.
 
     Attributes:
@@ -68,6 +72,35 @@ class LowerBound:
         if self.point is None:
             raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
         return self.point
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {"status": self.status.said(self.message)}
+        if self.certificate is not None:
+            told["residual"] = (
+                f"equilibrium {self.certificate.equilibrium:.1e}, yield"
+                f" {self.certificate.yield_violation:.1e}, cone {self.certificate.cone:.1e};"
+                f" gap {self.certificate.gap:.1e}"
+            )
+        solves = counted(len(self.history), "solve")
+        told["solved by"] = (
+            f"{self.backend}: {solves} in {self.solve_time:.3g} s,"
+            f" after {self.build_time:.3g} s of assembly"
+        )
+        told["size"] = self.model.contents
+        return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+
+    def picture(self) -> Picture:
+        """The stresses of continua, or the problem where there are none."""
+        if self.point is None or not self.model.bodies:
+            return Picture(self.model.problem.plot(), "the problem")
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """What is used of the strength: see `lacore.plotting_mesh.plot_strength`."""
+        from lacore.plotting_mesh import plot_strength
+
+        return plot_strength(self)
 
     @property
     def stress(self) -> dict[str, Floats]:

@@ -21,14 +21,15 @@ from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFootin
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, Scales, kept_points, reduced
 from lacore.rigid import RigidDofs
+from lacore.showing import Facts, Shown, counted, listed, sized
 from lacore.static_contact import traction_rows
 from lacore.static_corners import check_corners
 
 _ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
 
 
-@dataclass(frozen=True)
-class StaticModel:
+@dataclass(frozen=True, repr=False)
+class StaticModel(Shown):
     """An assembled lower bound problem.
 
     Attributes:
@@ -49,6 +50,19 @@ class StaticModel:
     assemblies: Mapping[str, RigidDofs]
     points: ContactPoints
     natural: Scales
+
+    @property
+    def contents(self) -> str:
+        """``576 elements, 7489 unknowns, 0 contact points``."""
+        return sized(self.n_elements, self.program.n, self.program.contact.count)
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        told = {
+            "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
+            "bodies": listed(self.problem.bodies),
+        }
+        return Facts(f"StaticModel: {counted(self.program.n, 'free multiplier')}", told)
 
     @property
     def n_elements(self) -> int:

@@ -54,6 +54,13 @@ class Status(Enum):
         """The name as shown in tables: ``not converged``."""
         return self.name.lower().replace("_", " ")
 
+    def said(self, message: str) -> str:
+        """A message that begins with this status, without repeating that all is well."""
+        expected = f"{self.label}: {self.value}"
+        if self is Status.SOLVED and message.startswith(expected):
+            return self.label + message.removeprefix(expected)
+        return message
+
 
 _WITH_POINT = frozenset(
     {
@@ -86,6 +93,11 @@ class Rigor(Enum):
     DISCRETE = "converged value of the discrete problem, not a bound"
     REGULARISED = "value of the regularised problem: approaches the discrete one as r -> 0"
     NOT_CERTIFIED = "not certified"
+
+    @property
+    def phrase(self) -> str:
+        """The text without its reasons, to go on a line with the number."""
+        return self.value.partition(":")[0]
 
     @property
     def label(self) -> str:

@@ -10,13 +10,14 @@ import numpy as np
 import shapely
 
 from lacore.arrays import Bools, Floats, Geometries, Ints
+from lacore.showing import Compact
 
 FACING = np.cos(np.radians(15.0))  # edges that turn more against each other meet at a corner only
 NEAR = 0.01  # of the shorter edge: a gap below it is more likely a slip of the pen than meant
 
 
-@dataclass(frozen=True, eq=False)
-class Edges:
+@dataclass(frozen=True, eq=False, repr=False)
+class Edges(Compact):
     """Straight edges of outlines: `start`, `end`, unit outward `normal`, each (2, n), in m."""
 
     start: Floats
@@ -34,8 +35,8 @@ class Edges:
         return np.asarray(shapely.linestrings(np.stack([self.start.T, self.end.T], axis=1)))
 
 
-@dataclass(frozen=True, eq=False)
-class Shared:
+@dataclass(frozen=True, eq=False, repr=False)
+class Shared(Compact):
     """Segments that two families of edges share, sorted along the edges of the first.
 
     Attributes:

@@ -8,7 +8,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from skfem import MeshTri
 
-from lacore.plotting_bracket import BODY, POLYGON, heading, plot_shares
+from lacore.brackets import BODY, POLYGON, heading
+from lacore.plotting_bracket import plot_shares
 from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.bracket_evidence import unpacked_shares

@@ -1,0 +1,119 @@
+"""Pictures of meshes: their edges and the names of boundaries, or a value in each element."""
+
+from collections.abc import Mapping
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Colormap
+from matplotlib.figure import Figure
+from skfem import Mesh
+
+from lacore.arrays import Floats
+from lacore.bodies import Body
+from lacore.curved import edge_lines, outlines
+from lacore.gap_identity import GapIdentity
+from lacore.plotting_axis import draw_axis, label_coordinates
+from lacore.static_bound import LowerBound
+
+_PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
+_LINES = 2000  # elements: above it the lines of the mesh are thinner
+_FEW = 10  # boundaries that have a colour
+_FACE = "#efe3c8"
+
+
+def plot_body(body: Body) -> Figure:
+    """Its elements, and its named boundaries."""
+    figure, axes = _page({"body": body})
+    faces = PolyCollection(list(outlines(body.mesh)), facecolors=_FACE)
+    _draw_edges(faces, body.mesh)
+    axes.add_collection(faces)
+    colours = matplotlib.colormaps["tab10"]
+    for index, (name, facets) in enumerate(list((body.mesh.boundaries or {}).items())[:_FEW]):
+        lines = edge_lines(body.mesh, np.asarray(facets, dtype=np.int64))
+        axes.add_collection(
+            LineCollection(lines, colors=[colours(index)], linewidths=2.5, label=str(name))
+        )
+    if axes.get_legend_handles_labels()[0]:
+        figure.legend(loc="outside upper left", ncols=5, frameon=False, fontsize=8)
+    return figure
+
+
+def plot_strength(bound: LowerBound) -> Figure:
+    """How much of their strength the stresses of a lower bound use, in each element.
+
+    Raises:
+        ValueError: there is no state, or nothing that yields.
+    """
+    if bound.point is None or not bound.model.bodies:
+        raise ValueError("there are no stresses to show")
+    bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
+    used = {
+        group.name: (np.linalg.norm(stress, axis=1) / group.bound).reshape(-1, 3).max(axis=1)
+        for group, stress in zip(bound.model.full.groups, bound.point.stress, strict=True)
+    }
+    label = "largest stress in an element, per strength"
+    colours = matplotlib.colormaps["viridis"]
+    return _coloured(bodies, used, f"lower bound {bound.load_factor:.6g}", label, colours, 1.0)
+
+
+def plot_gap(identity: GapIdentity) -> Figure:
+    """Shares of the elements in the gap between two bounds.
+
+    Raises:
+        ValueError: there are no elements.
+    """
+    if not identity.bodies:
+        raise ValueError("there are no elements to show")
+    total = max(identity.total, np.finfo(float).tiny)
+    shares = {name: 100 * np.maximum(own, 0.0) / total for name, own in identity.elements.items()}
+    title = f"upper {identity.upper:.6g} - lower {identity.lower:.6g}"
+    label = "share in the gap [%]"
+    return _coloured(identity.bodies, shares, title, label, matplotlib.colormaps["YlOrRd"])
+
+
+def _coloured(
+    bodies: Mapping[str, Body],
+    values: Mapping[str, Floats],
+    title: str,
+    label: str,
+    colours: Colormap,
+    top: float | None = None,
+) -> Figure:
+    figure, axes = _page(bodies)
+    top = max(float(own.max()) for own in values.values()) if top is None else top
+    for name, body in bodies.items():
+        faces = PolyCollection(list(outlines(body.mesh)), array=values[name], cmap=colours)
+        _draw_edges(faces, body.mesh)
+        faces.set_clim(0.0, top if top > 0 else 1.0)
+        axes.add_collection(faces)
+    bar = figure.colorbar(faces, ax=axes, shrink=0.85, pad=0.01, aspect=25)
+    bar.set_label(label, fontsize=8)
+    bar.ax.tick_params(labelsize=8)
+    axes.set_title(title, fontsize=9, loc="left")
+    return figure
+
+
+def _draw_edges(faces: PolyCollection, mesh: Mesh) -> None:
+    faces.set_edgecolor((0, 0, 0, 0.45))
+    faces.set_linewidth(0.4 if mesh.nelements < _LINES else 0.15)
+
+
+def _page(bodies: Mapping[str, Body]) -> tuple[Figure, Axes]:
+    places = np.concatenate([body.mesh.p for body in bodies.values()], axis=1)
+    extent = np.ptp(places, axis=1)
+    scale = min(_PAGE / extent[0], _TALLEST / extent[1])
+    height = max(scale * extent[1], _LOWEST)
+    figure = Figure(figsize=(_PAGE + 0.8, height + 0.9), layout="constrained")
+    figure.set_facecolor("white")
+    axes = figure.add_subplot()
+    axes.set_aspect("equal")
+    margin = 0.02 * extent.max()
+    axes.set_xlim(places[0].min() - margin, places[0].max() + margin)
+    axes.set_ylim(places[1].min() - margin, places[1].max() + margin)
+    axes.tick_params(labelsize=8)
+    axes.locator_params(nbins=7)
+    draw_axis(axes, bodies.values())
+    label_coordinates(axes, bodies.values())
+    return figure, axes

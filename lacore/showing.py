@@ -1,0 +1,174 @@
+"""How objects print themselves: a few short lines, never an array; with a picture in notebooks."""
+
+from abc import ABC, abstractmethod
+from base64 import b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from html import escape
+from io import BytesIO
+from reprlib import Repr
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_WIDTH = 98  # characters of a line: six of them stay below 600
+_LONGEST = 1000  # characters of a fact in a notebook, which wraps them
+_VALUE, _WHOLE = 72, 480  # characters of one value of an object, and of all of them
+_DPI = 110.0
+# Colours are those of the page around it, light or dark; pictures bring their own white paper.
+_BOX = "margin:.3em 0;line-height:1.4"
+_NAME = (
+    "text-align:left;vertical-align:top;font-weight:normal;opacity:.65;padding:0 1em 0 0;"
+    "white-space:nowrap"
+)
+_TEXT = "text-align:left;vertical-align:top;padding:0;white-space:pre-wrap;overflow-wrap:anywhere"
+_PAPER = "display:block;max-width:100%;height:auto;background:#fff;margin:.4em 0 0"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What there is to say of an object at a glance.
+
+    Attributes:
+        title: what it is, and what it came to.
+        told: at most five more, by name.
+    """
+
+    title: str
+    told: Mapping[str, str]
+
+    def __str__(self) -> str:
+        """A line each."""
+        column = max(map(len, self.told), default=0)
+        lines = [self.title, *(f"  {name:<{column}}  {text}" for name, text in self.told.items())]
+        return "\n".join(cut(line, _WIDTH) for line in lines)
+
+    def html(self) -> str:
+        """The same for a notebook, where lines are longer."""
+        rows = "".join(
+            f'<tr style="background:none"><th scope="row" style="{_NAME}">{escape(name)}</th>'
+            f'<td style="{_TEXT}">{escape(cut(text, _LONGEST))}</td></tr>'
+            for name, text in self.told.items()
+        )
+        head = f'<div style="font-weight:bold">{escape(cut(self.title, _LONGEST))}</div>'
+        return f'{head}<table style="border:none;margin:0">{rows}</table>'
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, and what it shows where that is not the object itself."""
+
+    figure: "Figure"
+    caption: str = ""
+
+    def html(self) -> str:
+        """An image that needs no file."""
+        buffer = BytesIO()
+        self.figure.savefig(buffer, format="png", dpi=2 * _DPI)  # sharp on fine screens, too
+        width = round(self.figure.get_figwidth() * _DPI)
+        data = b64encode(buffer.getvalue()).decode()
+        shown = escape(self.caption)
+        image = f'<img alt="{shown or "picture"}" width="{width}" style="{_PAPER}"'
+        note = f'<div style="opacity:.65">{shown}</div>' if shown else ""
+        return f'{image} src="data:image/png;base64,{data}">{note}'
+
+
+class Shown(ABC):
+    """A result that prints itself."""
+
+    @abstractmethod
+    def facts(self) -> Facts:
+        """What is known of it, without solving or drawing anything."""
+
+    def picture(self) -> Picture | None:
+        """What a notebook shows below the facts; None where there is nothing to draw."""
+        return None
+
+    def __repr__(self) -> str:
+        return str(self.facts())
+
+    def _repr_html_(self) -> str:
+        try:
+            picture = self.picture()
+            drawn = "" if picture is None else picture.html()
+        except Exception as error:  # the facts are to be seen whatever becomes of the picture
+            drawn = f"<div>no picture: {escape(f'{type(error).__name__}: {error}')}</div>"
+        return f'<div style="{_BOX}">{self.facts().html()}{drawn}</div>'
+
+
+class Compact:
+    """A dataclass that prints like one, with sizes in place of arrays and long values cut."""
+
+    def __repr__(self) -> str:
+        given = (entry.name for entry in fields(self) if entry.repr)  # type: ignore[arg-type]
+        told = ", ".join(f"{name}={short(getattr(self, name))}" for name in given)
+        return f"{type(self).__name__}({cut(told, _WHOLE)})"
+
+
+def short(value: object) -> str:
+    """A value as it is written, if that is short; numbers have at most 7 digits."""
+    return cut(_SHORT.repr(value), _VALUE)
+
+
+def cut(text: str, longest: int) -> str:
+    """A text on one line, without its end where it is too long."""
+    line = " ".join(text.split()) if "\n" in text else text
+    return line if len(line) <= longest else f"{line[: longest - 3]}..."
+
+
+def counted(number: int, what: str) -> str:
+    """``1 element``, ``12 elements``."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def sized(elements: int, unknowns: int, points: int) -> str:
+    """``576 elements, 2401 unknowns, 12 contact points``."""
+    return ", ".join(
+        (
+            counted(elements, "element"),
+            counted(unknowns, "unknown"),
+            counted(points, "contact point"),
+        )
+    )
+
+
+def listed(names: "Mapping[str, Any] | tuple[str, ...] | list[str]", most: int = 6) -> str:
+    """The first of some names, and how many more there are."""
+    own = list(names)
+    rest = f" and {len(own) - most} more" if len(own) > most else ""
+    return ", ".join(cut(str(name), 60) for name in own[:most]) + rest
+
+
+class _Short(Repr):
+    """By the names of types, which is how `reprlib` finds these; none of them is imported."""
+
+    def repr_float(self, value: float, level: int) -> str:
+        return f"{value:.7g}"
+
+    def repr_ndarray(self, value: Any, level: int) -> str:
+        return f"array{value.shape}" if value.size > 4 else self.repr1(value.tolist(), level)
+
+    def repr_csr_matrix(self, value: Any, level: int) -> str:
+        return f"sparse{value.shape}"
+
+    def repr_DataFrame(self, value: Any, level: int) -> str:  # noqa: N802  # name of the type
+        return f"table{value.shape}"
+
+    def repr_mappingproxy(self, value: Any, level: int) -> str:
+        return self.repr_dict(dict(value), level)
+
+    def repr_function(self, value: Any, level: int) -> str:
+        return str(value.__name__)
+
+    def repr_instance(self, value: Any, level: int) -> str:
+        first, _, more = repr(value).partition("\n")
+        return f"<{first}>" if more and not first.startswith("<") else first
+
+    repr_float64 = repr_float32 = repr_float
+
+
+_SHORT = _Short()
+_SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = 40
+_SHORT.maxtuple = _SHORT.maxlist = _SHORT.maxdict = 4
+_SHORT.maxlevel = 3

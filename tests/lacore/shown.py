@@ -1,0 +1,193 @@
+"""Objects that print themselves, of small problems of every kind, status and coupling."""
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+import lacore as la
+from lacore.brackets import Ending as BracketEnding
+from lacore.path import Ending as PathEnding
+from lacore.status import Rigor, Status
+from tests.lacore.models import cantilever, deformable_block, punch, square
+from tests.lacore.path_billets import pressed, quad_billet
+
+LONG = 'a name that somebody has made up of <b>html</b> & "quotes" ' * 200
+MANY = tuple(f"block number {index}" for index in range(1000))
+
+
+def wall(friction=0.65, push=(1, 0)):
+    course = ([1, 1], [0.5, 1, 0.5])
+    return la.Problem(
+        bodies={"wall": la.masonry.running_bond(course, friction)},
+        supports=[la.Fix("wall", "base")],
+        reference_loads=[la.BodyForce("wall", push)],
+        dead_loads=[la.BodyForce("wall", (0, -1))],
+    )
+
+
+def portal(foot="clamped"):
+    frame = la.Frame(
+        {"A": (0, 0), "B": (0, 3), "C": (4, 3), "D": (4, 0)},
+        [("A", "B"), ("B", "C"), ("C", "D")],
+        plastic_moment=10.0,
+    )
+    return la.Problem(
+        bodies={"portal": frame},
+        supports=[la.Fix("portal", "A", foot), la.Fix("portal", "D", foot)],
+        reference_loads=[la.PointForce("portal", "B", (1, 0))],
+    )
+
+
+def mixed():
+    """A block on soil beside a frame, and no name shorter than a page."""
+    soil = la.Body(la.meshes.rectangle((-2, 2), (-1, 0), 4, 1), la.VonMises(100.0))
+    stone = la.RigidBlock([(-1, 0), (1, 0), (1, 1), (-1, 1)])
+    return la.Problem(
+        bodies={LONG: stone, "soil": soil},
+        reference_loads=[la.BodyForce(LONG, (1, 0))],
+        supports=[la.Fix("soil", "bottom")],
+        interfaces=[la.Interface((LONG, lambda x: x[1] == 0), ("soil", "top"), 0.4)],
+        dead_loads=[la.BodyForce(LONG, (0, -1))],
+    )
+
+
+def locked():
+    return la.Problem(
+        bodies={"block": square()},
+        supports=[la.Fix("block", "bottom"), la.Fix("block", "top")],
+        reference_loads=[la.Pressure("block", "left"), la.Pressure("block", "right")],
+    )
+
+
+def unsafe():
+    """A wall whose weight acts upwards: no push holds it."""
+    return replace(wall(), dead_loads=[la.BodyForce("wall", (0, 1))])
+
+
+def ring():
+    mesh = la.meshes.isoparametric(la.meshes.rectangle((1, 2), (0, 1), 2, 2))
+    body = la.Body(mesh, la.VonMises(1.0), kinematics="axisymmetric", space="p2-gauss")
+    return la.Problem(
+        bodies={"ring": body},
+        supports=[la.Fix("ring", "bottom", "y"), la.Fix("ring", "top", "y")],
+        reference_loads=[la.Pressure("ring", "left")],
+    )
+
+
+class Creep:
+    """A law of a user, with a page of a repr."""
+
+    def stress(self, strain):
+        return np.ones_like(strain)
+
+    def modulus(self, strain):
+        return np.zeros_like(strain)
+
+    def __repr__(self):
+        return "Creep\n" * 1000
+
+
+def values():
+    """What is given to a problem, with the longest things that are taken."""
+    wide = Fraction(10**300 + 1, 10**300)
+    strains = np.linspace(0, 1, 1000)
+    table = la.hardening.Table(strains, 1 + strains)
+    plane = la.RigidObstacle(np.array([1 / 3, 1e-9]), [np.float64(1 / 3), -1])
+    return [
+        *(la.Fix("block", "left"), la.Fix(LONG, MANY, "normal")),
+        *(la.Traction(LONG, MANY, (wide, 1)), la.Pressure(LONG, LONG, wide)),
+        *(la.BodyForce(LONG, (10**50, 1), MANY), la.PointForce(LONG, LONG, (1, wide), LONG)),
+        *(la.RigidFooting(LONG, lambda x: x[0] > 0, (0, -1), wide), plane, la.RigidObstacle()),
+        *(la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)), la.SMOOTH, la.STICK),
+        *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),
+        *(la.VonMises(hardening=table), la.VonMises(hardening=Creep()), table),
+        *(la.hardening.Perfect(1.0), la.hardening.Linear(1.0, wide)),
+        *(la.hardening.Voce(1.0, 2.0, 1 / 3), la.hardening.Swift(1.0, 1 / 3, 0.2)),
+        *(la.AdaptiveSteps(1 / 3), la.LeastNorm(), la.Time(), la.FootingTravel()),
+        *(la.PointTravel(LONG, (1 / 3, wide), (0, 1)), la.SolverProcess()),
+    ]
+
+
+def states():
+    """Limit states of every body and coupling, of statuses that come about, and of all others."""
+    found = [
+        la.solve(punch(2, 2)),
+        *(la.solve(deformable_block(0.3, space=space)) for space in ("p2-vertex", "p1-disc")),
+        *(
+            la.solve(deformable_block(0.3), backend)
+            for backend in ("clarabel-regularised", "ipopt")
+        ),
+        la.solve(wall(), "highs"),
+        *(la.solve(wall(), coupling=name) for name in ("certified", "reaction", "shift", "kappa")),
+        *(la.solve(wall(), coupling=name) for name in ("associated", "frictionless", "stick")),
+        la.solve(wall(), coupling="reaction", max_iterations=1),
+        la.solve(wall(), coupling="reaction", start="zero"),
+        la.solve(portal()),
+        la.solve(mixed()),
+        la.solve(ring()),
+        la.solve(locked()),
+        la.solve(unsafe()),
+        la.solve(punch(), options={"time_limit": 1e-9}),
+    ]
+    first = found[0]
+    extreme = {"load_factor": -1.234567890123e-300, "solve_time": 1e9 / 3}
+    other = [
+        replace(
+            first, status=status, rigor=rigor, message=LONG, bracket=(-np.inf, np.inf), **extreme
+        )
+        for status in Status
+        for rigor in Rigor
+    ]
+    return found, [
+        *other,
+        replace(first, point=None, certificate=None, backend=LONG, coupling=LONG),
+    ]
+
+
+@cache
+def results():
+    """What functions return: those that are made by solving, and those with other words in them."""
+    found, other = states()
+    made = [*found, punch(), mixed(), wall(), portal(), cantilever(), ring(), unsafe()]
+    made += [body for problem in (punch(), mixed(), portal()) for body in problem.bodies.values()]
+    made += [la.discretise(problem) for problem in (punch(2, 2), mixed(), portal())]
+    for state in (found[0], found[5]):
+        made += [state.certificate, state.interval, state.interval.lower, state.stability]
+    made.append(found[-2].stability)
+    below, above = la.lower_bound(punch(2, 2)), la.upper_bound(punch(2, 2))
+    made += [below, above, la.lower_bound(locked()), la.upper_bound(locked())]
+    gap = la.gap_identity(above, below)
+    made += [gap, la.bracket(punch(2, 2), 0.2), la.bracket(locked(), 0.2)]
+    made += [la.bracket(punch(2, 2), 0.01, max_elements=200, meshes="separate")]
+    made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]
+    made += [la.coulomb_range(wall(), restarts=0), la.coulomb_range(unsafe(), restarts=0)]
+    made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
+    made += [pressed(steps=2), pressed(steps=2, billet=quad_billet)]
+    path, bracket, spread = made[-2], made[-6], made[-4]
+    other += [replace(bracket, status=ending, failure=LONG) for ending in BracketEnding]
+    other += [replace(path, status=ending, message=LONG) for ending in PathEnding]
+    nothing = path.history.iloc[:0], path.events.iloc[:0]
+    other += [replace(path, history=nothing[0], events=nothing[1], last=None, settings={})]
+    other += [replace(spread, message=LONG, missing=LONG, backend=LONG, lowest=None, highest=None)]
+    other += [replace(gap, elements={}, bodies={}, interfaces=dict.fromkeys(MANY, 1 / 3))]
+    return made, other
+
+
+def inside(thing, seen=None):
+    """All objects of lacore that an object holds, itself too, each once."""
+    seen = {} if seen is None else seen
+    if id(thing) in seen:
+        return
+    seen[id(thing)] = thing
+    if type(thing).__module__.startswith("lacore"):
+        yield thing
+    if hasattr(thing, "items"):
+        parts = [value for _, value in thing.items()]
+    elif isinstance(thing, tuple | list):
+        parts = thing
+    else:
+        parts = vars(thing).values() if type(thing).__module__.startswith("lacore") else ()
+    for part in parts:
+        yield from inside(part, seen)
