@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.backend import Backend
 from lacore.showing import Facts, Picture, Shown, cut, short
 from tests.lacore import shown
 from tests.lacore.models import punch
@@ -56,7 +57,7 @@ def test_no_public_class_is_missing(everything):
     assert len(ours) > 30
     words = (Enum, Exception)  # of a fixed text; of a message
     wanted = {kind for kind in ours if not issubclass(kind, words) and not inspect.isabstract(kind)}
-    wanted.discard(la.backend.Backend)  # of others: a protocol
+    wanted.discard(Backend)  # of others: a protocol
     assert not wanted - {type(thing) for thing in everything}
     laws = {
         k for _, k in inspect.getmembers(la.hardening, inspect.isclass) if hasattr(k, "modulus")
