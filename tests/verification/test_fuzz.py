@@ -40,9 +40,11 @@ def test_more_random_problems(kind):
     assert not [wrong for wrong in (judged(kind, n) for n in range(FEW, MANY)) if wrong]
 
 
-@pytest.mark.parametrize(("kind", "number"), [("axisymmetric", 1035), ("two-bodies", 360)])
+@pytest.mark.parametrize(
+    ("kind", "number"), [("axisymmetric", 1035), ("frames", 753), ("two-bodies", 360)]
+)
 def test_what_was_found_wrong_before_is_right(kind, number):
-    """A row that nothing enters; stick that slips at the strength where a footing begins."""
+    """A row that nothing enters; feet whose limit is a force; stick that slips at a footing."""
     found = examine(draw(kind, 1, number), random_of(kind, 1, number, "examine"))
     assert found.wrong is None
     assert found.status in ("solved", "unsafe")

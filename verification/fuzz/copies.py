@@ -63,6 +63,9 @@ def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> R
         if quarter and support.get("components") in _AXES:
             support["components"] = _SWAPPED[support["components"]]
     for pair in made["interfaces"]:
+        foot = made["bodies"][pair["slave"][0]]["kind"] == "frame"
+        if foot and isinstance(pair["friction"], Mapping) and "tresca" in pair["friction"]:
+            pair["friction"] = {"tresca": length * pair["friction"]["tresca"]}  # on 1 m, a force
         pair["slave"] = [pair["slave"][0], line(pair["slave"][1])]
         if isinstance(pair["master"], list):
             pair["master"] = [pair["master"][0], line(pair["master"][1])]
