@@ -7,7 +7,14 @@ READY := $(VENV)/.ready
 # One that dies is not replaced: the run ends there and says so, where it could wait for ever.
 PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --max-worker-restart 0
 
-.PHONY: help compare verify fuzz test test-all test-browser lint bench bench-page readme reference clean
+# What sums, in another order on each processor, decide most: tried under two BLAS kernels of others.
+KERNELS := Haswell Nehalem
+FRAGILE := $(addprefix tests/backends/test_, scipy.py regularised.py ipopt_static.py clarabel_regularised.py) \
+	$(addprefix tests/lacore/test_, intervals.py sequential.py path_states.py path_drift.py \
+	strong_bodies.py light_blocks.py claims.py static_bound.py kinematic_bound.py) \
+	$(addprefix tests/verification/test_, path_cases.py reference_report.py)
+
+.PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme reference clean
 
 help:
 	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
@@ -15,6 +22,7 @@ help:
 	@echo "make fuzz      1 000 random problems, judged without the solver; two minutes"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
+	@echo "make test-kernels   run the numerically fragile ones under the BLAS kernels of other processors"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
@@ -43,6 +51,12 @@ test: $(READY)
 
 test-all: $(READY)
 	$(PARALLEL) -m "slow or not slow"
+
+test-kernels: $(READY)
+	for kernel in $(KERNELS); do echo "$$kernel:"; \
+	  OPENBLAS_CORETYPE=$$kernel $(PARALLEL) $(FRAGILE) || exit 1; done
+	for kernel in $(KERNELS); do OPENBLAS_CORETYPE=$$kernel $(BIN)/lacore compare vertical-cut \
+	  --backends slsqp,newton,ipopt --meshes coarse --fresh --out reports/kernels || exit 1; done
 
 test-browser: $(READY)
 	$(BIN)/python -m pytest tests/verification/test_page_browser.py --require-browser
