@@ -5,7 +5,6 @@ A part is a body, a rigid block or a frame (`KinematicProgram.parts`). A stone o
 """
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from lacore.arrays import Floats
 from lacore.program import KinematicProgram
@@ -29,7 +28,8 @@ def part_forces(program: KinematicProgram, state: ProgramState) -> Floats:
     rows = program.contact
     pressed = np.abs(rows.weights * state.normal_reaction)
     rubbed = np.abs(rows.weights[:, None] * state.tangential_reaction).ravel()
-    touching = abs(rows.normal).T @ pressed + abs(rows.tangential).T @ rubbed
+    normal, tangential = rows.sizes
+    touching = normal @ pressed + tangential @ rubbed
     loads = own_loads(program, state.load_factor)
     total = loads + np.bincount(program.part, weights=touching, minlength=1)
     loaded = loads[loads > _SUMMED * loads.max(initial=0.0)]
@@ -39,14 +39,8 @@ def part_forces(program: KinematicProgram, state: ProgramState) -> Floats:
 
 def forces_at_points(program: KinematicProgram, forces: Floats) -> Floats:
     """The lesser of the forces of the parts that meet at each contact point, shape (m,)."""
-    rows = program.contact
-    slides = abs(rows.tangential)
-    every = np.repeat(np.arange(rows.count), rows.tangent_dim)
-    pick = csr_matrix(
-        (np.ones(every.size), (every, np.arange(every.size))), (rows.count, every.size)
-    )
-    meeting = csr_matrix(abs(rows.normal) + pick @ slides).tocoo()
-    least = np.full(rows.count, float(forces.max(initial=1.0)))
+    point, unknown = program.contact.meeting
+    least = np.full(program.contact.count, float(forces.max(initial=1.0)))
     with np.errstate(invalid="ignore"):  # NaN stays, and is refused
-        np.minimum.at(least, meeting.row, forces[program.part[meeting.col]])
+        np.minimum.at(least, point, forces[program.part[unknown]])
     return least

@@ -8,6 +8,7 @@ zero except in a step of a path (T29).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, vstack
@@ -152,6 +153,24 @@ class ContactRows(Compact):
     def coulomb(self) -> Bools:
         """Points whose friction bound follows the normal reaction, shape (m,)."""
         return self.coefficient > 0
+
+    @cached_property
+    def sizes(self) -> tuple[Sparse, Sparse]:
+        """Sizes of the normal and of the tangential rows, transposed: (n, m), (n, m tangent_dim).
+
+        Kept, as `meeting` is: certificates ask for them at each inner solve.
+        """
+        return csr_matrix(abs(self.normal).T), csr_matrix(abs(self.tangential).T)
+
+    @cached_property
+    def meeting(self) -> tuple[Ints, Ints]:
+        """Which unknowns move at which contact point: points and unknowns, each pair once."""
+        every = np.repeat(np.arange(self.count), self.tangent_dim)
+        pick = csr_matrix(
+            (np.ones(every.size), (every, np.arange(every.size))), (self.count, every.size)
+        )
+        pairs = csr_matrix(abs(self.normal) + pick @ abs(self.tangential)).tocoo()
+        return pairs.row.astype(np.int64), pairs.col.astype(np.int64)
 
     def slip(self, velocity: Floats) -> Floats:
         """Tangential velocities, shape (m, tangent_dim)."""
