@@ -13,14 +13,20 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-settings.register_profile(
-    "lacore",
-    derandomize=True,
-    deadline=None,
-    max_examples=40,
-    suppress_health_check=[HealthCheck.too_slow],
-)
-settings.load_profile("lacore")
+for name, examples in {"fast": 10, "all": 40}.items():
+    settings.register_profile(
+        name,
+        derandomize=True,
+        deadline=None,
+        max_examples=examples,
+        suppress_health_check=[HealthCheck.too_slow],
+    )
+
+
+def pytest_configure(config):
+    """Fewer examples of each property in the fast tests; those that say how many have as many."""
+    every = "slow or not slow" in config.option.markexpr
+    settings.load_profile("all" if every else "fast")
 
 
 ROOT = Path(__file__).parents[1]

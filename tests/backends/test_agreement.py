@@ -14,14 +14,9 @@ from lacore.backend import check_capable, find_backend
 from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
+from tests.backends.variants import VARIANTS
 from verification.catalogue import catalogue
 
-VARIANTS = [
-    pytest.param(case, variant, id=f"{case.id}-{variant.name}")
-    for case in catalogue().values()
-    if "coarse" in case.meshes  # rigid bodies: test_walls and the conformance suite
-    for variant in case.variants
-]
 SLOW = pytest.mark.slow
 # Interior points leave a gap of 1e-10 and rows out by 1e-10: 1e-7 is three digits of margin for
 # the sums over a mesh. ECOS and QOCO stop at about 1e-8 on graded meshes and say "inaccurate";

@@ -32,7 +32,8 @@ from tests.backends.test_clarabel import (
 )
 from tests.backends.test_clarabel import frozen as held
 from tests.backends.test_clarabel import random_program as mixed_program
-from tests.backends.test_regularised import NAMED, SOLVER, VARIANTS, frozen
+from tests.backends.test_regularised import NAMED, SOLVER, frozen
+from tests.backends.variants import VARIANTS
 from tests.lacore.models import deformable_block, punch
 from tests.lacore.random_programs import POINTS, random_program, random_step
 from tests.lacore.random_programs import frozen as random_contact

@@ -37,7 +37,8 @@ from tests.backends.test_clarabel import (
     program,
     random_program,
 )
-from tests.backends.test_regularised import NAMED, VARIANTS
+from tests.backends.test_regularised import NAMED
+from tests.backends.variants import VARIANTS
 from tests.lacore.models import deformable_block, punch
 from verification.catalogue import find
 

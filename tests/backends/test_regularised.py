@@ -7,18 +7,11 @@ import lacore as la
 from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.ipopt_nlp import Ipopt, IpoptOptions
 from lacore.program import dimensionless, reaction_contact
+from tests.backends.variants import VARIANTS
 from tests.lacore.models import deformable_block, punch, square
-from verification.catalogue import catalogue
 
 # Two interior-point solutions, each to a relative gap of 1e-11, on values of order one.
 SOLVER = 1e-9
-
-VARIANTS = [
-    pytest.param(case, variant, id=f"{case.id}-{variant.name}")
-    for case in catalogue().values()
-    if "coarse" in case.meshes  # rigid bodies: test_walls and the conformance suite
-    for variant in case.variants
-]
 
 
 def frozen(problem):
@@ -106,7 +99,14 @@ def test_options_in_si_units_are_those_of_r():
 
 
 @pytest.mark.parametrize(
-    "friction", [0.3, la.Coulomb(0.3, associated=True), la.Tresca(0.2), la.STICK]
+    "friction",
+    [
+        0.3,
+        *(
+            pytest.param(law, marks=pytest.mark.slow)
+            for law in (la.Coulomb(0.3, associated=True), la.Tresca(0.2), la.STICK)
+        ),
+    ],
 )
 def test_ipopt_and_slsqp_are_one_program(friction):
     """Two solvers, two codes of the laws (symbolic and numpy), one minimum at equal r.

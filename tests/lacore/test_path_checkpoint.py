@@ -92,7 +92,7 @@ def test_goes_on_as_if_nothing_had_been(tmp_path, more):
 
 def test_a_path_that_ends_early_ends_so_again(tmp_path):
     """With its event, once."""
-    asked = {"steps": 3, "travel": 0.9}
+    asked = {"steps": 2, "travel": 0.9}
     path = pressed(checkpoint=tmp_path / "p", **asked)
     assert list(path.events["kind"]).count("inversion predicted") == 1
     assert_same(pressed(checkpoint=tmp_path / "p", **asked), path)

@@ -1,6 +1,7 @@
 """Pictures of paths, still and moving."""
 
 from dataclasses import asdict, replace
+from functools import cache
 from itertools import pairwise
 
 import matplotlib.animation
@@ -17,6 +18,9 @@ from lacore.plotting_path import strain_scale
 from tests.lacore.path_billets import PLATEN, billet, pressed, quad_billet
 from tests.lacore.pictures import drawn, words
 
+plain = cache(pressed)
+"""A path a number of steps; paths are not changed."""
+
 
 def smooth(made):
     """Without friction and hardening: the load is that of one material point."""
@@ -28,7 +32,7 @@ def smooth(made):
 
 @pytest.mark.parametrize("made", [billet, quad_billet], ids=["triangles", "quads"])
 def test_bodies_and_load(made):
-    path = pressed(3, billet=made)
+    path = plain(3, billet=made)
     figure = drawn(path.plot())
     bodies, load, _ = figure.axes
     text = words(figure)
@@ -109,7 +113,7 @@ def test_events():
 
 def test_events_of_one_travel_stand_above_each_other():
     """And the last tick is not on the edge of the axes."""
-    path = pressed(2)
+    path = plain(3, billet=billet)
     at = path.snapshots[-1].travel
     rows = [
         Event("contact closed", 1, 0.1, "far from the others"),
@@ -137,7 +141,7 @@ def test_without_a_step():
 
 
 def test_gif(tmp_path):
-    path = pressed(3)
+    path = plain(3, billet=billet)
     path.animate(tmp_path / "a.gif", fps=4, dpi=40)
     with Image.open(tmp_path / "a.gif") as image:
         # A picture a snapshot; the last, which stays, may be one or several.
@@ -153,7 +157,7 @@ def test_gif(tmp_path):
 
 
 def test_mp4(tmp_path, monkeypatch):
-    path = pressed(1)
+    path = plain(1)
     monkeypatch.setattr(
         matplotlib.animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False)
     )
@@ -167,7 +171,7 @@ def test_mp4(tmp_path, monkeypatch):
 
 
 def test_places_that_cannot_be_written(tmp_path):
-    path = pressed(1)
+    path = plain(1)
     for name, why in (
         ("a.avi", "neither GIF nor MP4"),
         ("nowhere/a.gif", "its folder does not exist"),

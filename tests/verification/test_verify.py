@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -340,12 +341,22 @@ def test_a_wrong_reference_in_a_built_in_case_is_exit_code_1(tmp_path, monkeypat
     assert "no less than: planted, lies outside of what is proven" in bracket["why"]
 
 
+SHEAR = ("shear-patch:yielding", "--backends", "clarabel", "--meshes", "coarse")
+
+
+@pytest.fixture(scope="module")
+def verified(tmp_path_factory):
+    """Folder of a verification that passed."""
+    folder = tmp_path_factory.mktemp("verified")
+    assert run(*SHEAR, "--out", folder).exit_code == 0
+    return folder
+
+
 @pytest.fixture
-def stored(tmp_path):
-    """A verification that passed, and a function that changes its stored state."""
-    command = ("shear-patch:yielding", "--backends", "clarabel", "--meshes", "coarse")
-    arguments = (*command, "--out", tmp_path)
-    assert run(*arguments).exit_code == 0
+def stored(verified, tmp_path):
+    """A copy of it, and a function that changes its stored state and verifies again."""
+    shutil.copytree(verified, tmp_path, dirs_exist_ok=True)
+    arguments = (*SHEAR, "--out", tmp_path)
 
     def tamper(change, forge):
         with closing(sqlite3.connect(tmp_path / "results.sqlite")) as database, database:
