@@ -72,7 +72,7 @@ def test_lambda_of_a_sliding_block_has_no_regularisation_error():
     [
         (PUNCH, "eta"),
         (PUNCH, "bulk"),
-        (SLIDING, "bulk"),
+        pytest.param(SLIDING, "bulk", marks=pytest.mark.slow),
         (SLIDING, "normal"),
         (SLIDING, "tangential"),
     ],

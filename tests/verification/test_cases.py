@@ -115,7 +115,13 @@ def quick(case, variant):
     return checked([q for q in QUICK if (q.case.id, q.variant.name) == (case, variant)])
 
 
-@pytest.mark.parametrize("question", QUICK, ids=lambda question: question.name)
+def marked(question):
+    """Paths are tens of solves: of each case of them one is fast."""
+    more = question.case.path is not None and question.variant is not question.case.variants[0]
+    return pytest.param(question, marks=[pytest.mark.slow] if more else [], id=question.name)
+
+
+@pytest.mark.parametrize("question", map(marked, QUICK))
 def test_exact_backend_passes_on_coarse(question):
     """The quick part of `pytest verification`."""
     found = answer(question, quick(question.case.id, question.variant.name))
@@ -202,19 +208,31 @@ def test_nothing_outside_is_allowed(value):
     assert not Allowed(1.0, 1.1).holds(value)
 
 
-@pytest.mark.parametrize(("case", "variant"), MESHED, ids=name_of)
-def test_reactions_sum_to_the_loads(case, variant):
+LEVELS = [
+    pytest.param(
+        case,
+        variant,
+        mesh,
+        marks=[pytest.mark.slow] if number else [],
+        id=f"{case.id}-{variant.name}-{mesh}",
+    )
+    for case, variant in MESHED
+    for number, mesh in enumerate(case.levels(variant))
+]
+
+
+@pytest.mark.parametrize(("case", "variant", "mesh"), LEVELS)
+def test_reactions_sum_to_the_loads(case, variant, mesh):
     """To 1e-8 of the load: ten times what a solve to 1e-10 leaves, 1.7e-9 at most."""
-    for mesh in case.levels(variant):
-        discretisation = la.discretise(case.problem(variant, mesh))
-        state = la.solve(discretisation, throw=True)
-        full = discretisation.full
-        loads = state.load_factor * full.reference_load + full.dead_load
-        outer = contact_force(full, state.point) + loads
-        dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
-        held = state.support_reactions[["force_x", "force_y"]].to_numpy().sum(axis=0)
-        size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
-        # Around an axis forces along r are carried by the hoop stress, and have no sum.
-        round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())
-        sums = (outer[dofs].sum(axis=1) + held)[1 if round_ones else 0 :]
-        assert np.abs(sums).max() <= 1e-8 * size, mesh
+    discretisation = la.discretise(case.problem(variant, mesh))
+    state = la.solve(discretisation, throw=True)
+    full = discretisation.full
+    loads = state.load_factor * full.reference_load + full.dead_load
+    outer = contact_force(full, state.point) + loads
+    dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
+    held = state.support_reactions[["force_x", "force_y"]].to_numpy().sum(axis=0)
+    size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
+    # Around an axis forces along r are carried by the hoop stress, and have no sum.
+    round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())
+    sums = (outer[dofs].sum(axis=1) + held)[1 if round_ones else 0 :]
+    assert np.abs(sums).max() <= 1e-8 * size, mesh
