@@ -121,7 +121,7 @@ def marked(question):
     return pytest.param(question, marks=[pytest.mark.slow] if more else [], id=question.name)
 
 
-@pytest.mark.parametrize("question", map(marked, QUICK))
+@pytest.mark.parametrize("question", [marked(question) for question in QUICK])
 def test_exact_backend_passes_on_coarse(question):
     """The quick part of `pytest verification`."""
     found = answer(question, quick(question.case.id, question.variant.name))
