@@ -20,6 +20,7 @@ from lacore.regularization import RegularisedValues
 from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
+from lacore_start import hidden
 
 GROUP = "lacore.backends"
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
@@ -176,11 +177,12 @@ def load_backend(name: str) -> Backend:
         raise InputError("backend", name, "not a name", f"give one of {', '.join(backend_names())}")
     first, colon, variant = name.partition(":")
     require_known("backend", first, backend_names())
+    entry = _registered(tuple(sys.path))[first]
     try:
-        backend: Backend = _registered(tuple(sys.path))[first].load()()
+        backend: Backend = entry.load()()
     except Exception as error:  # a broken package of others must not take the rest with it
-        text = f"backend {first!r} cannot be loaded: {type(error).__name__}: {error}"
-        raise CapabilityError(text) from error
+        told = hidden(entry.module.partition(".")[0]) or f"{type(error).__name__}: {error}"
+        raise CapabilityError(f"backend {first!r} cannot be loaded: {told}") from error
     if not colon:
         return backend
     if not isinstance(backend, Family):

@@ -21,6 +21,7 @@ from types import TracebackType
 from typing import IO, Any, Self
 
 from lacore.status import Status
+from lacore_start import hidden
 
 GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports
@@ -130,7 +131,9 @@ class ChildProcess:
         how = f"exit code {process.returncode}"
         if process.returncode < 0:
             how = f"signal {-process.returncode}, {signal.strsignal(-process.returncode)}"
-        return LostError(Status.FAILED, "process ended", f"its process ended by itself ({how})")
+        ended = f"its process ended by itself ({how})"
+        text = "; ".join(filter(None, (ended, hidden())))  # it looks where this process would
+        return LostError(Status.FAILED, "process ended", text)
 
     def kill(self) -> None:
         """Stop for good, from any thread: the one that waits for an answer learns of it."""
@@ -185,6 +188,9 @@ def serve(worker_name: str) -> None:
             if worker is None:
                 worker = resolve_name(worker_name)()
             answer = pickle.dumps(getattr(worker, kind)(*arguments) if kind else None)
+        except ImportError as error:
+            told = hidden()
+            answer = _pickled(ImportError(f"{error}; {told}") if told else error)
         except Exception as error:  # the caller's to handle
             answer = _pickled(error)
         if os.getpid() != me:  # a copy that the work has forked must not answer, too

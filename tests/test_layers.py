@@ -52,6 +52,13 @@ def test_a_case_knows_no_backend(path):
     assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
 
 
+def test_the_start_knows_the_standard_library_only():
+    """It speaks of our packages where they cannot be imported, and opens the command line."""
+    names = {name for path in (ROOT / "lacore_start").glob("*.py") for name in imports(path)}
+    ours = {"lacore_start", "lacore_start.hidden", "verification.cli", "verification.cli.main"}
+    assert not {name.partition(".")[0] for name in names - ours} - sys.stdlib_module_names
+
+
 HEAVY = (
     *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL"),
     *("cvxpy", "casadi", "clarabel", "highspy", "dask", "distributed"),

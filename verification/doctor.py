@@ -3,12 +3,14 @@
 import re
 from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_info
 
 import lacore as la
 from lacore.backend import Backend, Family, load_backend
+from lacore_start import PACKAGES, place
 from verification import conformance
 from verification.provenance import describe
 
@@ -80,6 +82,18 @@ def packages() -> list[dict[str, str]]:
     return records
 
 
+def places() -> list[dict[str, str]]:
+    """Where Python finds each of our packages, and what hides it: here, or from scripts here."""
+    records = []
+    for name in PACKAGES:
+        own, beside = place(name), place(name, [str(Path.cwd())])
+        mend = own.mend
+        if own.ours and not beside.ours:
+            mend = f"for scripts in this folder {beside.mend}"
+        records.append({"package": name, "loaded_from": own.path, "remedy": mend})
+    return records
+
+
 def _new_enough(found: str, wanted: str) -> bool:
     """Whether a version satisfies the lower bound of a requirement, which is all that we state."""
     least = re.search(r">=\s*([\d.]+)", wanted)
@@ -132,16 +146,18 @@ def _self_test(backend: Backend, process: la.SolverProcess) -> tuple[str, str]:
 def examine(on_start: Callable[[str], None]) -> dict[str, Any]:
     """All of it, as one document; `healthy` says whether anything has to be mended.
 
-    What only an extra or a variant asks for may be missing; a backend that fails its self-test or
-    a package that lacore cannot do without may not.
+    What only an extra or a variant asks for may be missing; a backend that fails its self-test,
+    a package that lacore cannot do without, or one of ours that something hides may not.
     """
-    needed = packages()
+    needed, found = packages(), places()
     tests = self_tests(on_start)
     broken = [record for record in needed if record["remedy"] and record["for"] == "lacore"]
     failed = [record for record in tests if record["self_test"] == "FAIL"]
+    concealed = [record for record in found if record["remedy"]]
     return {
-        "healthy": not broken and not failed,
+        "healthy": not (broken or failed or concealed),
         "environment": {key: text for key, text in describe().items() if key != "packages"},
+        "places": found,
         "packages": needed,
         "libraries": blas(),
         "backends": tests,

@@ -344,7 +344,7 @@ def show_health(console: Console, found: dict[str, Any]) -> None:
     """What `verification.doctor` found, section by section."""
     for key, text in found["environment"].items():
         console.print(f"{key:9} {text}", highlight=False, markup=False)
-    for section in ("packages", "libraries", "backends"):
+    for section in ("places", "packages", "libraries", "backends"):
         console.print()
         show_records(console, found[section])
     verdict = "all is well" if found["healthy"] else "something has to be mended: see the remedies"
