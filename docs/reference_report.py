@@ -4,12 +4,16 @@ It is small, committed under reports/reference, and a test solves and draws it a
 """
 
 import shutil
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from verification.catalogue import catalogue
 from verification.compare import plan, run_all
+from verification.report.blocks import Report
+from verification.report.drawing import Drawn, Subject, draw
 from verification.report.files import write
-from verification.report.page import compared
+from verification.report.page import compared, subjects
 from verification.results import load_outcomes
 from verification.run import Run
 from verification.store import NAME, sessions
@@ -17,6 +21,7 @@ from verification.sweep import plan as plan_sweep
 
 FOLDER = Path(__file__).parent.parent / "reports" / "reference"
 TITLE = "Reference report of lacore"
+PICTURES = 1  # of each case: the report is small
 
 
 def runs() -> list[Run]:
@@ -30,19 +35,18 @@ def runs() -> list[Run]:
     ]
 
 
-def draw(store: Path, folder: Path) -> Path:
-    """The report of a store; returns the path of its page."""
+def report(store: Path, paint: Callable[[Sequence[Subject]], Drawn]) -> Report:
+    """The report of a store, with what `paint` makes of its subjects."""
     outcomes, _ = load_outcomes(store, catalogue())
     (provenance,) = sessions(store).values()
-    return write(compared(outcomes, provenance, TITLE), folder)
+    return compared(outcomes, provenance, paint(subjects(outcomes, PICTURES)), TITLE)
 
 
 def main() -> None:
     """Solve, draw, and replace what is there."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     run_all(runs(), FOLDER / NAME)
-    draw(FOLDER / NAME, FOLDER)
-    shutil.rmtree(FOLDER / "pictures")  # they are in the page
+    write(report(FOLDER / NAME, partial(draw, jobs=1)), FOLDER)
     (FOLDER / f"{NAME}.lock").unlink(missing_ok=True)
 
 

@@ -19,7 +19,7 @@ from lacore.coupling_names import COUPLINGS
 from lacore.errors import require_positive
 from verification.bracketing import BRACKET
 from verification.case import KINDS
-from verification.catalogue import Catalogue, find, tagged
+from verification.catalogue import Catalogue, tagged
 from verification.defaults import ON_DEMAND, RAW
 from verification.fuzz.fuzz_command import fuzz
 from verification.options import (
@@ -34,6 +34,7 @@ from verification.options import (
     resumable,
     time_limit_option,
 )
+from verification.report_command import manual, report
 from verification.sweep_command import sweep
 from verification.verify_command import verify
 
@@ -77,7 +78,7 @@ def main() -> None:
     f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound; default: that of each backend."
     " Where they are named, a table says how many runs each certified.",
 )
-@out_option("reports/compare", "Folder for the results, pictures and the page index.html.")
+@out_option("reports/compare", "Folder for the results, and the pages: open index.html.")
 @time_limit_option
 @cases_option
 @click.option(
@@ -108,7 +109,7 @@ def compare(
     CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are run, on
     coarse and medium meshes, in a minute or two. Each result is kept in the folder as soon as it is
     there, and not run again by the same code; at the end come a table, results.csv and the page
-    index.html, which explains every case.
+    index.html, with a page beside it that explains each case.
 
     \b
     Examples:
@@ -121,8 +122,7 @@ def compare(
     from verification.compare import efforts, plan, run_all, tally
     from verification.execution import execute
     from verification.provenance import describe
-    from verification.report.files import write
-    from verification.report.page import compared
+    from verification.reporting import write_report
     from verification.results import as_table, export
     from verification.store import NAME
 
@@ -140,8 +140,7 @@ def compare(
         )
     export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
     about = describe()
-    with terminal.status("drawing pictures, writing the page"):
-        page = write(compared(outcomes, about), out)
+    page = write_report(outcomes, about, out)
     count = tally(outcomes)
     if as_json:
         rows = [outcome.row.record() for outcome in outcomes]
@@ -162,74 +161,6 @@ def compare(
     if not count.passed:
         click.echo("nothing was verified: no run passed", err=True)
     ctx.exit(0 if count.passed and not count.failed else 1)
-
-
-@main.command()
-@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder for the page, its tables and pictures; default: DIR itself.",
-)
-@cases_option
-def report(folder: Path, out: Path | None, known: Catalogue) -> None:
-    """Write the report of the results in DIR, from `compare`, `verify` or `sweep`.
-
-    One page, index.html, that loads nothing from anywhere: every case explained beside its numbers,
-    each number linked to its certificate, what regularisation costs, solvers side by side. The
-    same tables are in tables/ as CSV and Markdown.
-    """
-    from verification import terminal
-    from verification.report.files import write
-    from verification.report.page import compared
-    from verification.results import load_outcomes
-    from verification.store import file_of, sessions
-
-    outcomes, strange = load_outcomes(folder, known)
-    for entry in strange:
-        name = f"{entry.row.case}:{entry.row.variant}"
-        click.echo(f"warning: left out: {name}: no such case here (--cases?)", err=True)
-    if not outcomes:
-        raise la.InputError("DIR", str(folder), "holds no finished run", "run something into it")
-    with terminal.status("drawing pictures, writing the page"):
-        about = list(sessions(file_of(folder)).values())[-1]
-        page = write(compared(outcomes, about), out or folder)
-    click.echo(f"Report: {page}")
-
-
-@main.command()
-@named_cases("[CASE]...")
-@click.option(
-    "--results",
-    type=click.Path(path_type=Path),
-    default=Path("reports/verify"),
-    show_default=True,
-    help="Folder whose results are shown: that of `lacore verify`.",
-)
-@out_option("reports/manual", "Folder for the pages.")
-@cases_option
-def manual(cases: tuple[str, ...], results: Path, out: Path, known: Catalogue) -> None:
-    """Write the verification manual: a page for each case.
-
-    Each shows the problem drawn from its model, the reference and how it is found by hand, what
-    error is allowed and why, and what lacore found, with its certificates. CASE is the id of a
-    case; without any, all that have results are shown.
-    """
-    from verification import terminal
-    from verification.report.manual import write as write_manual
-    from verification.results import load_outcomes
-    from verification.store import file_of, sessions
-    from verification.verify import load_checks
-
-    outcomes, _ = load_outcomes(results, known)
-    seen = {outcome.run.case.id for outcome in outcomes}
-    chosen = [find(name, known)[0].id for name in cases] or [name for name in known if name in seen]
-    with terminal.status("drawing problems and mechanisms, writing the pages"):
-        about = list(sessions(file_of(results)).values())[-1]
-        page = write_manual(
-            [known[name] for name in chosen], outcomes, load_checks(results), about, out
-        )
-    click.echo(f"Manual: {page}")
 
 
 @main.command("cases")
@@ -351,5 +282,7 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
 
 main.add_command(fuzz)
+main.add_command(manual)
+main.add_command(report)
 main.add_command(sweep)
 main.add_command(verify)

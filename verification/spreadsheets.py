@@ -60,8 +60,9 @@ def _each(frame: pd.DataFrame, change: Any) -> pd.DataFrame:
     changed = frame.copy()
     for number in texts:
         own = frame.iloc[:, number]
-        cells = own.map(change)
-        if cells.ne(own).any():
-            changed.isetitem(number, cells.array)
+        before = own.tolist()
+        after = [change(cell) for cell in before]
+        if any(new is not old for new, old in zip(after, before, strict=True)):
+            changed.isetitem(number, pd.array(after, dtype=own.dtype))
     changed.columns = [change(name) for name in frame.columns]
     return changed

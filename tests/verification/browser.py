@@ -59,8 +59,9 @@ class Visit:
 
     @property
     def elsewhere(self):
-        """Addresses asked for that are not the file, nor in it."""
-        return [url for url in self.requests if url != self.address and not url.startswith("data:")]
+        """Addresses asked for outside of the folder of the report."""
+        folder = self.address.rpartition("/")[0].removesuffix("/cases") + "/"
+        return [url for url in self.requests if not url.startswith(folder)]
 
     @property
     def overflow(self):

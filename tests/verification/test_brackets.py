@@ -26,7 +26,8 @@ from verification.cli import main
 from verification.harness import execute
 from verification.irregular import irregular
 from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
-from verification.report.brackets import bracket_drawings, drawn_bracket, widths
+from verification.report.brackets import drawn_bracket, widths, widths_chart
+from verification.report.drawing import brackets, painted
 from verification.results import load_results
 from verification.verify import Finished, answer, ask, finish, runs_of
 
@@ -348,7 +349,7 @@ def test_a_comparison_and_its_report_show_the_bracket_beside_the_reference(tmp_p
     assert result.exit_code == 0, result.output
     assert re.search(r"1\.99\d+ <= load factor <= 2\.\d+, 0\.\d+ % wide", result.stdout)
     assert "bracket              " not in result.stdout.partition("couplings, where")[2]
-    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    page = (tmp_path / "cases" / "opposed-punches.html").read_text(encoding="utf-8")
     assert "Proven from both sides" in page
     assert "Bracket of h-1: where the rest of the gap is" in page
     assert "cannot be drawn" not in page
@@ -362,8 +363,9 @@ def test_what_is_stored_but_no_bracket_is_said_on_the_page(strip):
     (outcome,) = with_arrays(strip, b"nonsense").outcomes.values()
     with pytest.raises(ValueError, match="no bracket"):
         drawn_bracket(outcome)
-    found = list(bracket_drawings([outcome]))
-    assert [type(block).__name__ for block in found] == ["Drawing", "Text"]
+    (subject,) = brackets([outcome], 1)
+    assert "cannot be drawn from what is stored" in painted(subject).lead
+    assert widths_chart([outcome]) is not None  # the history is another part of what is stored
 
 
 def test_widths_are_told_of_both_meshes_together(strip):
@@ -392,5 +394,5 @@ def test_adaptive_refinement_closes_in_faster_than_uniform_one():
     close = widths(outcome).query("width < 0.05")
     adaptive = np.polyfit(np.log(close["n_elements"]), np.log(close["width"]), 1)[0]
     assert adaptive < -0.8
-    (drawing, _) = bracket_drawings([outcome])
+    drawing = widths_chart([outcome])
     assert "smooth: slope" in drawing.chart.summary

@@ -109,7 +109,7 @@ def test_manual_shows_a_case_that_cannot_be_built(folder: Path) -> None:
     write(folder, "hostile_raises", "raise ValueError('<b>no</b>')")
     assert lacore("verify", "hostile-raises", "--backends", "clarabel", "--out", "found")[0] == 1
     assert lacore("manual", "--results", "found", "--out", "pages")[0] == 0
-    page = (folder / "pages" / "case-hostile-raises.html").read_text()
+    page = (folder / "pages" / "cases" / "hostile-raises.html").read_text()
     assert "ValueError: &lt;b&gt;no" in page
 
 
@@ -130,7 +130,7 @@ def test_report_of_a_case_that_was_changed_since(folder: Path) -> None:
     assert lacore("compare", "hostile-odd", "--backends", "clarabel", "--out", "found")[0] == 0
     (folder / "changed").touch()
     assert lacore("report", "found")[0] == 0
-    assert "cannot be drawn" in (folder / "found" / "index.html").read_text()
+    assert "cannot be drawn" in (folder / "found" / "cases" / "hostile-odd.html").read_text()
 
 
 @pytest.mark.parametrize("command", [("compare",), ("verify",), ("sweep", "--vary", "mu=0.3")])

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lacore import InputError
 from verification.analysis import Slope
-from verification.report import charts, document
+from verification.report import charts, document, files
 from verification.report.blocks import (
     Anchor,
     Column,
@@ -19,6 +19,8 @@ from verification.report.blocks import (
     Document,
     Drawing,
     Gallery,
+    Page,
+    Report,
     Section,
     Table,
     slug,
@@ -234,6 +236,7 @@ RESULTS = pd.DataFrame(
         "verdict": ["pass", "FAIL", "skipped"],
     }
 )
+PROOFS = Table((Column("name"),), RESULTS, anchor=PROOF)
 TABLE = Table(
     (
         Column("name"),
@@ -245,17 +248,37 @@ TABLE = Table(
 )
 
 
+def rendered(page):
+    """The text of a page that stands alone."""
+    (text,) = files.rendered(Report({"index.html": page})).values()
+    return text
+
+
 def page(*blocks):
-    return document.render(Document("Title", "Lead.", [Section("one", "One", blocks)]))
+    return rendered(Document("Title", "Lead.", [Section("one", "One", blocks)]))
 
 
 def test_cells():
-    text = page(TABLE)
+    text = page(TABLE, PROOFS)
     assert '<td class="n" data-sort="2.0"><a href="#proof-x-2f-1">200.0</a></td>' in text
     assert '<td class="n" data-sort=""></td>' in text
     assert '<td class="n" data-sort="inf"><a href="#proof-x-3">inf</a></td>' in text
     assert '<td class="verdict bad">FAIL</td>' in text
     assert '<td class="verdict mild">skipped</td>' in text
+
+
+def test_links_lead_to_the_page_that_has_their_target():
+    """From the folder of the page that they are on; without a target they are text."""
+    places = {"index.html": TABLE, "cases/a.html": PROOFS, "cases/b.html": TABLE}
+    pages = {
+        file: Document("", "", [Section("one", "", [table])], trail=[Page("up", "index.html")])
+        for file, table in places.items()
+    }
+    text = files.rendered(Report(pages))
+    assert '<a href="cases/a.html#proof-x-2f-1">200.0</a>' in text["index.html"]
+    assert '<a href="a.html#proof-x-2f-1">200.0</a>' in text["cases/b.html"]
+    assert '<a href="../index.html">up</a>' in text["cases/a.html"]
+    assert '">200.0</td>' in page(TABLE)
 
 
 def test_rows_can_be_linked_to():
@@ -294,4 +317,4 @@ def test_page_forbids_what_it_does_not_need():
 def test_a_page_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write there"):
-        document.write(Document("", "", []), tmp_path / "file" / "index.html")
+        files.write(Report({"index.html": Document("", "", [])}), tmp_path / "file")

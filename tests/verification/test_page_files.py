@@ -6,11 +6,22 @@ from html import unescape
 import pandas as pd
 import pytest
 from markdown_it import MarkdownIt  # comes with rich
+from matplotlib.figure import Figure
 
 from tests.verification.test_page import HOSTILE, TABLE, fitted
 from verification.report import files
-from verification.report.blocks import Column, Document, Drawing, Gallery, Section, Table
-from verification.report.files import markdown, pictures
+from verification.report.blocks import (
+    Column,
+    Document,
+    Drawing,
+    Gallery,
+    Picture,
+    Report,
+    Section,
+    Table,
+)
+from verification.report.figures import png
+from verification.report.files import case_files, markdown, pictures
 
 
 def test_table_as_markdown():
@@ -34,26 +45,40 @@ def test_any_name_is_text_in_a_table(name):
 def test_files_stay_in_their_folder(name, tmp_path):
     drawing = Drawing(name, name, fitted())
     sections = [Section("one", name, [Gallery([drawing]), replace(TABLE, caption=name)])]
-    files.write(Document(name, name, sections), tmp_path / "out")
+    picture = Picture(name, name, png(Figure((1, 1))))
+    sections.append(Section("two", name, [picture]))
+    pages = {"index.html": Document(name, name, sections)}
+    (file,) = case_files([name]).values()
+    files.write(Report(pages | {file: Document(name, name, sections)}), tmp_path / "out")
     written = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
-    assert [path.parts[:2] for path in written] == [
-        ("out", "index.html"),
-        ("out", "pictures"),
-        ("out", "tables"),
-        ("out", "tables"),
+    assert [path.parts[1] for path in written] == [
+        "cases",
+        "index.html",
+        "pictures",
+        *4 * ["tables"],
     ]
+    assert all(path.parts[0] == "out" for path in written)
     assert not any(path.name.startswith(".") for path in written)
 
 
-def test_a_chart_that_stands_alone_is_a_file_too(tmp_path):
-    page = Document("", "", [Section("one", "", [Drawing("alone", "", fitted())])])
-    files.write(page, tmp_path)
-    assert (tmp_path / "pictures" / "alone.png").read_bytes().startswith(b"\x89PNG")
+def test_pages_share_their_pictures(tmp_path):
+    """One file, whatever page it is on."""
+    picture = Picture("shown", "", png(Figure((1, 1))))
+    page = Document("", "", [Section("one", "", [Gallery([picture]), picture])])
+    files.write(Report({"index.html": page, "cases/a.html": page}), tmp_path)
+    assert [path.name for path in (tmp_path / "pictures").iterdir()] == ["shown.png"]
+    assert 'src="pictures/shown.png"' in (tmp_path / "index.html").read_text()
+    assert 'src="../pictures/shown.png"' in (tmp_path / "cases" / "a.html").read_text()
+
+
+def test_a_picture_says_its_size():
+    assert Picture("a", "", png(Figure((2, 1)), dpi=50)).size == (100, 50)
 
 
 def test_each_picture_has_a_file_of_its_own():
-    names = ["a b", "a/b", "a-b-2", "a b", "漢", "字", "W" * 400, "W" * 401]
-    section = Section("one", "", [Gallery([Drawing(name, "", fitted()) for name in names])])
-    written = [name for name, _ in pictures(Document("", "", [section]))]
-    assert len(set(written)) == len(names)
-    assert written[:4] == ["a-b", "a-b-2", "a-b-2-2", "a-b-3"]
+    names = ["a b", "a/b", "a-b-2", "漢", "字", "W" * 400, "W" * 401]
+    shown = [Picture(name, "", b"") for name in names]
+    page = Document("", "", [Section("one", "", [Gallery(shown)])])
+    written = pictures(Report({"index.html": page}))
+    assert [picture.name for picture in written.values()] == names
+    assert [*written][:3] == ["a-b", "a-b-2", "a-b-2-2"]

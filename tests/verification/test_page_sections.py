@@ -5,12 +5,11 @@ from math import nan
 import pandas as pd
 import pytest
 
-from tests.verification.test_page import HOSTILE, Parsed
-from verification.report import document
-from verification.report.blocks import Details, Document, Gallery, Section, Table
+from tests.verification.test_page import HOSTILE, Parsed, rendered
+from verification.report.blocks import Details, Document, Gallery, Section
 from verification.report.convergence import refinement_section, regularisation_section
 from verification.report.lines import with_lines
-from verification.report.solvers import solvers_section
+from verification.report.solvers import effort_section, solvers_section
 from verification.report.tables import certificates_table, reasons_table, results_table
 
 STAR = 2.0
@@ -83,16 +82,17 @@ def test_what_is_exact_on_every_mesh_has_no_refinement_chart():
 
 
 def test_least_times_link_to_their_runs():
-    section = solvers_section(refined(), "verdict", "keep", 600.0)
-    (table,) = [t for t in section.blocks if isinstance(t, Table) and "cheapest" in t.caption]
-    text = document.render(Document("", "", [Section("one", "", [table])]))
+    results = refined()
+    (table,) = [t for t in effort_section(results).blocks if "cheapest" in t.caption]
+    text = rendered(Document("", "", [Section("one", "", [table, results_table(results)])]))
     assert '<a href="#run-fine-fast">1</a>' in text
     assert table.plain["1 %"].tolist() == ["20", "1"]
     assert table.plain["0.1 %"].tolist() == ["", ""]
 
 
 def test_profile_names_both_filters():
-    drawing = solvers_section(refined(), "certificate", "drop", 600.0).blocks[0]
+    (columns,) = solvers_section(refined(), "certificate", "drop", 600.0).blocks
+    (drawing,) = columns.right
     assert "its certificate" in drawing.note
     assert "left out" in drawing.note
     assert "fast reaction" in drawing.chart.summary
@@ -116,10 +116,11 @@ def test_any_name_can_be_in_results(name):
         regularisation_section(results),
         refinement_section(plain),
         solvers_section(plain, "verdict", "keep", 600.0),
+        effort_section(plain),
         Section("all", "All", [results_table(results), reasons_table(results)]),
         Section("certificates", "Certificates", [certificates_table(results)]),
     ]
-    page = Parsed(document.render(Document(name, name, [s for s in sections if s is not None])))
+    page = Parsed(rendered(Document(name, name, [s for s in sections if s is not None])))
     assert page.tags.count("script") == 1
     assert "img" not in page.tags
     assert len(page.ids) == len(set(page.ids))

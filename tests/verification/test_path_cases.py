@@ -20,8 +20,8 @@ from verification.following import Following
 from verification.harness import execute
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS
 from verification.path_run import judge_path
+from verification.report.blocks import Gallery
 from verification.report.convergence import steps_section
-from verification.report.files import pictures
 from verification.report.page import compared, results_frame
 from verification.report.paths import path_chart
 from verification.run import Row
@@ -170,8 +170,10 @@ def test_the_page_of_a_path_shows_its_loads_on_the_exact_ones() -> None:
     assert len(drawing.chart.tips) == 10
     assert all("exact" in tip.text for tip in drawing.chart.tips)
     assert path_chart(case, []) is None
-    document = compared(outcomes, {"machine": "one"})
-    assert "tension-paths" in {name for name, _ in pictures(document)}
+    page = compared(outcomes, {"machine": "one"}, {}).pages["cases/tension.html"]
+    (results, _) = page.sections
+    (gallery,) = [block for block in results.blocks if isinstance(block, Gallery)]
+    assert "tension-paths" in {item.name for item in gallery.items}
 
 
 def planted(law: str, steps: int, scheme: str) -> Following:

@@ -11,12 +11,16 @@ from tests.conftest import ROOT
 from verification.compare import run_all
 from verification.execution import execute
 from verification.provenance import describe
+from verification.report.blocks import Picture
+from verification.report.files import file_names, write
 from verification.results import load_results
 from verification.store import NAME, sessions
 
 REPORT = ROOT / "reports" / "reference"
 SAME = ["case", "variant", "backend", "coupling", "mesh", "n_elements", "n_dofs", "expected"]
-SAME += ["rigor", "status", "verdict", "claimed"]
+# Residuals decide these; what a solver claims of itself, at its limit, differs by processor.
+SAME += ["rigor", "status", "verdict"]
+NUMBER = re.compile(r"[-+\N{MINUS SIGN}]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 @pytest.fixture(scope="module")
@@ -33,24 +37,51 @@ def test_its_numbers_are_found_again(script, tmp_path):
     new, old = (load_results(place).set_index("run").sort_index() for place in (tmp_path, REPORT))
     assert list(new.index) == list(old.index), "make reference"
     pd.testing.assert_frame_equal(new[SAME], old[SAME])
-    # What a certificate lets through, 1e-6, relative to the value or to the dead loads.
+    # What certificates let through, 1e-6 each, relative to the value or to the dead loads.
     for name in ("load_factor", "alpha_reg", "lambda", "P"):
-        pd.testing.assert_series_equal(new[name], old[name], rtol=1e-6, atol=1e-6)
+        pd.testing.assert_series_equal(new[name], old[name], rtol=2e-6, atol=2e-6)
+
+
+def test_it_is_small():
+    files = [path for path in REPORT.rglob("*") if path.is_file()]
+    assert sum(path.stat().st_size for path in files) <= 1_500_000
 
 
 def test_it_is_drawn_again(script, tmp_path):
-    """But for pictures in pixels, which may differ from processor to processor."""
+    """The same pages of the same parts, with numbers that round-off alone changes.
+
+    Fits and means are computed from what is stored, with least squares of the processor.
+    """
     (written,) = sessions(REPORT / NAME).values()
     here = describe()
     if (here["packages"], here["python"]) != (written["packages"], written["python"]):
         pytest.skip("it was drawn with other versions of packages")
-    page = script.draw(REPORT / NAME, tmp_path)
-    assert without_pixels(page) == without_pixels(REPORT / "index.html"), "make reference"
-    names = sorted(path.name for path in (REPORT / "tables").iterdir())
-    assert names == sorted(path.name for path in (tmp_path / "tables").iterdir())
-    for name in names:
-        assert (tmp_path / "tables" / name).read_text() == (REPORT / "tables" / name).read_text()
+    write(script.report(REPORT / NAME, painted), tmp_path)
+    old, new = (names(place) for place in (REPORT, tmp_path))
+    assert new == old - {NAME}, "make reference"
+    for name in new:
+        if name.endswith(".html"):
+            found, kept = ((place / name).read_text("utf-8") for place in (tmp_path, REPORT))
+            assert NUMBER.sub("#", found) == NUMBER.sub("#", kept), "make reference"
+        elif name.endswith(".csv"):
+            # Laws of at most ten points over four decades: least squares lose three digits of 16;
+            # floors and uncertainties are differences of such values, with errors of their size.
+            same = {"rtol": 1e-9, "atol": 1e-12}
+            pd.testing.assert_frame_equal(
+                pd.read_csv(tmp_path / name), pd.read_csv(REPORT / name), **same
+            )
 
 
-def without_pixels(page):
-    return re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]*", "", page.read_text(encoding="utf-8"))
+def painted(subjects):
+    """The pictures that are kept: pixels may differ from processor to processor."""
+    kept = REPORT / "pictures"
+    files = file_names(subject.name for subject in subjects)
+    return {
+        one.name: Picture(one.name, one.caption, (kept / f"{file}.png").read_bytes())
+        for one, file in zip(subjects, files, strict=True)
+    }
+
+
+def names(folder):
+    """Files of a report."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}

@@ -38,14 +38,37 @@ def reported(results, tmp_path_factory):
 
 
 def test_report_has_every_run_and_its_certificate(reported):
-    page = (reported / "index.html").read_text(encoding="utf-8")
-    ids = set(re.findall(r'id="([^"]*)"', page))
-    links = [link for link in LINK.findall(page) if link.startswith("#")]
-    assert links
-    assert {link[1:] for link in links} <= ids
-    assert sum(name.startswith("run-") for name in ids) == 14  # 10 compared, 5 swept, 1 is both
-    assert "Error against regularisation r" in page
-    assert all(link.startswith(("#", "data:")) for link in LINK.findall(page))
+    pages = {path: path.read_text(encoding="utf-8") for path in reported.rglob("*.html")}
+    ids = {path.resolve(): set(re.findall(r'id="([^"]*)"', text)) for path, text in pages.items()}
+    seen = 0
+    for path, text in pages.items():
+        for link in LINK.findall(text):
+            file, _, name = link.partition("#")
+            target = (path.parent / file if file else path).resolve()
+            assert target.is_file(), link
+            assert not name or name in ids[target], link
+            seen += "certificate-" in name
+    assert seen >= 14
+    every = [name for names in ids.values() for name in names if name.startswith("run-")]
+    assert len(every) == 14  # 10 compared, 5 swept, 1 is both
+    assert "Error against regularisation r" in pages[reported / "index.html"]
+
+
+def test_index_has_the_answer_of_each_variant(reported):
+    """What is proven, the error beside the one allowed, who agrees; each with its proof."""
+    with (reported / "tables" / "cases-all-in-one-table.csv").open(newline="") as file:
+        rows = {row["variant"]: row for row in csv.DictReader(file)}
+    crushing = rows["crushing"]
+    assert crushing["reference"] == "3"
+    # The exact value is 3, and the certificate lets through 1e-6 of it.
+    assert float(crushing["load factor"].lstrip("\N{LESS-THAN OR EQUAL TO} ")) == pytest.approx(
+        3, abs=1e-5
+    )
+    assert abs(float(crushing["worst error %"])) <= abs(float(crushing["allowed %"]))
+    assert crushing["agree"] == "2 of 2"
+    index = (reported / "index.html").read_text(encoding="utf-8")
+    assert re.search(r'href="cases/deformable-block.html#certificate-\w+"', index)
+    assert "pictures/deformable-block-crushing.png" in index
 
 
 def test_tables_are_the_same_as_csv_and_markdown(reported):
@@ -63,21 +86,32 @@ def test_tables_are_the_same_as_csv_and_markdown(reported):
 def test_manual_has_a_page_a_case(results, tmp_path):
     result = run("manual", "--results", results, "--out", tmp_path)
     assert result.exit_code == 0, result.output
-    pages = {path.name for path in tmp_path.iterdir()}
+    assert "Next:" in result.stdout
+    pages = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.html")}
     names = ("shear-patch", "deformable-block", "wedge-extraction")
-    assert pages == {"index.html", *(f"case-{name}.html" for name in names)}
-    for name in pages:
-        page = (tmp_path / name).read_text(encoding="utf-8")
-        others = {link for link in LINK.findall(page) if not link.startswith(("#", "data:"))}
-        assert others <= pages
-    page = (tmp_path / "case-deformable-block.html").read_text(encoding="utf-8")
-    for text in ("alpha = min(4 mu, 3)", "drawn from the model", "lacore sweep", "2.9999"):
+    assert pages == {"index.html", *(f"cases/{name}.html" for name in names)}
+    index = (tmp_path / "index.html").read_text(encoding="utf-8")
+    for name in names:
+        assert f'src="pictures/{name}-sketch.png"' in index
+    page = (tmp_path / "cases" / "deformable-block.html").read_text(encoding="utf-8")
+    for text in ("alpha = min(4 mu, 3)", "drawn from the model", "lacore sweep", "../index.html"):
         assert text in page
 
 
 def test_manual_of_one_case(results, tmp_path):
     assert run("manual", "shear-patch", "--results", results, "--out", tmp_path).exit_code == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"index.html", "case-shear-patch.html"}
+    assert [path.name for path in (tmp_path / "cases").iterdir()] == ["shear-patch.html"]
+
+
+def test_how_many_pictures_are_drawn_can_be_said(results, tmp_path):
+    """What is not drawn is named, with the command that draws it."""
+    result = run("report", results, "--out", tmp_path, "--pictures", "0")
+    assert result.exit_code == 0, result.output
+    assert {path.stem for path in (tmp_path / "pictures").iterdir()} == {
+        f"{name}-sketch" for name in ("shear-patch", "deformable-block", "wedge-extraction")
+    }
+    page = (tmp_path / "cases" / "deformable-block.html").read_text(encoding="utf-8")
+    assert "Not drawn yet: Mechanism of crushing" in page
 
 
 def test_cases_that_are_not_known_here_are_named(results, tmp_path):
@@ -94,12 +128,18 @@ def test_cases_that_are_not_known_here_are_named(results, tmp_path):
     assert "is damaged (checksum of run" in result.stderr
 
 
-@pytest.mark.parametrize("command", ["report", "manual"])
-def test_without_results(command, tmp_path):
-    place = [tmp_path] if command == "report" else ["--results", tmp_path]
-    result = run(command, *place)
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        (["report"], "there is no store"),
+        (["manual", "wall-1", "--results"], "run `lacore verify wall-1 --out"),
+    ],
+)
+def test_without_results(command, says, tmp_path):
+    """It names what to run first."""
+    result = run(*command, tmp_path)
     assert result.exit_code == 2
-    assert "there is no store" in result.stderr
+    assert says in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
 
 

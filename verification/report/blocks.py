@@ -1,10 +1,10 @@
-"""What a page is made of: plain data, shown as HTML by `document`, written to files by `files`.
+"""What pages are made of: plain data, shown as HTML by `document`, written to files by `files`.
 
 Every text in here is shown as text: names and messages may come from anywhere.
 """
 
 import re
-from base64 import b64encode
+import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, isnan
@@ -147,16 +147,22 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture in pixels: file name without suffix, what it shows, and the PNG."""
+    """A picture in pixels, a file that all pages share.
+
+    Attributes:
+        name: what tells it from others; the name of its file is made of it.
+        caption: what it shows.
+        data: the PNG.
+    """
 
     name: str
     caption: str
     data: bytes
 
     @property
-    def uri(self) -> str:
-        """As a data URI, to be embedded."""
-        return f"data:image/png;base64,{b64encode(self.data).decode('ascii')}"
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels; a page that knows them does not jump when it is loaded."""
+        return struct.unpack(">II", self.data[16:24])  # of the first chunk of every PNG
 
 
 @dataclass(frozen=True)
@@ -210,7 +216,7 @@ class Preformatted:
 
 @dataclass(frozen=True)
 class Link:
-    """A line of a list: what is linked, where to on this page, and what is said of it."""
+    """A line of a list: what is linked, the id that it leads to, and what is said of it."""
 
     text: str
     target: str
@@ -226,7 +232,7 @@ class Links:
 
 @dataclass(frozen=True)
 class Page:
-    """A line of a list of pages: its title, its file in the same folder, what is said of it."""
+    """A line of a list of pages: its title, its file in the report, what is said of it."""
 
     title: str
     file: str
@@ -238,6 +244,30 @@ class Pages:
     """A list of other pages."""
 
     items: Sequence[Page]
+
+
+@dataclass(frozen=True)
+class Card:
+    """What stands on a page for another one.
+
+    Attributes:
+        page: the other one, and what is said of it.
+        picture: of it; None for none.
+        table: what it found.
+        mood: as of `Section`.
+    """
+
+    page: Page
+    picture: Picture | None
+    table: Table
+    mood: str = ""
+
+
+@dataclass(frozen=True)
+class Cards:
+    """Cards, one below the other; their tables have the same columns."""
+
+    items: Sequence[Card]
 
 
 @dataclass(frozen=True)
@@ -281,7 +311,7 @@ class Columns:
 
 Block = (
     Text | Html | Heading | Preformatted | Links | Pages | Facts | Tally | Table | Drawing | Picture
-    | Gallery | Details | Columns
+    | Gallery | Cards | Details | Columns
 )  # fmt: skip
 
 
@@ -313,12 +343,21 @@ class Document:
         lead: one sentence below it.
         summary: what a reader sees first, above the list of contents.
         sections: everything else.
+        trail: pages to go to from here: the one above, its neighbours.
     """
 
     title: str
     lead: str
     sections: Sequence[Section]
     summary: Sequence[Block] = field(default=())
+    trail: Sequence[Page] = field(default=())
+
+
+@dataclass(frozen=True)
+class Report:
+    """Pages by their files, such as ``index.html`` and ``cases/wall-1.html``."""
+
+    pages: Mapping[str, Document]
 
 
 def _is_number(value: object) -> TypeGuard[SupportsFloat]:

@@ -1,6 +1,6 @@
 """Brackets on a page: both bounds beside the reference, how they closed in, where the gap is."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -14,16 +14,11 @@ from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.bracket_evidence import unpacked_shares
 from verification.bracketing import BRACKET
-from verification.checks import said
-from verification.judging import FAIL
-from verification.report.blocks import Column, Drawing, Picture, Table, Text, slug
+from verification.report.blocks import Column, Drawing, Table
 from verification.report.charts import ELEMENTS, Axis, fitted
-from verification.report.figures import png
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
 from verification.run import Outcome
 
-PICTURES = 4
-"""Of a case; variants that failed come first."""
 _WIDTH = Axis("width", "(upper − lower)/mean")
 _CLOSE = 0.05  # widths above it say nothing of the order yet
 _FEWEST = 5  # widths that an order is fitted to
@@ -47,24 +42,6 @@ def brackets_table(results: pd.DataFrame) -> Table:
         Column("solve_time", "solve s", ".2f"),
     )
     return Table(columns, with_certificates(results), anchor=RUN, caption="Proven from both sides")
-
-
-def bracket_drawings(outcomes: Sequence[Outcome]) -> Iterator[Drawing | Picture | Text]:
-    """Widths under refinement, then meshes; of what cannot be drawn, why not."""
-    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
-    if not found:
-        return
-    chart = _widths(found)
-    if chart is not None:
-        yield chart
-    for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:PICTURES]:
-        name = outcome.run.variant.name
-        caption = f"Bracket of {name}: where the rest of the gap is"
-        file = f"{slug(outcome.run.case.id)}-{slug(name)}-bracket"
-        try:
-            yield Picture(file, caption, png(drawn_bracket(outcome), dpi=90))
-        except Exception as error:  # whatever bytes are in the store
-            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
 
 
 def drawn_bracket(outcome: Outcome) -> Figure:
@@ -100,10 +77,11 @@ def widths(outcome: Outcome) -> pd.DataFrame:
     return known
 
 
-def _widths(outcomes: Sequence[Outcome]) -> Drawing | None:
+def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
     """Width against elements, with its order where there are enough narrow ones."""
+    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
     frames, fits = [], []
-    for outcome in {one.run.variant.name: one for one in outcomes}.values():
+    for outcome in {one.run.variant.name: one for one in found}.values():
         frame = widths(outcome)
         close = frame[frame["width"] < _CLOSE]
         if len(close) < _FEWEST:
@@ -120,7 +98,7 @@ def _widths(outcomes: Sequence[Outcome]) -> Drawing | None:
         return None
     chart = fitted(pd.concat(frames), pd.DataFrame(fits), ELEMENTS, _WIDTH, by="line")
     return Drawing(
-        f"{outcomes[0].run.case.id}-widths",
+        f"{found[0].run.case.id}-widths",
         "Width of the bracket against elements, mean of both meshes (uniform refinement: −0.5)",
         chart,
     )

@@ -1,47 +1,60 @@
-"""A document as one HTML file that loads nothing from anywhere."""
+"""A document as HTML that loads nothing but the pictures beside it."""
 
+import posixpath
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from hashlib import sha256
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from lacore.errors import InputError
-from verification.report.blocks import Block, Document
+from verification.report.blocks import Block, Document, Picture
 from verification.report.svg import Chart, inline
 
 
-def render(document: Document) -> str:
+@dataclass(frozen=True)
+class Place:
+    """Where a page is among others: what its links and pictures are called from there.
+
+    Attributes:
+        file: of the page, such as ``cases/wall-1.html``.
+        anchors: the file in which an id is; those of this page first.
+        pictures: files of pictures, by their names.
+    """
+
+    file: str
+    anchors: Mapping[str, str]
+    pictures: Mapping[str, str]
+
+    def href(self, target: str) -> str:
+        """Link to an id; empty where no page has it."""
+        file = self.anchors.get(target)
+        if file is None:
+            return ""
+        return f"#{target}" if file == self.file else f"{self.to(file)}#{target}"
+
+    def to(self, file: str) -> str:
+        """Link to a file of the report."""
+        return posixpath.relpath(file, posixpath.dirname(self.file) or ".")
+
+    def source(self, picture: Picture) -> str:
+        """Link to the file of a picture."""
+        return self.to(self.pictures[picture.name])
+
+
+def render(document: Document, place: Place) -> str:
     """The page as text."""
     environment = templates()
     script = environment.get_template("script.html.j2").render()
-    environment.globals["draw"] = _numbered()
+    environment.globals.update(draw=_numbered(), href=place.href, to=place.to, source=place.source)
     # Only this script runs on the page: one that came with a name would not, even if it got in.
     digest = b64encode(sha256(script.encode()).digest()).decode("ascii")
     return environment.get_template("document.html.j2").render(
         document=document, script=Markup(script), script_source=f"sha256-{digest}"
     )
-
-
-def write(document: Document, path: Path) -> Path:
-    """Write the page; returns its path.
-
-    Raises:
-        InputError: it cannot be written there.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # A path may have bytes that are no text.
-        path.write_text(render(document), encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise InputError(
-            "--out", str(path.parent), f"cannot write there ({error.strerror})", "name a folder"
-        ) from error
-    return path
 
 
 def templates() -> Environment:

@@ -1,76 +1,134 @@
-"""A page and its tables as files: HTML, Markdown, CSV, and its pictures."""
+"""A report as files: pages, the pictures that they share, tables as Markdown and CSV."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, count
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pandas as pd
 
 from lacore.errors import InputError
-from verification.report import document
 from verification.report.blocks import (
     Block,
+    Cards,
     Columns,
     Details,
     Document,
-    Drawing,
     Gallery,
     Heading,
     Picture,
+    Report,
     Table,
 )
-from verification.report.figures import png
+from verification.report.document import Place, render
 from verification.spreadsheets import as_text, quoted
 
+INDEX = "index.html"
+"""The page that is opened first."""
+_CASES = "cases"
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~$])")  # what Markdown makes something of inside a line
 _LONGEST = 80  # letters of the name of a file
 
 
-def write(page: Document, folder: Path) -> Path:
-    """Write ``index.html``, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
+def write(report: Report, folder: Path) -> Path:
+    """Write the pages, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
 
     Returns:
-        the path of the page.
+        the path of the page that is opened first.
 
     Raises:
         InputError: the folder cannot be written.
     """
+    shown = pictures(report)
     try:
-        for place in ("pictures", "tables"):
-            (folder / place).mkdir(parents=True, exist_ok=True)
-        for name, data in pictures(page):
-            (folder / "pictures" / f"{name}.png").write_bytes(data)
-        for name, table in tables(page):
-            quoted(values(table)).to_csv(folder / "tables" / f"{name}.csv", index=False)
-            (folder / "tables" / f"{name}.md").write_text(markdown(table), encoding="utf-8")
+        for name, picture in shown.items():
+            _place(folder, _picture_file(name)).write_bytes(picture.data)
+        for name, table in tables(report):
+            quoted(values(table)).to_csv(_place(folder, f"tables/{name}.csv"), index=False)
+            text = markdown(table)
+            _place(folder, f"tables/{name}.md").write_text(text, encoding="utf-8", errors="replace")
+        for file, text in rendered(report).items():
+            # A path may have bytes that are no text.
+            _place(folder, file).write_text(text, encoding="utf-8", errors="replace")
     except OSError as error:
         raise InputError(
             "--out", str(folder), f"cannot write there ({error.strerror})", "name a folder"
         ) from error
-    return document.write(page, folder / "index.html")
+    return folder / INDEX
 
 
-def pictures(page: Document) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of all charts and pictures on a page."""
-    items = [
-        item
-        for _, block in _blocks(page)
-        for item in (block.items if isinstance(block, Gallery) else [block])
-        if isinstance(item, Drawing | Picture)
+def _place(folder: Path, file: str) -> Path:
+    """Where a file of the report is, in a folder that is there."""
+    path = folder / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def rendered(report: Report) -> dict[str, str]:
+    """The pages as text, by file."""
+    ids = {file: list(_ids(page)) for file, page in report.pages.items()}
+    shared = {name: file for file, names in reversed(ids.items()) for name in names}
+    files = {picture.name: _picture_file(name) for name, picture in pictures(report).items()}
+    return {
+        file: render(page, Place(file, shared | dict.fromkeys(ids[file], file), files))
+        for file, page in report.pages.items()
+    }
+
+
+def _ids(page: Document) -> Iterator[str]:
+    """Places of a page that others can link to."""
+    yield from (section.id for section in page.sections)
+    for _, block in _blocks(page):
+        if isinstance(block, Table) and block.anchor:
+            yield from filter(None, map(block.anchor.of, block.records))
+
+
+def pictures(report: Report) -> dict[str, Picture]:
+    """All pictures, each once, by the name of their file."""
+    found: dict[str, Picture] = {}
+    for page in report.pages.values():
+        for _, block in _blocks(page):
+            for item in _pictures_in(block):
+                found.setdefault(item.name, item)
+    return dict(zip(file_names(found), found.values(), strict=True))
+
+
+def _pictures_in(block: Block) -> Iterator[Picture]:
+    if isinstance(block, Picture):
+        yield block
+    elif isinstance(block, Gallery):
+        yield from (item for item in block.items if isinstance(item, Picture))
+    elif isinstance(block, Cards):
+        yield from (card.picture for card in block.items if card.picture is not None)
+
+
+def _picture_file(name: str) -> str:
+    return f"pictures/{name}.png"
+
+
+def tables(report: Report) -> Iterator[tuple[str, Table]]:
+    """Tables that have rows, named by the page of their case, section and what stands above."""
+    found = [
+        (f"{_prefix(file)}{title} {block.caption}", block)
+        for file, page in report.pages.items()
+        for title, block in _blocks(page)
+        if isinstance(block, Table) and len(block.data)
     ]
-    for name, item in zip(_file_names(item.name for item in items), items, strict=True):
-        yield name, item.data if isinstance(item, Picture) else png(item.chart.figure)
+    yield from zip(file_names(title for title, _ in found), (t for _, t in found), strict=True)
 
 
-def tables(page: Document) -> Iterator[tuple[str, Table]]:
-    """Tables of a page that have rows, named by section and what stands above them."""
-    found = [(t, b) for t, b in _blocks(page) if isinstance(b, Table) and len(b.data)]
-    names = _file_names(f"{title} {table.caption}" for title, table in found)
-    yield from zip(names, (table for _, table in found), strict=True)
+def _prefix(file: str) -> str:
+    path = PurePosixPath(file)
+    return f"case-{path.stem}-" if path.parent.name == _CASES else ""
 
 
-def _file_names(texts: Iterable[str]) -> Iterator[str]:
+def case_files(names: Iterable[str]) -> dict[str, str]:
+    """Files of the pages of cases, by their ids."""
+    ids = list(names)
+    return {own: f"{_CASES}/{file}.html" for own, file in zip(ids, file_names(ids), strict=True)}
+
+
+def file_names(texts: Iterable[str]) -> Iterator[str]:
     """Words in lower case, joined by ``-``; those that would be alike are numbered."""
     taken: set[str] = set()
     for text in texts:
@@ -105,6 +163,7 @@ def _cell(text: object) -> str:
 
 
 def _blocks(page: Document) -> Iterator[tuple[str, Block]]:
+    yield from _inside("summary", page.summary)
     for section in page.sections:
         yield from _inside(section.id, section.blocks)
 

@@ -4,15 +4,11 @@ A page holds what is needed to check a case with pencil and paper, and what laco
 """
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import pandas as pd
 
-from verification.bracketing import BRACKET
 from verification.case import KINDS, Case, Variant
-from verification.checks import said
 from verification.compare import tally
-from verification.report import document
 from verification.report.blocks import (
     Block,
     Column,
@@ -20,66 +16,78 @@ from verification.report.blocks import (
     Facts,
     Gallery,
     Page,
-    Pages,
     Picture,
     Preformatted,
+    Report,
     Section,
     Table,
     Text,
-    slug,
 )
-from verification.report.description import counted, description, lead
-from verification.report.figures import png
-from verification.report.page import results_frame, results_of
+from verification.report.description import counted, lead
+from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
+from verification.report.files import INDEX, case_files
+from verification.report.overview import answers, cards
+from verification.report.page import explained, results_frame, results_of
 from verification.report.tables import VERDICTS
 from verification.run import Outcome
-from verification.sketches import sketch_of
 
 _NO_KIND = "others"
-_BACK = Pages([Page("All cases", "index.html")])
+_UP = Page("All cases", INDEX)
 
 
-def write(
+def subjects(cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> list[Subject]:
+    """What a manual draws: of each case its problem, `most` mechanisms and brackets."""
+    found: list[Subject] = []
+    for case in cases:
+        own = _of(case, outcomes)
+        found += [sketch(case), *mechanisms(own, most), *brackets(own, most)]
+    return found
+
+
+def manual(
     cases: Sequence[Case],
     outcomes: Sequence[Outcome],
     checks: pd.DataFrame,
     provenance: Mapping[str, str],
-    folder: Path,
-) -> Path:
-    """Write ``index.html`` and a page for each case; returns the path of the first.
+    drawn: Drawn,
+) -> Report:
+    """The pages of a manual.
 
     Args:
         cases: in the order of the manual.
         outcomes: of any cases.
         checks: as `lacore verify` writes them; may have no rows.
         provenance: of the outcomes.
-        folder: to write into.
-
-    Raises:
-        InputError: the folder cannot be written.
+        drawn: pictures of its `subjects`.
     """
+    files = case_files(case.id for case in cases)
+    pages = {INDEX: _contents(cases, outcomes, provenance, files, drawn)}
     for case in cases:
-        own = [outcome for outcome in outcomes if outcome.run.case.id == case.id]
         asked = checks[checks["case"] == case.id] if len(checks) else checks
-        document.write(page_of(case, own, asked, provenance), folder / file_of(case))
-    return document.write(contents(cases, outcomes, provenance), folder / "index.html")
+        pages[files[case.id]] = page_of(case, _of(case, outcomes), asked, provenance, drawn)
+    return Report(pages)
 
 
-def file_of(case: Case) -> str:
-    """Name of the page of a case."""
-    return f"case-{slug(case.id)}.html"
+def _of(case: Case, outcomes: Sequence[Outcome]) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.run.case.id == case.id]
 
 
-def contents(
-    cases: Sequence[Case], outcomes: Sequence[Outcome], provenance: Mapping[str, str]
+def _contents(
+    cases: Sequence[Case],
+    outcomes: Sequence[Outcome],
+    provenance: Mapping[str, str],
+    files: Mapping[str, str],
+    drawn: Drawn,
 ) -> Document:
     """The page that leads to all others, cases by kind."""
+    found = {case.id: drawn.get(sketch(case).name) for case in cases}
+    pictures = {own: one for own, one in found.items() if isinstance(one, Picture)}
     sections = []
     for kind in (*KINDS, _NO_KIND):
         own = [case for case in cases if _kind(case) == kind]
         if own:
-            pages = [Page(case.title, file_of(case), _standing(case, outcomes)) for case in own]
-            sections.append(Section(f"kind-{kind}", kind.capitalize(), [Pages(pages)]))
+            shown = cards(own, outcomes, files, pictures)
+            sections.append(Section(f"kind-{kind}", kind.capitalize(), [shown]))
     count = tally(outcomes)
     return Document(
         title="Verification manual",
@@ -94,36 +102,30 @@ def _kind(case: Case) -> str:
     return next((tag for tag in case.tags if tag in KINDS), _NO_KIND)
 
 
-def _standing(case: Case, outcomes: Sequence[Outcome]) -> str:
-    count = tally([outcome for outcome in outcomes if outcome.run.case.id == case.id])
-    return f"{lead(case)} · {count.text}"
-
-
 def page_of(
-    case: Case, outcomes: Sequence[Outcome], checks: pd.DataFrame, provenance: Mapping[str, str]
+    case: Case,
+    outcomes: Sequence[Outcome],
+    checks: pd.DataFrame,
+    provenance: Mapping[str, str],
+    drawn: Drawn,
 ) -> Document:
     """All that is to be said of a case; its outcomes and checks."""
-    elements = {
-        outcome.run.variant.name: int(outcome.row.n_elements)
-        for outcome in sorted(outcomes, key=lambda outcome: outcome.row.n_elements)
-        if outcome.row.n_elements == outcome.row.n_elements
-        and outcome.row.coupling != BRACKET  # whose error is its width
-    }
     sections = [
-        Section("problem", "The problem", [_sketch(case)]),
-        Section("theory", "Why it is so", [description(case, case.variants, elements)]),
+        Section("problem", "The problem", [_sketch(case, drawn)]),
+        Section("theory", "Why it is so", [explained(case, outcomes)]),
         Section("settings", "Settings", [_variants_table(case), *_meshes(case)]),
     ]
     if len(checks):
         sections.append(Section("checks", "What was checked", [_checks_table(checks)]))
     if outcomes:
-        blocks = results_of(case, outcomes, results_frame(outcomes))
+        blocks = results_of(case, outcomes, results_frame(outcomes), drawn)
         sections.append(Section("results", "What lacore found", blocks))
     sections += [
         Section("run", "Run it yourself", [_commands(case)]),
         Section("machine", "Machine and versions", [Facts(provenance)]),
     ]
-    return Document(title=case.title, lead=lead(case), summary=[_BACK], sections=sections)
+    found = [answers(outcomes)] if outcomes else []
+    return Document(case.title, lead(case), sections, found, trail=[_UP])
 
 
 def _checks_table(checks: pd.DataFrame) -> Table:
@@ -137,15 +139,10 @@ def _checks_table(checks: pd.DataFrame) -> Table:
     return Table(columns, checks)
 
 
-def _sketch(case: Case) -> Block:
-    """The problem of the first variant, drawn from its model; or why it cannot be."""
-    variant = case.variants[0]
-    caption = f"{variant.name}, drawn from the model"
-    try:
-        data = png(sketch_of(case, variant))
-    except Exception as error:  # whatever others wrote: the rest of the page is there
-        return Text(said(error), lead=f"{variant.name} cannot be drawn")
-    return Gallery([Picture(f"sketch-{slug(case.id)}", caption, data)])
+def _sketch(case: Case, drawn: Drawn) -> Block:
+    """The problem of the first variant; or why it cannot be drawn."""
+    found = drawn[sketch(case).name]
+    return Gallery([found]) if isinstance(found, Picture) else found
 
 
 def _variants_table(case: Case) -> Table:

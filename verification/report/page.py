@@ -1,20 +1,18 @@
-"""The page of a comparison: what came out, and every case explained beside its numbers."""
+"""The report of a comparison: an index with one answer a variant, and a page for each case."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite, isnan, nan
+from dataclasses import dataclass
+from math import isfinite
 
 import pandas as pd
 
 from verification.bracketing import BRACKET
 from verification.case import EXACT, SOLVER, Case
-from verification.checks import said
 from verification.compare import Tally as Verdicts
 from verification.compare import efforts, tally
-from verification.evidence import restored
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, STRONG
 from verification.report import document
 from verification.report.blocks import (
-    Anchor,
     Block,
     Column,
     Count,
@@ -27,18 +25,23 @@ from verification.report.blocks import (
     Html,
     Link,
     Links,
+    Page,
+    Pages,
     Picture,
+    Report,
     Section,
     Table,
     Tally,
     Text,
-    slug,
 )
-from verification.report.brackets import bracket_drawings, brackets_table
+from verification.report.brackets import brackets_table, widths_chart
 from verification.report.description import counted, description, lead
-from verification.report.figures import finest_exact, png, sweep_chart
+from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
+from verification.report.figures import sweep_chart
+from verification.report.files import INDEX, case_files
+from verification.report.overview import answers, cards, first_picture
 from verification.report.paths import path_chart, paths_table
-from verification.report.studies import studies
+from verification.report.studies import solvers, studies
 from verification.report.tables import (
     RUN,
     certificates_table,
@@ -48,40 +51,127 @@ from verification.report.tables import (
 from verification.results import as_table
 from verification.run import Outcome
 
-MECHANISMS = 4
-"""Pictures of a case; variants that failed come first."""
+_SHOWN = 8
+"""Lines of a list that are seen at once; more are folded away."""
+
+
+@dataclass(frozen=True)
+class Own:
+    """A case with what came out of it."""
+
+    case: Case
+    outcomes: Sequence[Outcome]
+    results: pd.DataFrame
+
+
+def by_case(outcomes: Sequence[Outcome]) -> list[Own]:
+    """Outcomes by case, in their order."""
+    results = results_frame(outcomes)
+    places: dict[str, list[int]] = {}
+    for index, outcome in enumerate(outcomes):
+        places.setdefault(outcome.run.case.id, []).append(index)
+    return [
+        Own(outcomes[own[0]].run.case, [outcomes[n] for n in own], results.iloc[own])
+        for own in places.values()
+    ]
+
+
+def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
+    """What a report draws: of each case `most` mechanisms and brackets, else its problem."""
+    found: list[Subject] = []
+    for own in by_case(outcomes):
+        drawn = [*mechanisms(own.outcomes, most), *brackets(own.outcomes, most)]
+        found += drawn or [sketch(own.case)]
+    return found
 
 
 def compared(
     outcomes: Sequence[Outcome],
     machine: Mapping[str, str],
+    drawn: Drawn,
     title: str = "Plastic collapse loads compared with references",
-) -> Document:
-    """The page of outcomes, in their order."""
-    results = results_frame(outcomes)
-    by_case: dict[str, list[int]] = {}
-    for index, outcome in enumerate(outcomes):
-        by_case.setdefault(outcome.run.case.id, []).append(index)
-    cases = [
-        (outcomes[own[0]].run.case, [outcomes[n] for n in own], results.iloc[own])
-        for own in by_case.values()
-    ]
-    seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
-    return Document(
-        title=title,
-        lead=f"{counted(len(cases), 'case')}, {counted(len(outcomes), 'run')},"
-        f" {seconds:.0f} s of solving. Each load factor links to its certificate: residuals"
-        " recomputed from velocity, stress, reactions.",
-        summary=list(_summary(outcomes, results)),
-        sections=[
-            Section("cases", "Cases at a glance", [_cases_table(cases)]),
-            Section("couplings", "Couplings and backends", [_efforts_table(outcomes)]),
-            *studies(results),
-            *(_section(*case) for case in cases),
-            Section("verdicts", "How a verdict is reached", [_rules()]),
-            Section("machine", "Machine and versions", [Facts(machine)]),
-        ],
+) -> Report:
+    """The report of outcomes, in their order; `drawn`: pictures of its `subjects`."""
+    own = by_case(outcomes)
+    files = case_files(one.case.id for one in own)
+    found = studies(results_frame(outcomes))
+    pages = {f"studies/{section.id}.html": section for section in found}
+    index = _index(outcomes, own, files, drawn)
+    sections = [*index, *_more(outcomes, pages, machine)]
+    return Report(
+        {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
+        | {
+            files[one.case.id]: _page(one, drawn, _trail(own, n, files))
+            for n, one in enumerate(own)
+        }
+        | {
+            file: Document(section.title, section.lead, [section], trail=[_UP])
+            for file, section in pages.items()
+        }
     )
+
+
+_UP = Page("All cases", INDEX)
+
+
+def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
+    seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
+    return (
+        f"{counted(len(own), 'case')}, {counted(len(outcomes), 'run')}, {seconds:.0f} s of solving."
+        " Each load factor links to its certificate: residuals recomputed from velocity, stress,"
+        " reactions."
+    )
+
+
+def _index(
+    outcomes: Sequence[Outcome], own: Sequence[Own], files: Mapping[str, str], drawn: Drawn
+) -> list[Section]:
+    cases = [one.case for one in own]
+    pictures = {one.case.id: picture for one in own if (picture := _picture(one, drawn))}
+    side_by_side = solvers(results_frame(outcomes)) if own else None
+    return [
+        Section(
+            "cases",
+            "Cases",
+            [
+                cards(cases, outcomes, files, pictures),
+                Details("All in one table", [answers(outcomes, Column("case"), sortable=True)]),
+            ],
+            "Proven bounds or the value of an exact backend; the worst error of exact backends on"
+            " their finest mesh beside the error that is allowed there; how many backends agree.",
+        ),
+        *([side_by_side] if side_by_side else []),
+    ]
+
+
+def _picture(own: Own, drawn: Drawn) -> Picture | None:
+    names = [*mechanisms(own.outcomes, 1), *brackets(own.outcomes, 1), sketch(own.case)]
+    return first_picture([subject.name for subject in names], drawn)
+
+
+def _more(
+    outcomes: Sequence[Outcome], pages: Mapping[str, Section], machine: Mapping[str, str]
+) -> list[Section]:
+    links = [Page(section.title, file) for file, section in pages.items()]
+    return [
+        *([Section("studies", "Studies", [Pages(links)])] if links else []),
+        Section("couplings", "Couplings and backends", [_efforts_table(outcomes)]),
+        Section("verdicts", "How a verdict is reached", [Details("The rules", [_rules()])]),
+        Section("machine", "Machine and versions", [Facts(machine)]),
+    ]
+
+
+def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Page]:
+    """The index, and the cases before and after."""
+    near = [(number - 1, "\N{LEFTWARDS ARROW} {}"), (number + 1, "{} \N{RIGHTWARDS ARROW}")]
+    return [
+        _UP,
+        *(
+            Page(words.format(own[n].case.title), files[own[n].case.id])
+            for n, words in near
+            if 0 <= n < len(own)
+        ),
+    ]
 
 
 def results_frame(outcomes: Sequence[Outcome]) -> pd.DataFrame:
@@ -89,18 +179,19 @@ def results_frame(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     return as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
 
 
-def _summary(outcomes: Sequence[Outcome], results: pd.DataFrame) -> Iterator[Block]:
+def _summary(outcomes: Sequence[Outcome]) -> Iterator[Block]:
     yield _tally(tally(outcomes))
-    failed = results[results["verdict"] == FAIL]
-    if len(failed):
-        labels = [outcome.run.label for outcome in outcomes if outcome.row.verdict == FAIL]
-        yield Heading("What failed")
-        yield Links(
-            [
-                Link(label, RUN.of({"run": run}), why)
-                for label, run, why in zip(labels, failed["run"], failed["why"], strict=True)
-            ]
-        )
+    for verdict, title in ((FAIL, "What failed"), (NO_RESULT, "What gave no result")):
+        links = [
+            Link(outcome.run.label, RUN.of({"run": outcome.run.key}), outcome.row.why)
+            for outcome in outcomes
+            if outcome.row.verdict == verdict
+        ]
+        if links:
+            yield Heading(title)
+            yield Links(links[:_SHOWN])
+        if links[_SHOWN:]:
+            yield Details(f"and {len(links) - _SHOWN} more", [Links(links[_SHOWN:])])
 
 
 def _tally(count: Verdicts) -> Tally:
@@ -111,37 +202,6 @@ def _tally(count: Verdicts) -> Tally:
     ]
     rare = [Count(count.no_result, NO_RESULT), Count(count.no_reference, NO_REFERENCE)]
     return Tally(counts + [own for own in rare if own.number])
-
-
-def _cases_table(cases: Sequence[tuple[Case, Sequence[Outcome], pd.DataFrame]]) -> Table:
-    rows = [
-        {"case": case.id, "title": case.title, "worst": _worst_error(own)} | vars(tally(own))
-        for case, own, _ in cases
-    ]
-    some = any(row["no_reference"] for row in rows)
-    unjudged = [Column("no_reference", NO_REFERENCE, ".0f")] if some else []
-    columns = (
-        Column("title", "case", link=Anchor("case", "case"), long=True),
-        Column("passed", "pass", ".0f"),
-        Column("failed", "FAIL", ".0f"),
-        Column("skipped", "skipped", ".0f"),
-        *unjudged,
-        Column("worst", "error %, exact, finest", ".2g", scale=100),
-    )
-    return Table(columns, pd.DataFrame(rows, columns=[*rows[0]] if rows else []))
-
-
-def _worst_error(outcomes: Sequence[Outcome]) -> float:
-    """Largest error of an exact backend on the finest mesh run; NaN without any.
-
-    Of values that were found: a status has no error.
-    """
-    exact = [
-        o for o in outcomes if o.evidence.residuals and isnan(o.row.P) and o.row.coupling != BRACKET
-    ]
-    finest = max((o.row.n_elements for o in exact), default=0)
-    errors = [abs(o.row.error) for o in exact if o.row.n_elements == finest]
-    return max((error for error in errors if isfinite(error)), default=nan)
 
 
 def _efforts_table(outcomes: Sequence[Outcome]) -> Table:
@@ -158,30 +218,41 @@ def _efforts_table(outcomes: Sequence[Outcome]) -> Table:
     return Table(columns, pd.DataFrame(rows, columns=[column.name for column in columns]))
 
 
-def _section(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> Section:
-    runs = {outcome.run.variant.name: outcome.run for outcome in outcomes}
+def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
+    """All that came out of one case."""
+    return Document(
+        own.case.title,
+        lead(own.case),
+        [
+            Section("results", "Results", results_of(own.case, own.outcomes, own.results, drawn)),
+            Section("case", "The case", [explained(own.case, own.outcomes)]),
+        ],
+        [answers(own.outcomes)],
+        trail,
+    )
+
+
+def explained(case: Case, outcomes: Sequence[Outcome]) -> Block:
+    """What a case is, with the errors allowed on the finest mesh of each variant that was run."""
+    variants = {outcome.run.variant.name: outcome.run.variant for outcome in outcomes}
     elements: dict[str, int] = {}
     for outcome in outcomes:
         name, size = outcome.run.variant.name, outcome.row.n_elements
         if isfinite(size) and outcome.row.coupling != BRACKET:  # whose error is its width
             elements[name] = max(int(size), elements.get(name, 0))
-    blocks: list[Block] = [
-        description(case, [run.variant for run in runs.values()], elements),
-        Heading("Results"),
-        *results_of(case, outcomes, results),
-    ]
-    mood = "bad" if FAIL in set(results["verdict"]) else "good" if tally(outcomes).passed else ""
-    return Section(f"case-{slug(case.id)}", case.title, blocks, lead(case), mood)
+    return description(case, list(variants.values()) or case.variants, elements)
 
 
-def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Block]:
+def results_of(
+    case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame, drawn: Drawn
+) -> list[Block]:
     """What came out of one case: runs, reasons, certificates, charts and mechanisms."""
-    brackets = results["coupling"] == BRACKET
+    proven = results["coupling"] == BRACKET
     blocks: list[Block] = []
-    if brackets.any():
-        blocks.append(brackets_table(results[brackets]))
-    if not brackets.all():
-        blocks.append(results_table(results[~brackets]))
+    if proven.any():
+        blocks.append(brackets_table(results[proven]))
+    if not proven.all():
+        blocks.append(results_table(results[~proven]))
     if case.path is not None:
         blocks.append(paths_table(results))
     blocks.append(Details("Why each verdict", [reasons_table(results)]))
@@ -189,10 +260,27 @@ def results_of(case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame) -
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
         blocks.append(Details(title, [certificates]))
-    drawn = [*_mechanisms(outcomes), *bracket_drawings(outcomes)]
-    pictures = [item for item in drawn if not isinstance(item, Text)]
-    missing = [item for item in drawn if isinstance(item, Text)]
-    return [*blocks, Gallery([*_charts(case, outcomes), *pictures]), *missing]
+    return [*_seen(case, outcomes, drawn), *blocks]
+
+
+def _seen(case: Case, outcomes: Sequence[Outcome], drawn: Drawn) -> Iterator[Block]:
+    """Pictures and charts; then what cannot be drawn, or is not yet."""
+    every = [*mechanisms(outcomes, len(outcomes)), *brackets(outcomes, len(outcomes))]
+    found = [drawn[subject.name] for subject in every if subject.name in drawn]
+    pictures = [item for item in found if isinstance(item, Picture)]
+    yield Gallery([*pictures[:1], *_charts(case, outcomes), *pictures[1:]])
+    yield from (item for item in found if isinstance(item, Text))
+    yield from _not_drawn([subject for subject in every if subject.name not in drawn])
+
+
+def _not_drawn(left: Sequence[Subject]) -> Iterator[Text]:
+    if left:
+        names = "; ".join(subject.caption for subject in left)
+        yield Text(
+            f"Not drawn yet: {names}. lacore report DIR --pictures {len(left)} draws them, a second"
+            " or so each.",
+            soft=True,
+        )
 
 
 def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
@@ -203,19 +291,9 @@ def _charts(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Drawing]:
     paths = path_chart(case, outcomes) if case.path is not None else None
     if paths is not None:
         yield paths
-
-
-def _mechanisms(outcomes: Sequence[Outcome]) -> Iterator[Picture | Text]:
-    """Pictures of mechanisms; of a state that does not go with its case any more, why not."""
-    shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
-    for name, outcome in shown[:MECHANISMS]:
-        caption = f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}"
-        file = f"{slug(outcome.run.case.id)}-{slug(name)}"
-        try:
-            state = restored(outcome.run, outcome.row, outcome.evidence)
-            yield Picture(file, caption, png(state.plot(), dpi=90))
-        except Exception as error:  # of a case that was changed since, or whatever others wrote
-            yield Text(said(error), lead=f"{caption}: cannot be drawn from what is stored")
+    widths = widths_chart(outcomes)
+    if widths is not None:
+        yield widths
 
 
 def _rules() -> Html:

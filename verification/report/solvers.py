@@ -1,4 +1,4 @@
-"""Section on solvers side by side: profiles, means, what they claim and what is right, cost."""
+"""Solvers side by side: profiles, means, what they claim and what is right; and what it cost."""
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from verification.analysis import (
     shifted_geometric_means,
 )
 from verification.report import charts
-from verification.report.blocks import Anchor, Column, Drawing, Section, Table, Text
+from verification.report.blocks import Anchor, Column, Columns, Drawing, Section, Table, Text
 from verification.report.tables import RUN
 
 SHIFT = 0.1  # s: solves that take much less count alike
@@ -21,7 +21,7 @@ _SOLVER = (Column("backend"), Column("coupling"))
 
 
 def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit: float) -> Section:
-    """How fast solvers are, how often they are right, and what accuracy costs.
+    """How fast solvers are.
 
     Args:
         results: as of `load_results`, one row for each problem, backend and coupling.
@@ -39,26 +39,22 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
         f" ({found.nobody} in all) are {'kept' if unsolved == 'keep' else 'left out'}."
     )
     if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # charts would be empty
-        return Section(
-            "solvers", _TITLE, [Text("None of the runs is solved."), _rates_table(rates(results))]
-        )
+        return Section("solvers", _TITLE, [Text("None of the runs is solved.")])
     chart = charts.profile(performance_profile(found), charts.FACTOR)
     caption = "Share of problems solved within a factor of the fastest solver"
-    means = shifted_geometric_means(found, SHIFT, limit)
-    return Section(
-        "solvers",
-        _TITLE,
-        [
-            Drawing("profile", caption, chart, filters),
-            _means_table(means, "Shifted geometric means of the time to solve, same filters"),
-            _rates_table(rates(results)),
-            _accuracy_table(results),
-            _efforts_table(efforts(results)),
-        ],
-    )
+    means = _means_table(shifted_geometric_means(found, SHIFT, limit))
+    profile = Drawing("profile", caption, chart, filters)
+    return Section("solvers", _TITLE, [Columns([means], [profile])])
 
 
-def _means_table(means: pd.DataFrame, caption: str) -> Table:
+def effort_section(results: pd.DataFrame) -> Section:
+    """What accuracy costs on each problem, and how much work it was."""
+    title = "What accuracy costs, problem by problem"
+    blocks = [_accuracy_table(results), _efforts_table(efforts(results))]
+    return Section("effort", title, blocks)
+
+
+def _means_table(means: pd.DataFrame) -> Table:
     columns = (
         Column("solver"),
         Column("mean", "mean s", ".3g"),
@@ -67,10 +63,11 @@ def _means_table(means: pd.DataFrame, caption: str) -> Table:
         Column("shift", "shift s", "g"),
         Column("limit", "unsolved count s", "g"),
     )
-    return Table(columns, means, caption)
+    return Table(columns, means, "Time to solve: shifted geometric means, problems of the profile")
 
 
-def _rates_table(found: pd.DataFrame) -> Table:
+def rates_table(results: pd.DataFrame) -> Table:
+    """How often solvers claim success, and how often they are right."""
     columns = (
         *_SOLVER,
         Column("runs", form=".0f"),
@@ -79,7 +76,7 @@ def _rates_table(found: pd.DataFrame) -> Table:
         Column("correctness_rate", "correct %", ".1f", scale=100),
         Column("wrong_claims", form=".0f"),
     )
-    return Table(columns, found, "Success that solvers claim, beside what was proven")
+    return Table(columns, rates(results), "Success that solvers claim, beside what was proven")
 
 
 def _accuracy_table(results: pd.DataFrame) -> Table:

@@ -8,20 +8,24 @@ import pandas as pd
 from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
 from verification.judging import FINDS_NONE, SKIPPED
-from verification.report.blocks import Block, Column, Details, Section, Table
+from verification.report.blocks import Block, Column, Details, Section, Table, Text
 from verification.report.convergence import (
     refinement_section,
     regularisation_section,
     steps_section,
 )
-from verification.report.solvers import solvers_section
+from verification.report.solvers import effort_section, rates_table, solvers_section
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
+_COMPARABLE = (
+    "Times: with default options, on the problems that all of them were run on; solvers of fewer"
+    " than half of all problems are left out."
+)
 _LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
 
 
 def studies(results: pd.DataFrame) -> list[Section]:
-    """Sections on regularisation, extrapolation, refinement, steps, and solvers side by side."""
+    """Sections on regularisation, extrapolation, refinement, steps, and what accuracy costs."""
     ran = results[results["verdict"] != SKIPPED]
     if not len(ran):
         return []
@@ -30,7 +34,7 @@ def studies(results: pd.DataFrame) -> list[Section]:
         _extrapolation(ran),
         refinement_section(ran),
         steps_section(ran),
-        _solvers(ran),
+        _efforts(ran),
     ]
     return [section for section in sections if section is not None]
 
@@ -54,20 +58,32 @@ def _extrapolation(results: pd.DataFrame) -> Section | None:
     return Section("extrapolation", "Regularised values extrapolated to r = 0", blocks, lead)
 
 
-def _solvers(results: pd.DataFrame) -> Section | None:
-    """Backends with their default options, on the problems that all of them were run on."""
-    runs = results[~results["coupling"].isin(FINDS_NONE)]
-    varied = [name for name in solver_columns(runs) if name not in ("backend", "coupling")]
-    runs = _common(runs[runs[varied].isna().all(axis=1)])
+def solvers(results: pd.DataFrame) -> Section | None:
+    """Backends with their default options: how often they are right, and how fast."""
+    plain = _plain(results)
+    if plain["backend"].nunique() < 2:
+        return None
+    blocks: list[Block] = [rates_table(plain)]
+    runs = _common(plain)
+    if runs["backend"].nunique() > 1:
+        slowest = float(np.nanmax(numbers(runs, "solve_time"), initial=_LEAST))
+        section = solvers_section(runs, solved_by="verdict", unsolved="drop", limit=slowest)
+        blocks += [Text(_COMPARABLE), *section.blocks]
+    return Section("solvers", "Backends side by side", blocks)
+
+
+def _efforts(results: pd.DataFrame) -> Section | None:
+    runs = _common(_plain(results))
     if runs["backend"].nunique() < 2:
         return None
-    slowest = float(np.nanmax(numbers(runs, "solve_time"), initial=_LEAST))
-    section = solvers_section(runs, solved_by="verdict", unsolved="drop", limit=slowest)
-    lead = (
-        "With their default options, on the problems that all of them were run on; solvers of"
-        " fewer than half of all problems are left out."
-    )
-    return replace(section, lead=lead)
+    return replace(effort_section(runs), lead=_COMPARABLE)
+
+
+def _plain(results: pd.DataFrame) -> pd.DataFrame:
+    """Runs with default options."""
+    runs = results[(results["verdict"] != SKIPPED) & ~results["coupling"].isin(FINDS_NONE)]
+    varied = [name for name in solver_columns(runs) if name not in ("backend", "coupling")]
+    return runs[runs[varied].isna().all(axis=1)]
 
 
 def _common(runs: pd.DataFrame) -> pd.DataFrame:

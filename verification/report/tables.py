@@ -14,12 +14,10 @@ RUN = Anchor("run", "run")
 CERTIFICATE = Anchor("certificate", "certificate")
 """Certificate of a run."""
 _RESIDUAL = "residual_"
-_NAMES = (
-    Column("variant"),
-    Column("mesh", order="n_elements"),
-    Column("backend"),
-    Column("coupling"),
-)
+_WHO = (Column("variant"), Column("backend"))
+"""First, so that the load factor beside them is seen on a telephone."""
+_HOW = (Column("mesh", order="n_elements"), Column("coupling"))
+_NAMES = (*_WHO, *_HOW)
 
 
 def results_table(results: pd.DataFrame) -> Table:
@@ -28,12 +26,13 @@ def results_table(results: pd.DataFrame) -> Table:
     outcome = results["rigor"].where(solved, results["status"])
     columns = (
         Column("verdict", moods=VERDICTS, hover="why"),
-        *_NAMES,
+        *_WHO,
+        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
+        Column("error", "error %", "+.4f", scale=100),
+        Column("expected", "reference", "g", order="reference"),
+        *_HOW,
         Column("n_elements", "elements", ".0f"),
         *_varied(results),
-        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
-        Column("expected", "reference", "g", order="reference"),
-        Column("error", "error %", "+.4f", scale=100),
         Column("energy", "C", ".2g"),
         Column("outcome", "rigor, status"),
         *_standing(results),
@@ -62,9 +61,10 @@ def certificates_table(results: pd.DataFrame) -> Table:
     proven = with_certificates(results)
     proven = proven[proven[CERTIFICATE.column].notna()]
     columns = (
-        *_NAMES,
-        *_varied(results),
+        *_WHO,
         Column("load_factor", "load factor", ".7f", link=RUN),
+        *_HOW,
+        *_varied(results),
         *(
             Column(name, name.removeprefix(_RESIDUAL).replace("_", " "), ".1e")
             for name in _residuals(results)

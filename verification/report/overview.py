@@ -1,0 +1,133 @@
+"""What stands on an index: a card a case, with its picture, and one answer for each variant."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+import pandas as pd
+
+from verification.analysis.summary import VariantSummary, summaries
+from verification.bracketing import BRACKET
+from verification.case import Case
+from verification.judging import FAIL, PASS
+from verification.report.blocks import Anchor, Card, Cards, Column, Page, Picture, Table
+from verification.report.description import lead
+from verification.report.drawing import Drawn
+from verification.report.tables import CERTIFICATE, VERDICTS
+from verification.run import Outcome
+
+_COLUMNS = (
+    Column("variant"),
+    Column("proven", "load factor", link=CERTIFICATE, hover="told"),
+    Column("expected", "reference"),
+    Column("error", "worst error %", "+.2g", scale=100),
+    Column("allowed", "allowed %", "+.2g", scale=100),
+    Column("agree", order="agreeing"),
+    Column("seconds", "s", ".1f"),
+    Column("verdict", moods=VERDICTS),
+)
+
+
+def cards(
+    cases: Sequence[Case],
+    outcomes: Sequence[Outcome],
+    files: Mapping[str, str],
+    pictures: Mapping[str, Picture],
+) -> Cards:
+    """A card for each case.
+
+    Args:
+        cases: in the order of the cards.
+        outcomes: of these cases, and of any others.
+        files: of the pages, by id of the case.
+        pictures: those that there are, by id of the case.
+    """
+    items = []
+    for case in cases:
+        own = [outcome for outcome in outcomes if outcome.run.case.id == case.id]
+        table = answers(own)
+        items.append(
+            Card(
+                Page(case.title, files[case.id], lead(case)),
+                pictures.get(case.id),
+                table,
+                mood_of(table.data["verdict"].tolist()),
+            )
+        )
+    return Cards(items)
+
+
+def mood_of(verdicts: Sequence[str]) -> str:
+    """How a case is marked."""
+    return "bad" if FAIL in verdicts else "good" if PASS in verdicts else "mild"
+
+
+def answers(outcomes: Sequence[Outcome], *before: Column, sortable: bool = False) -> Table:
+    """A row for each variant: what is proven, how far off, and who agrees."""
+    rows = [_row(own, outcomes) for own in summaries(outcomes)]
+    names = [*dict.fromkeys(["case", *(c.name for c in _COLUMNS), *_HIDDEN])]
+    return Table((*before, *_COLUMNS), pd.DataFrame(rows, columns=names), sortable=sortable)
+
+
+_HIDDEN = (CERTIFICATE.column, "told", "agreeing", "page")
+
+
+def _row(summary: VariantSummary, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    return {
+        "case": summary.case,
+        "variant": summary.variant,
+        "proven": proven(summary),
+        "expected": summary.expected,
+        "error": summary.error,
+        "allowed": summary.allowed,
+        "agree": f"{summary.agreeing} of {summary.asked}",
+        "agreeing": float(summary.agreeing),
+        "seconds": summary.seconds,
+        "verdict": summary.verdict,
+        "told": _told(summary),
+        CERTIFICATE.column: _proof(summary, outcomes),
+    }
+
+
+def proven(summary: VariantSummary) -> str:
+    """The bracket, or the value of an exact backend; of none the status that is right."""
+    low, high = isfinite(summary.lower), isfinite(summary.upper)
+    if low and high:
+        return f"[{summary.lower:.6g}, {summary.upper:.6g}]"
+    if high:
+        return f"\N{LESS-THAN OR EQUAL TO} {summary.upper:.7g}"
+    if low:
+        return f"\N{GREATER-THAN OR EQUAL TO} {summary.lower:.7g}"
+    if isfinite(summary.value):
+        return f"{summary.value:.7g}"
+    return summary.expected if summary.verdict == PASS else ""
+
+
+def _told(summary: VariantSummary) -> str:
+    """What the number is of."""
+    sizes = f"{summary.mesh} mesh, {summary.elements:g} elements" if summary.mesh else ""
+    bounds = f"bounds of the {summary.bounded} problem" if summary.bounded else ""
+    return "; ".join(filter(None, (bounds, sizes and f"worst error: {sizes}")))
+
+
+def _proof(summary: VariantSummary, outcomes: Sequence[Outcome]) -> str | None:
+    """The run whose certificate proves what is shown."""
+    own = [
+        outcome
+        for outcome in outcomes
+        if (outcome.row.case, outcome.row.variant) == (summary.case, summary.variant)
+        and outcome.evidence.residuals
+    ]
+    bounds = [o for o in own if o.row.lower == summary.lower or o.row.upper == summary.upper]
+    bounds.sort(key=lambda outcome: outcome.row.coupling != BRACKET)
+    values = [o for o in own if (o.row.mesh, o.row.load_factor) == (summary.mesh, summary.value)]
+    return next((outcome.run.key for outcome in (*bounds, *values)), None)
+
+
+def first_picture(subjects: Sequence[str], drawn: Drawn) -> Picture | None:
+    """The first of these names that was drawn."""
+    found = (drawn.get(name) for name in subjects)
+    return next((one for one in found if isinstance(one, Picture)), None)
+
+
+CASE_PAGE = Anchor("case", "case")
