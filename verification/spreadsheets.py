@@ -63,6 +63,6 @@ def _each(frame: pd.DataFrame, change: Any) -> pd.DataFrame:
         before = own.tolist()
         after = [change(cell) for cell in before]
         if any(new is not old for new, old in zip(after, before, strict=True)):
-            changed.isetitem(number, pd.array(after, dtype=own.dtype))
+            changed.isetitem(number, pd.Series(after).astype(own.dtype).array)
     changed.columns = [change(name) for name in frame.columns]
     return changed
