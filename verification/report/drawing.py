@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lacore.child_process import ChildProcess
 from verification.bracketing import BRACKET
-from verification.case import Case
+from verification.case import Case, is_of_lacore
 from verification.checks import said
 from verification.evidence import restored
 from verification.execution import ONE_THREAD
@@ -41,11 +41,13 @@ class Subject:
     Attributes:
         name: of the picture.
         caption: what it shows.
+        case: whose problem has to be built for it.
         draw: makes the figure; goes to another process.
     """
 
     name: str
     caption: str
+    case: Case
     draw: Callable[[], Figure]
 
 
@@ -69,6 +71,7 @@ def mechanisms(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
         Subject(
             f"{slug(outcome.run.case.id)}-{slug(name)}",
             f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}",
+            outcome.run.case,
             partial(_mechanism, outcome),
         )
         for name, outcome in shown[:most]
@@ -82,6 +85,7 @@ def brackets(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
         Subject(
             f"{slug(outcome.run.case.id)}-{slug(outcome.run.variant.name)}-bracket",
             f"Bracket of {outcome.run.variant.name}: where the rest of the gap is",
+            outcome.run.case,
             partial(drawn_bracket, outcome),
         )
         for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:most]
@@ -94,6 +98,7 @@ def sketch(case: Case) -> Subject:
     return Subject(
         f"{slug(case.id)}-sketch",
         f"{variant.name}, drawn from the model",
+        case,
         partial(sketch_of, case, variant),
     )
 
@@ -120,9 +125,13 @@ def _failed(subject: Subject, error: Exception) -> Text:
 def draw(
     subjects: Sequence[Subject], jobs: int, on_done: Callable[[str], None] = lambda _: None
 ) -> dict[str, Picture | Text]:
-    """Pictures of subjects, by `jobs` processes; `on_done` is told the caption of each."""
+    """Pictures of subjects, by `jobs` processes; `on_done` is told the caption of each.
+
+    A few are drawn here, but for those of cases that others wrote: these may end the process.
+    """
     found: dict[str, Picture | Text] = {}
-    for subject, picture in _each(subjects, min(jobs, len(subjects) // _TOGETHER)):
+    least = 0 if all(is_of_lacore(subject.case) for subject in subjects) else 1
+    for subject, picture in _each(subjects, max(least, min(jobs, len(subjects) // _TOGETHER))):
         found[subject.name] = picture
         on_done(subject.caption)
     return found
