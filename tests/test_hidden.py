@@ -75,8 +75,8 @@ def explains(text, own):
     [
         ("backends", ("-S", "work.py")),
         ("backends.py", ("work.py",)),
-        ("backends", ("-S", "-c", CLARABEL)),
-        ("backends.py", ("-m", "work")),
+        pytest.param("backends", ("-S", "-c", CLARABEL), marks=pytest.mark.slow),
+        pytest.param("backends.py", ("-m", "work"), marks=pytest.mark.slow),
     ],
 )
 def test_solve_names_what_hides_the_backends(tmp_path, name, how):
@@ -98,7 +98,7 @@ def test_a_folder_without_python_hides_editable_packages_only(tmp_path):
     assert explains(done.stderr, tmp_path / "backends")
 
 
-@pytest.mark.parametrize("name", ["verification", "lacore", "verification.py"])
+@pytest.mark.parametrize("name", ["verification", "lacore"])
 def test_the_command_line_names_what_hides_its_packages(tmp_path, name):
     own = hide(tmp_path, name)
     done = run(tmp_path, "-m", "lacore_start", "cases")
@@ -135,6 +135,7 @@ def test_child_processes_name_what_hides_packages_from_them(tmp_path, name):
     assert explains(done.stdout + done.stderr, own)
 
 
+@pytest.mark.slow
 def test_tests_of_users_say_it_too(tmp_path):
     own = hide(tmp_path, "backends.py")
     (tmp_path / "test_mine.py").write_text(f"def test_mine():\n    exec({CLARABEL!r}, {{}})\n")
