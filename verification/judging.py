@@ -7,15 +7,9 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Protocol
 
 import lacore as la
+from verification.allowed import Allowed, allowed_values, lower_values, upper_values
 from verification.bracketing import BRACKET
-from verification.case import (
-    Allowed,
-    Band,
-    Reference,
-    allowed_values,
-    lower_values,
-    upper_values,
-)
+from verification.case import Band, Reference
 
 if TYPE_CHECKING:
     from lacore.regularization import RegularisedValues

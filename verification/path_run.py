@@ -13,7 +13,8 @@ import lacore as la
 from lacore.arrays import Floats
 from lacore.enclosing import associated
 from lacore.errors import InputError
-from verification.case import SOLVER, Band, Reference, allowed_values
+from verification.allowed import allowed_values
+from verification.case import SOLVER, Band, Reference
 from verification.evidence import records
 from verification.following import Following
 from verification.judging import (

@@ -9,8 +9,8 @@ import pytest
 
 import lacore as la
 from lacore.state import contact_force
+from verification.allowed import Allowed, allowed_values
 from verification.bracketing import BRACKET
-from verification.case import Allowed, allowed_values
 from verification.catalogue import catalogue, find
 from verification.harness import execute
 from verification.judging import NO_REFERENCE, PASS

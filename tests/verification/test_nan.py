@@ -9,11 +9,12 @@ import pytest
 
 import lacore as la
 from verification import conformance
+from verification.allowed import Allowed
 from verification.analysis import rates
 from verification.bracket_evidence import Shares, packed_shares
 from verification.bracket_judging import STRICT, judge_bracket
 from verification.bracketing import Bracketing
-from verification.case import UNKNOWN_KINDS, Allowed, Band, Order, Reference
+from verification.case import UNKNOWN_KINDS, Band, Order, Reference
 from verification.catalogue import Catalogue, find
 from verification.checks import check
 from verification.compare import efforts, plan, tally

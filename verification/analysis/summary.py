@@ -13,9 +13,10 @@ import numpy as np
 
 import lacore as la
 from lacore.enclosing import has_coulomb
+from verification.allowed import allowed_values
 from verification.bracket_judging import STRICT
 from verification.bracketing import BRACKET
-from verification.case import SOLVER, allowed_values
+from verification.case import SOLVER
 from verification.judging import FAIL, FINDS_NONE, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.run import Outcome, Row
 
@@ -62,8 +63,8 @@ class VariantSummary:
         value: load factor of the exact backend and mesh that `error` is of; where there is no
             reference, of the finest mesh.
         mesh, elements: that mesh, and how many elements it has.
-        error: the worst of exact backends, each on the finest mesh on which it has a number:
-            relative, as `Row.error`, and as `Row.path_error` of paths.
+        error: the worst of exact backends on the finest mesh on which any has a number: relative,
+            as `Row.error`, and as `Row.path_error` of paths.
         below, above: what the band of the case allows there, relative to what `error` is.
         agreeing: backends all of whose results are right; without a reference, those whose values
             are the exact backend's on each mesh, to what both may err.
@@ -188,16 +189,12 @@ class _Group:
 
     @cached_property
     def _finest(self) -> list[Outcome]:
-        """Of each exact backend the run on the finest mesh that has a number."""
-        found: dict[str, Outcome] = {}
-        for outcome in self._ran:
-            row = outcome.row
-            if row.coupling in FINDS_NONE or not _is_exact_number(row):
-                continue
-            best = found.get(row.backend)
-            if best is None or row.n_elements > best.row.n_elements:
-                found[row.backend] = outcome
-        return [*found.values()]
+        """Of exact backends the runs on the finest mesh that has a number."""
+        found = [
+            o for o in self._ran if o.row.coupling not in FINDS_NONE and _is_exact_number(o.row)
+        ]
+        finest = max((o.row.n_elements for o in found), default=nan)
+        return [o for o in found if o.row.n_elements == finest]
 
     @property
     def _worst(self) -> Outcome | None:
@@ -269,7 +266,8 @@ def _answers(row: Row) -> bool:
 
 
 def _is_exact_number(row: Row) -> bool:
-    return row.rigor in _EXACT and isnan(row.energy) and isfinite(row.load_factor)
+    known = isfinite(row.load_factor) and isfinite(row.n_elements)
+    return row.rigor in _EXACT and isnan(row.energy) and known
 
 
 def _error(row: Row) -> float:
