@@ -17,9 +17,9 @@ FRAGILE := $(addprefix tests/backends/test_, scipy.py regularised.py ipopt_stati
 .PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme reference clean
 
 help:
-	@echo "make compare   solve the default cases with every backend and write reports/compare/index.html"
-	@echo "make verify    check every case: values, sides, residuals, orders, brackets; two minutes"
-	@echo "make fuzz      1 000 random problems, judged without the solver; two minutes"
+	@echo "make compare   a first look at every case with every backend, and reports/compare/index.html"
+	@echo "make verify    check every case: values, sides, residuals, orders, brackets"
+	@echo "make fuzz      1 000 random problems, judged without the solver"
 	@echo "make test      run the fast tests"
 	@echo "make test-all  run all tests"
 	@echo "make test-kernels   run the numerically fragile ones under the BLAS kernels of other processors"
@@ -30,6 +30,7 @@ help:
 	@echo "make readme    write the table and the picture of the README afresh"
 	@echo "make reference  write the committed report under reports/reference afresh"
 	@echo "make clean     remove the environment and all generated reports"
+	@sed -n '/<!-- times -->/,/<!-- end times -->/{//!p}' README.md
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "lacore needs Python 3.11 or newer: make PYTHON=python3.11")'

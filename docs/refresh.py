@@ -1,11 +1,16 @@
-"""Write the comparison table and the picture of the README afresh: ``make readme``.
+"""Write the comparison table, the times and the pictures of the README afresh: ``make readme``.
 
-Numbers there are computed, never typed.
+Numbers there are computed, never typed. Times are of a quiet machine or of none: run nothing else.
 """
 
 import contextlib
+import os
 import re
+import resource
+import subprocess
+import sys
 import tempfile
+import time
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -48,6 +53,27 @@ def _percent(error: float) -> str:
     return "" if isnan(error) else f"{100 * error:+.4f} %"
 
 
+def times(folder: Path) -> str:
+    """Markdown: what the first commands take here, from nothing, by the clock and the processor."""
+    lines = []
+    for command in ("compare", "verify"):
+        begin, before = time.perf_counter(), _processor()
+        subprocess.run(
+            [sys.executable, "-m", "verification", command, "--out", str(folder / command)],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+        wall, spent = time.perf_counter() - begin, _processor() - before
+        lines.append(f"`lacore {command}` {wall:.0f} s ({spent:.0f} s of processor time)")
+    return f"On {os.cpu_count()} cores: {', '.join(lines)}."
+
+
+def _processor() -> float:
+    """s, of all processes that this one has waited for, and of theirs."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def picture_of_path(text: str) -> None:
     """That of the code of the README."""
     (code,) = [
@@ -65,11 +91,18 @@ def main() -> None:
         runs = plan(SHOWN, ["clarabel", "newton", "ipopt"], ["medium"])
         runs += plan(EXACT, ["clarabel"], ["medium"])
         outcomes = run_all(runs, Path(folder) / "results.sqlite")
+        measured = times(Path(folder))
     readme = ROOT / "README.md"
     text = re.sub(
         r"(<!-- comparison -->\n).*?(<!-- end -->)",
         lambda marks: f"{marks[1]}{table(outcomes)}\n{marks[2]}",
         readme.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    text = re.sub(
+        r"(<!-- times -->\n).*?(<!-- end times -->)",
+        lambda marks: f"{marks[1]}{measured}\n{marks[2]}",
+        text,
         flags=re.DOTALL,
     )
     readme.write_text(text, encoding="utf-8")

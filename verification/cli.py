@@ -8,31 +8,20 @@ seconds.
 """
 
 from collections import Counter
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import click
 
 import lacore as la
-from lacore.coupling_names import COUPLINGS
-from lacore.errors import require_positive
-from verification.bracketing import BRACKET
 from verification.case import KINDS
 from verification.catalogue import Catalogue, tagged
-from verification.defaults import ON_DEMAND, RAW
+from verification.compare_command import compare
 from verification.fuzz.fuzz_command import fuzz
 from verification.options import (
     cases_option,
-    fresh_option,
     json_option,
     name_list,
-    named_cases,
-    names_option,
-    out_option,
     print_json,
-    resumable,
-    time_limit_option,
 )
 from verification.report_command import manual, report
 from verification.sweep_command import sweep
@@ -60,107 +49,6 @@ def main() -> None:
 
     Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
     """
-
-
-@main.command()
-@named_cases("[CASE]...")
-@names_option(
-    "--backends",
-    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
-)
-@names_option(
-    "--meshes",
-    "Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have none.",
-)
-@names_option(
-    "--couplings",
-    f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
-    f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound; default: that of each backend."
-    " Where they are named, a table says how many runs each certified.",
-)
-@out_option("reports/compare", "Folder for the results, and the pages: open index.html.")
-@time_limit_option
-@cases_option
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=1,
-    show_default=True,
-    help="Runs at a time, each on one thread; more than one blurs the times.",
-)
-@fresh_option
-@json_option
-@click.pass_context
-def compare(
-    ctx: click.Context,
-    cases: tuple[str, ...],
-    backends: list[str],
-    meshes: list[str],
-    couplings: list[str],
-    out: Path,
-    time_limit: float,
-    known: Catalogue,
-    jobs: int,
-    fresh: bool,
-    as_json: bool,
-) -> None:
-    """Compare backends with each other and with reference collapse loads.
-
-    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are run, on
-    coarse and medium meshes, in a minute or two. Each result is kept in the folder as soon as it is
-    there, and not run again by the same code; at the end come a table, results.csv and the page
-    index.html, with a page beside it that explains each case.
-
-    \b
-    Examples:
-      lacore compare
-      lacore compare prandtl-punch deformable-block:sliding --backends clarabel
-      lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
-      lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
-    """  # noqa: D301  # click reads the backspace
-    from verification import terminal
-    from verification.compare import efforts, plan, run_all, tally
-    from verification.execution import execute
-    from verification.provenance import describe
-    from verification.reporting import write_report
-    from verification.results import as_table, export
-    from verification.store import NAME
-
-    require_positive("--time-limit", time_limit)
-    runs = plan(cases, backends, meshes, couplings, known)
-    with resumable(out / NAME), terminal.watching(len(runs)) as watch:
-        outcomes = run_all(
-            runs,
-            out / NAME,
-            watch.start,
-            watch.finish,
-            partial(execute, jobs=jobs),
-            time_limit,
-            fresh,
-        )
-    export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
-    about = describe()
-    page = write_report(outcomes, about, out)
-    count = tally(outcomes)
-    if as_json:
-        rows = [outcome.row.record() for outcome in outcomes]
-        document = {
-            "summary": vars(count),
-            "couplings": [vars(effort) for effort in efforts(outcomes)],
-            "report": str(page),
-            "machine": about,
-            "rows": rows,
-        }
-        print_json(document)
-    else:
-        console = terminal.table_console()
-        terminal.show_results(console, outcomes)
-        if couplings:
-            terminal.show_efforts(console, outcomes)
-        click.echo(f"\n{count.text}\nResults: {out / 'results.csv'}\nReport:  {page}")
-    if not count.passed:
-        click.echo("nothing was verified: no run passed", err=True)
-    ctx.exit(0 if count.passed and not count.failed else 1)
 
 
 @main.command("cases")
@@ -269,10 +157,10 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
     Says what is missing and how to get it. Exit code 1 when something has to be mended.
     """
-    from verification import doctor, terminal
+    from verification import doctor, progress, terminal
 
     entries = sum(1 for _ in doctor.all_backends())
-    with terminal.patiently("self-test", entries) as on_start:
+    with progress.patiently("self-test", entries) as on_start:
         found = doctor.examine(on_start)
     if as_json:
         print_json(found)
@@ -281,6 +169,7 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     ctx.exit(0 if found["healthy"] else 1)
 
 
+main.add_command(compare)
 main.add_command(fuzz)
 main.add_command(manual)
 main.add_command(report)

@@ -59,7 +59,7 @@ def plan(
         for variant in variants
         for mesh in case.levels(variant, meshes)
         for backend in dict.fromkeys(backends or default_backends(case, variant))
-        for coupling in dict.fromkeys(couplings or _default_couplings(case, variant, backend))
+        for coupling in dict.fromkeys(couplings or default_couplings(case, variant, backend))
     ]
 
 
@@ -135,7 +135,8 @@ def _path_backends(case: Case, variant: Variant) -> Sequence[str]:
     return PATHS[:1] if dear else PATHS
 
 
-def _default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
+def default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
+    """Couplings that a comparison runs when none is named."""
     telling = case.reference_of(variant).associated_differs
     return [None, "associated"] if telling and not is_regularised(backend) else [None]
 

@@ -25,6 +25,7 @@ from verification.run import FUZZ, Evidence, Outcome, Row, Run
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
 _WORKER = "verification.execution:Worker"
+_OURS = "backends."
 _ATTEMPTS = 2  # a process may have been killed by somebody else
 
 OnStart = Callable[[Run], None]
@@ -45,15 +46,20 @@ class Worker:
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
+        self._solvers = la.SolverProcess()
 
     def perform(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
         """Row and evidence of a run; `time_limit`: s, of each inner solve."""
         forget_peak_memory()
+        own: la.SolverProcess | None = None
         with suppress(la.CapabilityError):  # the row says so; imports are no part of the solve
-            load_backend(run.backend)
+            backend = load_backend(run.backend)
+            # What others wrote may leave anything behind: it gets a process for each solve.
+            if backend.capabilities.isolated and type(backend).__module__.startswith(_OURS):
+                own = self._solvers
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
-        outcome = perform(run, self._assembled, time_limit, peak_memory)
+        outcome = perform(run, self._assembled, time_limit, peak_memory, own)
         return outcome.row, outcome.evidence
 
 

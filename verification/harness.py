@@ -63,6 +63,7 @@ def perform(
     assembled: Assembled | Exception,
     time_limit: float | None = None,
     memory: Callable[[], float] = lambda: nan,
+    process: la.SolverProcess | None = None,
 ) -> Outcome:
     """One row, whatever happens.
 
@@ -71,6 +72,7 @@ def perform(
         assembled: its problem, or why there is none.
         time_limit: s, of each inner solve, as far as the backend keeps it.
         memory: peak memory of this process, MB.
+        process: where the backend is to work; None: one of its own where it needs one.
     """
     names = _names(run)
     if run.coupling == FUZZ:
@@ -101,6 +103,7 @@ def perform(
             coupling=coupling,
             **{**settings, **run.settings},
             options={**limit, **run.options},
+            process=process,
         )
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))

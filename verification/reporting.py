@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from verification import terminal
+from verification import progress
 from verification.case import Case
 from verification.options import cores
 from verification.report import manual, page
@@ -31,7 +31,7 @@ def write_report(
     """
     cases = len({outcome.run.case.id for outcome in outcomes})
     drawn = _drawn(page.subjects(outcomes, most_for(cases) if most is None else most))
-    with terminal.status("writing the pages"):
+    with progress.status("writing the pages"):
         return write(page.compared(outcomes, about, drawn), folder)
 
 
@@ -56,12 +56,12 @@ def write_manual(
     each = most_for(2 * len(cases)) if most is None else most  # of each the problem is drawn, too
     drawn = _drawn(manual.subjects(cases, outcomes, each))
     about = list(sessions(file_of(results)).values())[-1]
-    with terminal.status("writing the pages"):
+    with progress.status("writing the pages"):
         found: Report = manual.manual(cases, outcomes, load_checks(results), about, drawn)
         return write(found, folder)
 
 
 def _drawn(subjects: Sequence[Subject]) -> Drawn:
     """Pictures, by as many processes as there are cores."""
-    with terminal.patiently("drawing", len(subjects)) as on_done:
+    with progress.patiently("drawing", len(subjects)) as on_done:
         return draw(subjects, cores(), on_done)

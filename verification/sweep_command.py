@@ -107,7 +107,7 @@ def sweep(
       lacore sweep hardening-cylinder:voce --vary steps=5:40:4:log --vary scheme=leapfrog,explicit
       lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
     """  # noqa: D301  # click reads the backspace
-    from verification import terminal
+    from verification import progress, terminal
     from verification.compare import run_all
     from verification.results import export, load_results
     from verification.store import NAME
@@ -119,7 +119,7 @@ def sweep(
     with (
         resumable(out / NAME),
         executor_of(jobs, on_dask, scheduler, _folders(known)) as executor,
-        terminal.watching(len(runs)) as watch,
+        progress.watching(len(runs)) as watch,
     ):
         outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
     export(load_results(out), out / "results.csv")

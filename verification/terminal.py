@@ -1,83 +1,21 @@
-"""What the commands show on a terminal: progress on stderr, tables on stdout."""
+"""Tables that the commands show on stdout."""
 
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
 from typing import Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
 
 import lacore as la
 from verification.compare import efforts
 from verification.judging import FAIL, PASS, SKIPPED
-from verification.run import Outcome, Row, Run
+from verification.run import Outcome, Row
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 120
 _MOST_REASONS = 10
-_LOOKBACK = 600.0  # s: the time left is estimated from the runs that ended in it
-
-
-class Watch:
-    """Callbacks of a comparison that move a progress bar."""
-
-    def __init__(self, progress: Progress, total: int) -> None:
-        self._progress = progress
-        self._task = progress.add_task("", total=total)
-        self._done = 0
-        self._begun = False
-
-    def start(self, run: Run) -> None:
-        """Show what is running."""
-        self._begun = True
-        self._progress.update(self._task, description=run.label)
-
-    def finish(self, outcome: Outcome) -> None:
-        """Count it; say at once what is wrong."""
-        self._done += 1
-        if self._begun:
-            self._progress.advance(self._task)
-        else:  # known from before: it says nothing of the time that others take
-            self._progress.reset(self._task, completed=self._done)
-        if outcome.row.verdict == FAIL:
-            self._progress.console.print(
-                f"FAIL {outcome.run.label}: {outcome.row.why}", style="red", markup=False
-            )
-
-
-@contextmanager
-def watching(total: int) -> Iterator[Watch]:
-    """Progress on stderr: what is running, how much is done, time left."""
-    with Progress(
-        SpinnerColumn(),
-        BarColumn(bar_width=20),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        TextColumn("{task.description}", markup=False),
-        console=Console(stderr=True),
-        transient=True,
-        speed_estimate_period=_LOOKBACK,
-    ) as progress:
-        yield Watch(progress, total)
-
-
-def status(text: str) -> AbstractContextManager[object]:
-    """A spinner on stderr."""
-    return Console(stderr=True).status(text)
 
 
 def table_console() -> Console:
@@ -349,30 +287,3 @@ def show_health(console: Console, found: dict[str, Any]) -> None:
         show_records(console, found[section])
     verdict = "all is well" if found["healthy"] else "something has to be mended: see the remedies"
     console.print(f"\n{verdict}", style="" if found["healthy"] else "bold red", highlight=False)
-
-
-@contextmanager
-def patiently(title: str, total: int, after: float = 2.0) -> Iterator[Callable[[str], None]]:
-    """Progress on stderr for what is usually quick: shown only after `after` seconds."""
-    begin = time.monotonic()
-    with ExitStack() as stack:
-        progress = Progress(
-            SpinnerColumn(),
-            BarColumn(bar_width=20),
-            MofNCompleteColumn(),
-            TextColumn("{task.description}", markup=False),
-            console=Console(stderr=True),
-            transient=True,
-        )
-        task = progress.add_task(title, total=total)
-        done, shown = 0, False
-
-        def start(what: str) -> None:
-            nonlocal done, shown
-            if not shown and time.monotonic() - begin > after:
-                stack.enter_context(progress)
-                shown = True
-            progress.update(task, completed=done, description=f"{title}: {what}")
-            done += 1
-
-        yield start

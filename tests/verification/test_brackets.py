@@ -334,7 +334,7 @@ def test_a_reference_outside_its_bracket_is_exit_code_1(tmp_path, monkeypatch):
     assert [found["check"] for found in document["checks"] if found["verdict"] == FAIL] == [
         "bracket"
     ]
-    shown = CliRunner().invoke(main, [*command, "--out", str(tmp_path)])  # from the store
+    shown = CliRunner().invoke(main, [*command, "--out", str(tmp_path), "--full"])  # as stored
     assert shown.exit_code == 1
     assert "FAIL bracket: opposed-punches:h-1 coarse clarabel bracket: [1.99" in shown.stdout
 
@@ -344,7 +344,7 @@ def test_a_reference_outside_its_bracket_is_exit_code_1(tmp_path, monkeypatch):
 
 def test_a_comparison_and_its_report_show_the_bracket_beside_the_reference(tmp_path):
     command = ["compare", "opposed-punches:h-1", "--backends", "clarabel", "--meshes", "coarse"]
-    options = ["--couplings", "certified,bracket", "--out", str(tmp_path)]
+    options = ["--couplings", "certified,bracket", "--out", str(tmp_path), "--full"]
     result = CliRunner().invoke(main, [*command, *options])
     assert result.exit_code == 0, result.output
     assert re.search(r"1\.99\d+ <= load factor <= 2\.\d+, 0\.\d+ % wide", result.stdout)

@@ -38,16 +38,35 @@ def strict_json(text):
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory):
     out = tmp_path_factory.mktemp("compare")
-    options = ("--backends", "clarabel", "--meshes", "coarse", "--out", str(out))
+    options = ("--backends", "clarabel", "--meshes", "coarse", "--out", str(out), "--jobs", "1")
     return run("compare", *RUN, *options), out
 
 
-def test_compare_prints_a_table_that_fits(compared):
+def test_compare_answers_on_one_screen(compared):
     result, _ = compared
     assert result.exit_code == 0, result.output
-    assert "prandtl-punch:smooth" in result.stdout
-    assert re.search(r"coarse +clarabel +certified +3\.000000 +3\.000000 .* pass", result.stdout)
-    assert max(map(len, result.stdout.split("Results:")[0].splitlines())) <= 120
+    assert re.search(
+        r"^prandtl-punch:smooth +5\.141593 +<= .* 1 of 1 .* pass$", result.stdout, re.M
+    )
+    lines = result.stdout.splitlines()
+    assert len(lines) <= 60
+    assert lines[-1].startswith("Next:")
+    assert max(map(len, result.stdout.split("Report:")[0].splitlines())) <= 120
+
+
+def test_full_prints_every_run_of_what_is_there_already(compared):
+    _, out = compared
+    names = ("deformable-block:crushing", "shear-patch:yielding")
+    again = run("compare", *names, "--backends", "clarabel", "--meshes", "coarse",
+                "--out", str(out / "again"), "--full")  # fmt: skip
+    assert re.search(r"coarse +clarabel +certified +3\.000000 +3\.000000 .* pass", again.stdout)
+    assert max(map(len, again.stdout.split("Report:")[0].splitlines())) <= 120
+
+
+def test_all_and_names_contradict_each_other(tmp_path):
+    result = run("compare", "shear-patch", "--all", "--out", str(tmp_path / "new"))
+    assert result.exit_code == 2
+    assert "--all" in result.stderr
 
 
 def test_compare_writes_rows_pictures_and_page(compared):
@@ -83,7 +102,7 @@ def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
     object.__setattr__(case, "title", "<script>planted</script>")
     runs = [Run(case, VARIANT, "coarse", "clarabel")]
     monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
-    assert run("compare", "--out", str(tmp_path)).exit_code == 1
+    assert run("compare", "--all", "--out", str(tmp_path)).exit_code == 1
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "<script>planted" not in page
     assert "&lt;script&gt;planted" in page
@@ -92,7 +111,7 @@ def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
 def test_wrong_result_is_exit_code_1(tmp_path, monkeypatch):
     runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
     monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
-    result = run("compare", "--out", str(tmp_path))
+    result = run("compare", "--all", "--out", str(tmp_path))
     assert result.exit_code == 1
     assert "1 FAIL" in result.stdout
 

@@ -309,6 +309,7 @@ def test_a_wrong_reference_in_a_case_of_ones_own_is_exit_code_1(tmp_path):
     (tmp_path / "wrong_step.py").write_text(WRONG_STEP)
     command = [sys.executable, "-m", "verification", "verify", "wrong-step:square"]
     options = ["--cases", str(tmp_path), "--backends", "clarabel", "--out", str(tmp_path / "out")]
+    options.append("--full")
     done = subprocess.run([*command, *options], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 1, done.stderr
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("FAIL value: ")]
@@ -356,7 +357,7 @@ def verified(tmp_path_factory):
 def stored(verified, tmp_path):
     """A copy of it, and a function that changes its stored state and verifies again."""
     shutil.copytree(verified, tmp_path, dirs_exist_ok=True)
-    arguments = (*SHEAR, "--out", tmp_path)
+    arguments = (*SHEAR, "--out", tmp_path, "--full")
 
     def tamper(change, forge):
         with closing(sqlite3.connect(tmp_path / "results.sqlite")) as database, database:
@@ -413,7 +414,8 @@ def test_a_damaged_store_is_exit_code_2(stored):
 def test_checks_are_kept_and_shown(tmp_path):
     result = run("shear-patch:yielding", "--backends", "clarabel,newton", "--out", tmp_path)
     assert result.exit_code == 0, result.output
-    assert "shear-patch:yielding" in result.stdout
+    assert re.search(r"^shear-patch +1 +6 of 6 .* pass$", result.stdout, re.MULTILINE)
+    assert "lacore manual" in result.stdout.splitlines()[-1]
     assert "6 checks pass, 0 FAIL, 0 skipped; 4 runs" in result.stdout
     assert (tmp_path / "checks.csv").read_text().count("\n") == 1 + 6
     assert (tmp_path / "results.sqlite").is_file()
@@ -450,7 +452,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
 def test_nothing_verified_is_exit_code_1(tmp_path):
     result = run("block-between-walls:mu-0.3", "--backends", "newton", "--out", tmp_path)
     assert result.exit_code == 1
-    assert "skipped, 2 checks: penalties let go" in result.stdout
+    assert "skipped: newton, 2 times: penalties let go" in result.stdout
     assert "nothing was verified" in result.stderr
 
 

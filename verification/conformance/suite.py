@@ -10,7 +10,7 @@ import pandas as pd
 import lacore as la
 from lacore.backend import Backend
 from lacore.errors import require_known
-from verification import terminal
+from verification import progress
 from verification.conformance.contract import EXERCISES, Bench, examine
 from verification.conformance.judge import FAIL, PASS, SKIPPED, Finding, Subject
 
@@ -52,7 +52,7 @@ def run(
     with ExitStack() as stack:
         if on_start is None:
             on_start = stack.enter_context(
-                terminal.patiently(f"conformance of {shown}", len(names))
+                progress.patiently(f"conformance of {shown}", len(names))
             )
         if process is None and tested.capabilities.isolated:
             process = stack.enter_context(la.SolverProcess())

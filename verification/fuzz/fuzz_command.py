@@ -79,7 +79,7 @@ def fuzz(
       lacore fuzz --count 1000
       lacore fuzz --count 10000 --seed 2 --classes blocks,weights --jobs 4
     """  # noqa: D301  # click reads the backspace
-    from verification import terminal
+    from verification import progress
     from verification.compare import run_all
     from verification.fuzz.campaign import keep_wrong, tallied
     from verification.provenance import describe
@@ -94,7 +94,7 @@ def fuzz(
     with (
         resumable(out / NAME),
         executor_of(jobs, on_dask, scheduler) as executor,
-        terminal.watching(len(runs)) as watch,
+        progress.watching(len(runs)) as watch,
     ):
         outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
         files = keep_wrong(outcomes, out / "wrong", executor, time_limit, watch.start)

@@ -1,0 +1,191 @@
+"""What runs, how much is done, how long it takes: on stderr, in place on a terminal, else in lines.
+
+Without a terminal, in logs and pipes, a line comes every `EVERY` seconds, whatever happens.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from datetime import timedelta
+from typing import Protocol
+
+import click
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from verification.judging import FAIL
+from verification.run import Outcome, Run
+
+EVERY = 10.0
+"""s between lines without a terminal."""
+_LOOKBACK = 600.0  # s: the time left is estimated from the runs that ended in it
+_MOST = 2  # runs that a line names
+
+
+class Watch(Protocol):
+    """Callbacks of many runs."""
+
+    def start(self, run: Run) -> None:
+        """It runs; called by any thread."""
+
+    def finish(self, outcome: Outcome) -> None:
+        """It is done; what is wrong is said at once."""
+
+
+class _Bar:
+    """On a terminal."""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress = progress
+        self._task = progress.add_task("", total=total)
+        self._done = 0
+        self._begun = False
+
+    def start(self, run: Run) -> None:
+        self._begun = True
+        self._progress.update(self._task, description=run.label)
+
+    def finish(self, outcome: Outcome) -> None:
+        self._done += 1
+        if self._begun:
+            self._progress.advance(self._task)
+        else:  # known from before: it says nothing of the time that others take
+            self._progress.reset(self._task, completed=self._done)
+        if outcome.row.verdict == FAIL:
+            self._progress.console.print(_failure(outcome), style="red", markup=False)
+
+
+class _Lines:
+    """In a log."""
+
+    def __init__(self, total: int) -> None:
+        self._total = total
+        self._begin = time.monotonic()
+        self._known = 0
+        self._done = 0
+        self._running: dict[str, str] = {}
+
+    def start(self, run: Run) -> None:
+        self._running[run.key] = run.label
+
+    def finish(self, outcome: Outcome) -> None:
+        self._done += 1
+        if self._running.pop(outcome.run.key, None) is None:
+            self._known += 1
+        if outcome.row.verdict == FAIL:
+            click.echo(_failure(outcome), err=True)
+
+    def line(self) -> str:
+        """How far it is."""
+        seconds = time.monotonic() - self._begin
+        text = f"{self._done} of {self._total} done, {_clock(seconds)}"
+        new = self._done - self._known
+        if new:
+            left = (self._total - self._done) * seconds / new
+            text += f", about {_clock(left)} left"
+        running = list(self._running.values())
+        more = f", {len(running) - _MOST} more" if len(running) > _MOST else ""
+        return f"{text}; running: {', '.join(running[:_MOST])}{more}" if running else text
+
+
+def _failure(outcome: Outcome) -> str:
+    return f"FAIL {outcome.run.label}: {outcome.row.why}"
+
+
+def _clock(seconds: float) -> str:
+    return str(timedelta(seconds=round(seconds)))
+
+
+@contextmanager
+def watching(total: int) -> Iterator[Watch]:
+    """Progress of `total` runs: what is running, how much is done, time left."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        lines = _Lines(total)
+        with _repeating(lines.line):
+            yield lines
+        return
+    with Progress(
+        SpinnerColumn(),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.description}", markup=False),
+        console=console,
+        transient=True,
+        speed_estimate_period=_LOOKBACK,
+    ) as progress:
+        yield _Bar(progress, total)
+
+
+@contextmanager
+def status(text: str) -> Iterator[None]:
+    """What is being done, of which it is not known how much there is."""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with console.status(text):
+            yield
+        return
+    begin = time.monotonic()
+    with _repeating(lambda: f"{text}, {_clock(time.monotonic() - begin)}"):
+        yield
+
+
+@contextmanager
+def _repeating(line: Callable[[], str]) -> Iterator[None]:
+    """Say a line every `EVERY` seconds, from a thread."""
+    over = threading.Event()
+
+    def repeat() -> None:
+        while not over.wait(EVERY):
+            click.echo(line(), err=True)
+
+    thread = threading.Thread(target=repeat, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+@contextmanager
+def patiently(title: str, total: int, after: float = 2.0) -> Iterator[Callable[[str], None]]:
+    """Progress on stderr for what is usually quick: shown only after `after` seconds."""
+    console = Console(stderr=True)
+    begin = time.monotonic()
+    done, shown, doing = 0, False, title
+    with ExitStack() as stack:
+        progress = Progress(
+            SpinnerColumn(),
+            BarColumn(bar_width=20),
+            MofNCompleteColumn(),
+            TextColumn("{task.description}", markup=False),
+            console=console,
+            transient=True,
+        )
+        task = progress.add_task(title, total=total)
+        if not console.is_terminal:
+            stack.enter_context(_repeating(lambda: f"{doing}, {done} of {total}"))
+
+        def start(what: str) -> None:
+            nonlocal done, shown, doing
+            doing = f"{title}: {what}"
+            if console.is_terminal and not shown and time.monotonic() - begin > after:
+                stack.enter_context(progress)
+                shown = True
+            progress.update(task, completed=done, description=doing)
+            done += 1
+
+        yield start
