@@ -66,6 +66,8 @@ def test_index_has_the_answer_of_each_variant(reported):
     )
     assert abs(float(crushing["worst error %"])) <= abs(float(crushing["allowed %"]))
     assert crushing["agree"] == "2 of 2"
+    # The associated load factor is a proven bound, 1.4757, and tells less than the value.
+    assert float(rows["rough"]["load factor"]) == pytest.approx(1, abs=1e-5)
     index = (reported / "index.html").read_text(encoding="utf-8")
     assert re.search(r'href="cases/deformable-block.html#certificate-\w+"', index)
     assert "pictures/deformable-block-crushing.png" in index

@@ -10,7 +10,7 @@ from verification.analysis.summary import VariantSummary, summaries
 from verification.bracketing import BRACKET
 from verification.case import Case
 from verification.judging import FAIL, PASS
-from verification.report.blocks import Anchor, Card, Cards, Column, Page, Picture, Table
+from verification.report.blocks import Card, Cards, Column, Page, Picture, Table
 from verification.report.description import lead
 from verification.report.drawing import Drawn
 from verification.report.tables import CERTIFICATE, VERDICTS
@@ -69,7 +69,7 @@ def answers(outcomes: Sequence[Outcome], *before: Column, sortable: bool = False
     return Table((*before, *_COLUMNS), pd.DataFrame(rows, columns=names), sortable=sortable)
 
 
-_HIDDEN = (CERTIFICATE.column, "told", "agreeing", "page")
+_HIDDEN = (CERTIFICATE.column, "told", "agreeing")
 
 
 def _row(summary: VariantSummary, outcomes: Sequence[Outcome]) -> dict[str, Any]:
@@ -94,19 +94,27 @@ def proven(summary: VariantSummary) -> str:
     low, high = isfinite(summary.lower), isfinite(summary.upper)
     if low and high:
         return f"[{summary.lower:.6g}, {summary.upper:.6g}]"
-    if high:
+    if high and _bounds_tell_more(summary):
         return f"\N{LESS-THAN OR EQUAL TO} {summary.upper:.7g}"
-    if low:
+    if low and _bounds_tell_more(summary):
         return f"\N{GREATER-THAN OR EQUAL TO} {summary.lower:.7g}"
     if isfinite(summary.value):
         return f"{summary.value:.7g}"
     return summary.expected if summary.verdict == PASS else ""
 
 
+def _bounds_tell_more(summary: VariantSummary) -> bool:
+    """Whether there are both, no value, or an upper one that is no looser than the value."""
+    if isfinite(summary.lower) and isfinite(summary.upper):
+        return True
+    return not isfinite(summary.value) or summary.upper <= summary.value
+
+
 def _told(summary: VariantSummary) -> str:
     """What the number is of."""
     sizes = f"{summary.mesh} mesh, {summary.elements:g} elements" if summary.mesh else ""
-    bounds = f"bounds of the {summary.bounded} problem" if summary.bounded else ""
+    shown = summary.bounded and _bounds_tell_more(summary)
+    bounds = f"bounds of the {summary.bounded} problem" if shown else ""
     return "; ".join(filter(None, (bounds, sizes and f"worst error: {sizes}")))
 
 
@@ -121,13 +129,11 @@ def _proof(summary: VariantSummary, outcomes: Sequence[Outcome]) -> str | None:
     bounds = [o for o in own if o.row.lower == summary.lower or o.row.upper == summary.upper]
     bounds.sort(key=lambda outcome: outcome.row.coupling != BRACKET)
     values = [o for o in own if (o.row.mesh, o.row.load_factor) == (summary.mesh, summary.value)]
-    return next((outcome.run.key for outcome in (*bounds, *values)), None)
+    found = [*bounds, *values] if _bounds_tell_more(summary) else values
+    return next((outcome.run.key for outcome in found), None)
 
 
 def first_picture(subjects: Sequence[str], drawn: Drawn) -> Picture | None:
     """The first of these names that was drawn."""
     found = (drawn.get(name) for name in subjects)
     return next((one for one in found if isinstance(one, Picture)), None)
-
-
-CASE_PAGE = Anchor("case", "case")
