@@ -16,6 +16,7 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
@@ -49,6 +50,12 @@ STATUS_MAP = {
     cp.SOLVER_ERROR: Status.FAILED,
 }
 _LIMITED = {cp.USER_LIMIT, cp.OPTIMAL_INACCURATE, cp.INFEASIBLE_INACCURATE, cp.UNBOUNDED_INACCURATE}
+
+
+@cache
+def installed() -> frozenset[str]:
+    """Solvers that cvxpy finds: it tries to import each, so it is asked once."""
+    return frozenset(cp.installed_solvers())
 
 
 @dataclass(frozen=True)
@@ -91,7 +98,7 @@ class Cvxpy:
 
     def variants(self) -> Sequence[str]:
         """Solvers known here or installed; `unavailable` of each says whether it can run."""
-        others = set(cp.installed_solvers()) & {*SOLVER_MAP_CONIC, *SOLVER_MAP_QP}
+        others = installed() & {*SOLVER_MAP_CONIC, *SOLVER_MAP_QP}
         return sorted(others | set(SOLVERS))
 
     def variant(self, name: str) -> "Cvxpy":
@@ -100,7 +107,7 @@ class Cvxpy:
 
     def unavailable(self) -> str:
         """Not installed, or no licence."""
-        if self.solver not in cp.installed_solvers():
+        if self.solver not in installed():
             return f"{self.solver} is not installed: pip install {self.known.package}"
         return no_mosek_licence() if self.solver == "MOSEK" else ""
 

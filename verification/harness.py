@@ -2,13 +2,14 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
 
 import numpy as np
 
 import lacore as la
+from lacore.solvers import JUDGE
 from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
 from verification.defaults import RAW
@@ -134,10 +135,13 @@ def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Out
 
 
 def _standing(state: la.LimitState) -> dict[str, Any]:
-    """Columns of the stability of a state; the exact ones of a problem speak for all."""
+    """Columns of the stability of a state; the exact ones of a problem speak for all.
+
+    It is a fact of the problem, proven by its residuals: one exact backend asks for all.
+    """
     if la.find_backend(state.backend).capabilities.regularised:
         return {}
-    found = state.stability
+    found = replace(state, backend=JUDGE, options={}).stability
     return {
         "standing": found.standing.label,
         "side": found.side,

@@ -280,7 +280,7 @@ def test_variants():
 
 
 def test_a_solver_that_is_not_installed_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr(cp, "installed_solvers", lambda: ["CLARABEL"])
+    monkeypatch.setattr("backends.cvxpy_conic.installed", lambda: frozenset(["CLARABEL"]))
     with pytest.raises(la.CapabilityError, match="ECOS is not installed: pip install ecos"):
         find_backend("cvxpy:ECOS")
 

@@ -62,6 +62,8 @@ def compared(tmp_path_factory):
             }
             order = [runs[each] for name in names for each in (name, "clarabel")]
             outcomes += execute(order, jobs=2, time_limit=limit)
+        # Those that solved end by themselves as soon as nobody can ask them any more.
+        wait_for(lambda: not alive(mark), patience=10.0)
         left = alive(mark)
     return outcomes, left
 
@@ -102,7 +104,8 @@ def test_the_next_backend_is_none_the_worse(compared):
 def test_peak_memory_is_that_of_the_backend(compared):
     peak = {outcome.row.backend: outcome.row.peak_memory_mb for outcome in compared[0]}
     assert 30 < peak["Works"] < 1000
-    assert peak["TakesMemory"] > peak["Works"] + 150
+    assert peak["TakesMemory"] > 200  # which it takes; an interpreter with a solver has less
+    assert peak["TakesMemory"] > peak["Works"]
     assert isnan(peak["SleepsInPrepare"])
 
 

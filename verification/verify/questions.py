@@ -103,12 +103,21 @@ def ask(
 
 
 def runs_of(questions: Sequence[Question]) -> list[Run]:
-    """Every run that is needed, once; neighbours share their problem as far as possible."""
+    """Every run that is needed, once; neighbours share their problem as far as possible.
+
+    The dear ones come first: one that is begun last would keep all other processes waiting.
+    """
     runs = {run.key: run for question in questions for run in (*question.runs, *question.exact)}
     problems: dict[tuple[object, ...], list[Run]] = {}
     for run in runs.values():
         problems.setdefault(run.problem_key, []).append(run)
-    return [run for neighbours in problems.values() for run in neighbours]
+    shared = [run for neighbours in problems.values() for run in neighbours]
+    return sorted(shared, key=lambda run: not _dear(run))
+
+
+def _dear(run: Run) -> bool:
+    """Whether a run takes tens of solves, or is of the backend of which one takes seconds."""
+    return run.coupling == BRACKET or run.case.path is not None or run.backend == "slsqp"
 
 
 def _quick(runs: Sequence[Run]) -> list[Run]:
