@@ -15,9 +15,12 @@ from verification.compare import plan
 from verification.options import strict
 from verification.run import Run
 
-# Every case, but not every variant: pictures take time.
+# Every case but paths, of which there is one, and not every variant: runs and pictures take time.
+SHOWN = [
+    case for case in catalogue().values() if case.path is None or case.id == "hardening-cylinder"
+]
 RUN = [
-    *(f"{case.id}:{case.variants[0].name}" for case in catalogue().values()),
+    *(f"{case.id}:{case.variants[0].name}" for case in SHOWN),
     "deformable-block:crushing",
     "deformable-block:mu-0.7",
 ]
@@ -77,13 +80,13 @@ def test_compare_writes_rows_pictures_and_page(compared):
     assert "Load factor against mu" in (out / "cases" / "deformable-block.html").read_text()
 
 
-def test_pages_have_every_case_and_load_what_is_beside_them(compared):
+def test_pages_have_every_case_that_was_run_and_load_what_is_beside_them(compared):
     _, out = compared
     index = (out / "index.html").read_text(encoding="utf-8")
-    for case in catalogue().values():
+    for case in SHOWN:
         assert f'href="cases/{case.id}.html"' in index
     pages = [*out.rglob("*.html")]
-    assert len(pages) > len(catalogue())
+    assert len(pages) > len(SHOWN)
     for path in pages:
         page = path.read_text(encoding="utf-8")
         for link in re.findall(r"""(?:src|href|action|data)\s*=\s*["']([^"'#]*)""", page):

@@ -63,7 +63,7 @@ RANGES = {
     "wedge-in-walls": {"mu": (0.05, 1.0), "beta": (0.02, 0.8), "W": (0.2, 5.0), "down": bool},
 }
 PLUGS = RANGES["symmetric-wedge"] | {"beta": (0.0, 0.0)}
-SETS = 20
+FEW, MANY = 6, 20  # sets of parameters: of the fast tests, and with the slow ones
 KINDS = [*RANGES.items(), ("symmetric-wedge", PLUGS)]
 NAMES = [*RANGES, "plug"]
 
@@ -81,24 +81,24 @@ def drawn(random, ranges):
     return values
 
 
-def samples(case_id, ranges):
+def samples(case_id, ranges, count):
     """Parameters for which the closed form holds: those outside of its range are drawn again."""
     case, random = catalogue()[case_id], np.random.default_rng(20)
     found = []
-    while len(found) < SETS:
+    while len(found) < count:
         values = drawn(random, ranges)
         if case.valid is None or case.valid(**values):
             found.append(values)
     return found
 
 
-def wrong_ones(case_id, ranges, backend, coupling):
+def wrong_ones(case_id, ranges, backend, coupling, count=MANY):
     """Texts of the runs that do not pass."""
     case = catalogue()[case_id]
     mesh = next(iter(case.meshes))
     runs = [
         Run(case, Variant(f"random-{n}", values), mesh, backend, coupling)
-        for n, values in enumerate(samples(case_id, ranges))
+        for n, values in enumerate(samples(case_id, ranges, count))
     ]
     return [
         f"{outcome.run.variant.parameters}: {outcome.row.why}"
@@ -109,6 +109,12 @@ def wrong_ones(case_id, ranges, backend, coupling):
 
 @pytest.mark.parametrize(("case_id", "ranges"), KINDS, ids=NAMES)
 def test_closed_form_at_random_parameters(case_id, ranges):
+    assert not wrong_ones(case_id, ranges, "clarabel", None, FEW)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case_id", "ranges"), KINDS, ids=NAMES)
+def test_closed_form_at_more_parameters(case_id, ranges):
     assert not wrong_ones(case_id, ranges, "clarabel", None)
 
 
@@ -122,7 +128,7 @@ def test_closed_form_at_random_parameters(case_id, ranges):
     ],
 )
 def test_associated_load_that_differs(case_id, ranges):
-    assert not wrong_ones(case_id, ranges, "clarabel", "associated")
+    assert not wrong_ones(case_id, ranges, "clarabel", "associated", FEW)
 
 
 @pytest.mark.slow
@@ -146,7 +152,7 @@ def test_closed_form_by_linear_programs(case_id, ranges, coupling):
 def test_interval_has_the_ends_of_the_closed_form(case_id, ranges):
     """To 1e-6 of the load or of the dead loads, the bar of the certificate that proves them."""
     case = catalogue()[case_id]
-    for values in samples(case_id, ranges):
+    for values in samples(case_id, ranges, MANY):
         reference, band = case.reference(**values), case.band(0, **values)
         found = la.solve(case.build(**values), throw=True).interval
         assert found.exact, values

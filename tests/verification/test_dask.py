@@ -225,6 +225,7 @@ def test_one_of_both(tmp_path):
     assert result.exit_code == 2
 
 
+@pytest.mark.slow
 def test_a_cluster_for_one_sweep(tmp_path):
     with marked() as mark:
         result = command(*BLOCK, "--out", str(tmp_path), "--dask", "--jobs", "2")
