@@ -39,6 +39,8 @@ def report(folder: Path, out: Path | None, most: int | None, known: Catalogue) -
     its certificate, and says why it passes. They load nothing but the pictures beside them. The
     same tables are in tables/ as CSV and Markdown.
     """
+    from verification import screen, terminal
+    from verification.compare import tally
     from verification.reporting import write_report
     from verification.results import load_outcomes
     from verification.store import file_of, sessions
@@ -51,7 +53,8 @@ def report(folder: Path, out: Path | None, most: int | None, known: Catalogue) -
         raise la.InputError("DIR", str(folder), "holds no finished run", "run something into it")
     about = list(sessions(file_of(folder)).values())[-1]
     page = write_report(outcomes, about, out or folder, most)
-    click.echo(f"Report: {page}\nNext:   open it in a browser; lacore verify checks every case")
+    after = "open it in a browser; `lacore verify` checks every case"
+    screen.show_end(terminal.table_console(), tally(outcomes).text, {"Report": page}, after)
 
 
 @click.command()
@@ -75,6 +78,8 @@ def manual(
     error is allowed and why, and what lacore found, with its certificates. CASE is the id of a
     case; without any, all that have results are shown. It shows what `lacore verify` has found.
     """
+    from verification import screen, terminal
+    from verification.compare import tally
     from verification.reporting import write_manual
     from verification.results import load_outcomes
     from verification.store import NAME
@@ -88,7 +93,8 @@ def manual(
     if not chosen:
         raise _nothing_yet(cases, results)
     page = write_manual(chosen, outcomes, results, out, most)
-    click.echo(f"Manual: {page}\nNext:   open it in a browser; its pages say how to run each case")
+    after = "open it in a browser; its pages say how to run each case"
+    screen.show_end(terminal.table_console(), tally(outcomes).text, {"Manual": page}, after)
 
 
 def _nothing_yet(names: Sequence[str], results: Path) -> la.InputError:
