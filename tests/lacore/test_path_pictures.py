@@ -170,6 +170,7 @@ def test_mp4(tmp_path, monkeypatch):
     assert b"ftyp" in (tmp_path / "a.mp4").read_bytes()[:16]
 
 
+@pytest.mark.slow
 def test_places_that_cannot_be_written(tmp_path):
     path = plain(1)
     for name, why in (

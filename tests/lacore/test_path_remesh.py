@@ -215,6 +215,7 @@ def test_files_of_a_path_with_new_meshes(tmp_path):
     path.animate(tmp_path / "a.gif", dpi=30)
 
 
+@pytest.mark.slow
 def test_meshes_that_cannot_be_taken():
     """The path ends by name, and what it has is kept."""
     asked = {"steps": 2, "travel": 0.9}
@@ -250,6 +251,7 @@ def test_a_remesh_that_fails_ends_the_path(error):
     assert len(path.history) == 1
 
 
+@pytest.mark.slow
 def test_a_mesh_that_is_no_better_ends_the_path():
     calls = []
 

@@ -194,6 +194,7 @@ def test_assemblies_in_contact_are_drawn_like_joints():
     assert contact_forces(state).force == pytest.approx(np.array([[-0.8], [2.0]]), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_large_walls_take_few_artists():
     half, whole = [0.5, *[1] * 24, 0.5], [1] * 25
     wall = masonry.running_bond([half, whole] * 20, 0.65)

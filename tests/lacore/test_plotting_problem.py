@@ -11,7 +11,10 @@ import lacore as la
 from verification.catalogue import catalogue
 from verification.sketches import sketch_of
 
-CASES = list(catalogue().values())
+CASES = [  # each fourth in the fast tests
+    pytest.param(case, id=case.id, marks=[pytest.mark.slow] if number % 4 else [])
+    for number, case in enumerate(catalogue().values())
+]
 SOIL = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
 PIER = la.meshes.rectangle(x=(0.5, 1.5), y=(1, 1.5), nx=2, ny=1)
 
@@ -47,7 +50,7 @@ def stated(problem):
     yield from (f"joints-{k}" for k, body in enumerate(assemblies) if body.joints.count)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+@pytest.mark.parametrize("case", CASES)
 def test_sketch_of_a_case_shows_all_that_is_stated(case):
     variant = case.variants[0]
     figure = sketch_of(case, variant)
@@ -59,7 +62,7 @@ def test_sketch_of_a_case_shows_all_that_is_stated(case):
     figure.savefig(io.BytesIO(), format="svg")
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+@pytest.mark.parametrize("case", CASES)
 def test_labels_do_not_cover_each_other_and_stay_on_the_page(case):
     figure = sketch_of(case, case.variants[0])
     figure.draw_without_rendering()

@@ -69,6 +69,7 @@ def test_midpoint_steps_keep_the_area(mesh):
     assert path.history.volume.to_numpy() == pytest.approx(1.0, abs=bar)
 
 
+@pytest.mark.slow
 def test_orders_of_the_schemes_on_a_block():
     orders = {"explicit": 1, "implicit-euler": 1, "leapfrog": 2}
     for scheme, expected in orders.items():
@@ -92,6 +93,7 @@ def test_hardening_keeps_a_bar_uniform():
     assert path.history.force.to_numpy() == pytest.approx(exact, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_bar_that_necks_says_where_its_force_was_largest():
     """Considere in plane strain: the force peaks where the stress is its slope over the length."""
     law = la.hardening.Linear(1.0, 1.3)

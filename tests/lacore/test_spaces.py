@@ -179,6 +179,7 @@ def test_strict_on_any_mesh(space, rough, seed):
     assert state.load_factor >= PRANDTL
 
 
+@pytest.mark.slow
 def test_discontinuous_velocities_are_worth_their_unknowns():
     """7 777 unknowns: within 0.7 %; with vertices moved still strict and within 1.5 times that."""
     mesh = half_space("p2-disc", 18, 9, grade_x=(1.0, 1.0))

@@ -36,6 +36,7 @@ def slopes_of(results, parameter="option_r"):
     return {row["error"]: row for row in found.to_dict("records")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [PUNCH, SLIDING, CRUSHING])
 def test_alpha_reg_errs_linearly_in_r(name):
     row = slopes_of(by_newton(name))["error_alpha_reg"]

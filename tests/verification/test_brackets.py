@@ -323,6 +323,7 @@ def wrong(**parameters):
     return Reference(2.1, "planted", "wrong", "exact")
 
 
+@pytest.mark.slow
 def test_a_reference_outside_its_bracket_is_exit_code_1(tmp_path, monkeypatch):
     cases = {**catalogue(), STRIP.id: replace(STRIP, reference=wrong, order=None)}
     known = Catalogue(cases, dict.fromkeys(cases, "lacore"))

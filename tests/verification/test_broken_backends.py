@@ -139,6 +139,7 @@ def started(tmp_path):
     return start
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["Sleeps", "HoldsTheInterpreter"])
 def test_kill_9_keeps_the_finished_rows_and_leaves_no_process(started, backend):
     """Where the solver holds the interpreter, its process ends when its time limit is over."""

@@ -116,6 +116,7 @@ def test_cases_lists_tags_and_filters_by_them():
 # ---- cases of others
 
 
+@pytest.mark.slow
 def test_the_example_runs_from_the_command_line(tmp_path):
     """In a process of its own, as a user would."""
     command = [sys.executable, "-m", "verification", "compare", "block-on-step", "--json"]

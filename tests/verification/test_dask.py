@@ -72,6 +72,7 @@ def test_same_results_as_processes_here(cluster, tmp_path):
     pd.testing.assert_frame_equal(*tables)
 
 
+@pytest.mark.slow
 def test_nothing_is_left_on_the_workers(cluster, tmp_path):
     """Processes end with the sweep, and so does the plugin that owns them."""
     command(*BLOCK, "--out", str(tmp_path), "--scheduler", cluster.scheduler.address)
@@ -98,6 +99,7 @@ def children(cluster):
     return found
 
 
+@pytest.mark.slow
 def test_progress_knows_what_is_running(cluster):
     runs = plan(["deformable-block"], ["mu=0.2,0.4"], ["clarabel"], ["coarse"])
     begun = []
@@ -107,6 +109,7 @@ def test_progress_knows_what_is_running(cluster):
     assert {run.key for run in begun} == {run.key for run in runs}
 
 
+@pytest.mark.slow
 def test_time_limit_holds_and_bad_rows_cost_themselves_only(cluster, tmp_path, monkeypatch):
     plant(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -125,6 +128,7 @@ def test_time_limit_holds_and_bad_rows_cost_themselves_only(cluster, tmp_path, m
     assert len(outcomes) == 6
 
 
+@pytest.mark.slow
 def test_cases_of_users_reach_the_workers(cluster, tmp_path):
     address = cluster.scheduler.address
     words = ["block-on-step", "--cases", str(EXAMPLES), "--vary", "h=0.5,1.5", "--json"]
@@ -167,6 +171,7 @@ def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path):
     cluster.wait_for_workers(2, timeout=60)
 
 
+@pytest.mark.slow
 def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch):
     plant(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -187,6 +192,7 @@ def test_other_code_on_the_workers_is_refused(cluster, tmp_path, monkeypatch):
     assert "another version of lacore" in result.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense://x", ""])
 def test_a_scheduler_that_does_not_answer(tmp_path, address):
     begin = time.monotonic()

@@ -11,6 +11,7 @@ import pytest
 from tests.conftest import ROOT
 
 
+@pytest.mark.slow
 def test_it_is_compared(with_example, tmp_path):
     case, backends = "shear-patch", "ecos,clarabel"
     options = ["--backends", backends, "--meshes", "coarse", "--out", str(tmp_path)]

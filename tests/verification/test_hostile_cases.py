@@ -74,6 +74,7 @@ def lacore(*words: str) -> tuple[int, str]:
     return result.exit_code, result.stdout
 
 
+@pytest.mark.slow
 def test_what_build_prints_and_where_it_goes_changes_nothing(folder: Path) -> None:
     """Standard output is the document alone, and relative folders are where they were."""
     write(folder, "hostile_talk", "print('hello'); os.chdir('/')")
@@ -104,6 +105,7 @@ def test_build_that_ends_its_process_is_a_row_that_failed(
     assert "None of the runs is solved." in page  # in place of empty charts
 
 
+@pytest.mark.slow
 def test_manual_shows_a_case_that_cannot_be_built(folder: Path) -> None:
     """The page says why there is no sketch."""
     write(folder, "hostile_raises", "raise ValueError('<b>no</b>')")
@@ -113,6 +115,7 @@ def test_manual_shows_a_case_that_cannot_be_built(folder: Path) -> None:
     assert "ValueError: &lt;b&gt;no" in page
 
 
+@pytest.mark.slow
 def test_cases_leave_no_trace_in_others(folder: Path) -> None:
     """One clears the path of its interpreter: the next finds all that it needs."""
     write(folder, "hostile_a", "sys.path.clear(); os.environ.clear()")
@@ -124,6 +127,7 @@ def test_cases_leave_no_trace_in_others(folder: Path) -> None:
     assert (code, rows) == (1, {"hostile-a": "FAIL", "hostile-b": "pass"})
 
 
+@pytest.mark.slow
 def test_report_of_a_case_that_was_changed_since(folder: Path) -> None:
     """Its stored state is none of the new problem: there is no picture, but a page that says so."""
     write(folder, "hostile_odd", "if os.path.exists('changed'): raise ValueError('changed')")

@@ -150,6 +150,7 @@ def test_a_sweep_refuses_steps_that_there_are_not(axis: str, said: str) -> None:
         sweep(["upsetting"], [axis])
 
 
+@pytest.mark.slow
 def test_orders_of_a_sweep_are_those_of_the_schemes() -> None:
     runs = sweep(["hardening-cylinder:perfect"], ["steps=5,7,10", "scheme=leapfrog,explicit"])
     results = results_frame([*execute(run for run in runs if run.backend == "clarabel")])

@@ -100,11 +100,13 @@ def test_manual_has_a_page_a_case(results, tmp_path):
         assert text in page
 
 
+@pytest.mark.slow
 def test_manual_of_one_case(results, tmp_path):
     assert run("manual", "shear-patch", "--results", results, "--out", tmp_path).exit_code == 0
     assert [path.name for path in (tmp_path / "cases").iterdir()] == ["shear-patch.html"]
 
 
+@pytest.mark.slow
 def test_how_many_pictures_are_drawn_can_be_said(results, tmp_path):
     """What is not drawn is named, with the command that draws it."""
     result = run("report", results, "--out", tmp_path, "--pictures", "0")
@@ -145,6 +147,7 @@ def test_without_results(command, says, tmp_path):
     assert len(result.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_a_page_that_cannot_be_written(results, tmp_path):
     (tmp_path / "file").write_text("")
     for command, place in (("report", [results]), ("manual", ["--results", results])):

@@ -187,6 +187,7 @@ main(sys.argv[2:])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of the kernel")
 def test_a_sweep_on_a_full_disk_says_so_and_goes_on_later(tmp_path):
     """Files cannot grow beyond 60 kB; each row takes about 10."""

@@ -326,6 +326,7 @@ def planted_reference(**parameters):
     return Reference(0.61, "planted", "wrong", "exact")
 
 
+@pytest.mark.slow
 def test_a_wrong_reference_in_a_built_in_case_is_exit_code_1(tmp_path, monkeypatch):
     wrong = {**catalogue(), PATCH.id: replace(PATCH, reference=planted_reference)}
     known = Catalogue(wrong, dict.fromkeys(wrong, "lacore"))
