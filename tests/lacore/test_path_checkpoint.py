@@ -69,10 +69,10 @@ def arrays(snapshot):
     [
         {},
         pytest.param({"scheme": "implicit-midpoint"}, marks=pytest.mark.slow),
-        {"scheme": "explicit", "keep_every": 2},
+        pytest.param({"scheme": "explicit", "keep_every": 2}, marks=pytest.mark.slow),
         {"steps": la.AdaptiveSteps(tolerance=3e-3, first=0.2)},
         {"steps": 5, "travel": 0.75, "billet": lambda: billet(crossed=True)},
-        {"control": la.PointTravel("billet", (0, 0), (0, 1))},
+        pytest.param({"control": la.PointTravel("billet", (0, 0), (0, 1))}, marks=pytest.mark.slow),
     ],
     ids=["leapfrog", "midpoint", "explicit", "adaptive", "folding", "point"],
 )
