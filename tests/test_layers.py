@@ -1,13 +1,18 @@
 """The rooms of the house and who may enter which (DESIGN)."""
 
 import ast
+import re
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
+ROOMS = ("lacore", "lacore_start", "backends", "verification")
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
@@ -130,3 +135,24 @@ def printed_by(code):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
     )
     return run.stdout.strip()
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_what_is_imported_is_installed_with_us(room):
+    """Packages of others are named in pyproject.toml; this environment may have them by luck."""
+    stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = [*stated["dependencies"], *chain(*stated["optional-dependencies"].values())]
+    named = {_normal(re.split(r"[^\w.-]", line)[0]) for line in lines}
+    owners = packages_distributions()
+    missing = {
+        f"{path.relative_to(ROOT)}: {top}"
+        for path in (ROOT / room).rglob("*.py")
+        for top in {name.split(".")[0] for name in imports(path)}
+        if top not in (*sys.stdlib_module_names, *ROOMS)
+        and not named & set(map(_normal, owners.get(top, [top])))
+    }
+    assert not missing
+
+
+def _normal(distribution):
+    return distribution.lower().replace("_", "-")
