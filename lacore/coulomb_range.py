@@ -19,6 +19,7 @@ from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
 from lacore.problem import Problem
 from lacore.program import dimensionless
+from lacore.rescaling import good_for
 from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers import preparing
@@ -225,7 +226,10 @@ def coulomb_range(
     with ExitStack() as stack:
         settings = read_options(engine, options or {})
         # One for the search and one for the ends: an isolated process holds one program.
-        prepare, prepare_ends = (stack.enter_context(preparing(engine, settings)) for _ in range(2))
+        prepare, prepare_ends = (
+            stack.enter_context(preparing(engine, settings, good=good_for(tolerance)))
+            for _ in range(2)
+        )
         solver = prepare(program)
         stack.callback(solver.close)
         bounds, admissible = bracket(program, solver, tolerance)

@@ -26,7 +26,8 @@ from lacore.status import Status
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
 
-_GOOD = 1e-8  # residual with which nobody asks for more
+GOOD = 1e-8  # residual with which those who state no bar ask for no more
+_SHARE = 0.1  # of the bar: what a solve may leave, the rest is for the loop around it
 _SPREAD = 1e2  # ratio of forces that solvers see as they are; its digits are left to them
 _WIDE = 1e4  # ratio of loads from which units of parts are taken at once
 _CLAIMS = (Status.LOCKED, Status.UNSAFE)
@@ -143,6 +144,11 @@ def _largest(units: Floats, *rows: Sparse) -> Floats:
     return np.where(result > 0, result, 1.0)
 
 
+def good_for(bar: float) -> float:
+    """Residual of an inner solve that is good enough where states are judged by a bar."""
+    return _SHARE * bar
+
+
 def largest_residual(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact
 ) -> float:
@@ -154,10 +160,16 @@ def largest_residual(
 
 
 class RescalingSolver:
-    """A prepared solver that is asked in units of parts, answering in those of the program."""
+    """A prepared solver that is asked in units of parts, answering in those of the program.
 
-    def __init__(self, program: KinematicProgram, prepare: Prepare) -> None:
-        self._program, self._prepare = program, prepare
+    Args:
+        program: as stated.
+        prepare: sets a solver to work on one.
+        good: residual with which an answer needs no other units.
+    """
+
+    def __init__(self, program: KinematicProgram, prepare: Prepare, good: float = GOOD) -> None:
+        self._program, self._prepare, self._good = program, prepare, good
         self._units: PartUnits | None = None
         loads = own_loads(program, 1.0)
         least = float(loads[loads > 0].min(initial=np.inf))
@@ -177,7 +189,7 @@ class RescalingSolver:
             best = self._asked(contact)
         residual = largest_residual(self._program, best, contact)
         for _ in range(_TRIES):
-            if best.point is None or residual <= _GOOD:
+            if best.point is None or residual <= self._good:
                 break
             forces = part_forces(self._program, best.point)
             better = PartUnits.of(self._program, forces, best.point.velocity)
@@ -196,7 +208,7 @@ class RescalingSolver:
             if not found < residual:
                 break
             residual = found
-        if self._units is not None and best.point is not None and residual > _GOOD:
+        if self._units is not None and best.point is not None and residual > self._good:
             point = cleaned(self._program, best.point, contact)
             if largest_residual(self._program, replace(best, point=point), contact) < residual:
                 return replace(best, point=point)

@@ -7,7 +7,7 @@ from typing import Any
 from lacore.backend import Backend, PreparedSolver
 from lacore.isolation import SolverProcess
 from lacore.program import KinematicProgram
-from lacore.rescaling import RescalingSolver
+from lacore.rescaling import GOOD, RescalingSolver
 from lacore.strong_bodies import StrongBodySolver
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
@@ -17,7 +17,10 @@ JUDGE = "clarabel"
 
 @contextmanager
 def preparing(
-    backend: Backend, options: Any, process: SolverProcess | None = None
+    backend: Backend,
+    options: Any,
+    process: SolverProcess | None = None,
+    good: float = GOOD,
 ) -> Iterator[Prepare]:
     """A backend at work on one program after the other, isolated where it asks for it.
 
@@ -27,9 +30,10 @@ def preparing(
             penalties of regularised ones (T20) are not to be scaled.
         options: of the backend.
         process: to work in, one program at a time; None: one of its own where it needs one.
+        good: residual of a solve with which it is not asked again in other units.
     """
     if process is None and backend.capabilities.isolated:
-        with SolverProcess() as own, preparing(backend, options, own) as prepare:
+        with SolverProcess() as own, preparing(backend, options, own, good) as prepare:
             yield prepare
         return
 
@@ -41,4 +45,6 @@ def preparing(
     if backend.capabilities.regularised:
         yield plain
     else:
-        yield lambda program: StrongBodySolver(program, lambda own: RescalingSolver(own, plain))
+        yield lambda program: StrongBodySolver(
+            program, lambda own: RescalingSolver(own, plain, good)
+        )

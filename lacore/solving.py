@@ -42,6 +42,7 @@ from lacore.program import (
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
+from lacore.rescaling import good_for
 from lacore.result import LimitState
 from lacore.solvers import JUDGE, preparing
 from lacore.spaces import SPACES
@@ -158,7 +159,8 @@ def _solved(
             process = stack.enter_context(SolverProcess())
         if process is not None:
             built += process.load(engine)  # no part of the solve
-        prepare = stack.enter_context(preparing(engine, engine_options, process))
+        good = good_for(tolerance)
+        prepare = stack.enter_context(preparing(engine, engine_options, process, good))
         solver = prepare(program)
         stack.callback(solver.close)
         couple = _LOOP_OF[coupling]
