@@ -7,6 +7,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 from skfem.mesh import MeshTri1
 
+from lacore import views
 from lacore.arrays import Bools, Floats
 from lacore.criteria import KINEMATICS, VonMises
 from lacore.curved import edge_curves, vertices
@@ -121,9 +122,7 @@ class Body(Shown):
 
     def plot(self) -> "Figure":
         """Its mesh, with the names of boundaries: see `lacore.plotting_mesh.plot_body`."""
-        from lacore.plotting_mesh import plot_body
-
-        return plot_body(self)
+        return views.picture(self)
 
     @property
     def axisymmetric(self) -> bool:

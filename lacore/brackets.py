@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from lacore import views
 from lacore.gap_identity import GapIdentity, gap_identity
 from lacore.kinematic_bound import UpperBound
 from lacore.precision import exactness
@@ -204,9 +205,7 @@ class Bracket(Shown):
 
     def plot(self) -> "Figure":
         """Both meshes and their shares: see `lacore.plotting_bracket.plot_bracket`."""
-        from lacore.plotting_bracket import plot_bracket
-
-        return plot_bracket(self)
+        return views.picture(self)
 
 
 def heading(lower: float, upper: float, width: float, status: str, bounded: str = BODY) -> str:

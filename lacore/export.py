@@ -42,7 +42,7 @@ class _Part:
     at_cells: Mapping[str, Floats] = field(default_factory=dict)
 
 
-def write_state(state: LimitState, place: str | os.PathLike[str]) -> None:
+def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     """A limit state as a VTU file.
 
     At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
@@ -50,6 +50,9 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> None:
     `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
     tensors of ParaView; of axisymmetric bodies rr zz tt rz). Blocks are polygons, members lines,
     and have NaN there.
+
+    Returns:
+        the file.
 
     Raises:
         InputError: another ending than .vtu, a place that cannot be written.
@@ -68,7 +71,9 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> None:
         cells, moves = frame.body.pieces.nodes, {"velocity": _spatial(velocity[name][:2])}
         body = {"body": np.full(len(cells), numbers[name])}
         parts.append(_Part("line", cells, frame.body.position, moves, body))
-    _write(File(os.fspath(place)), parts)
+    file = File(os.fspath(place))
+    _write(file, parts)
+    return file
 
 
 def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int) -> _Part:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lacore import views
 from lacore.arrays import Floats
 from lacore.bodies import Body
 from lacore.dofs import BodyDofs
@@ -71,9 +72,7 @@ class GapIdentity(Shown):
 
     def plot(self) -> "Figure":
         """Shares of the elements: see `lacore.plotting_mesh.plot_gap`."""
-        from lacore.plotting_mesh import plot_gap
-
-        return plot_gap(self)
+        return views.picture(self)
 
     def __str__(self) -> str:
         gap, count = self.upper - self.lower, sum(gaps.size for gaps in self.elements.values())

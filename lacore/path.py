@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from lacore import views
 from lacore.arrays import Floats
 from lacore.configuration import Configuration
 from lacore.errors import InputError
@@ -227,18 +228,12 @@ class Path(Shown):
 
     def to_vtu(self, folder: str | PathLike[str]) -> File:
         """Files for ParaView: see `lacore.export.write_path`."""
-        from lacore.export import write_path
-
-        return write_path(self, folder)
+        return views.files(self, folder)
 
     def plot(self) -> "Figure":
         """The bodies at the end, and the load: see `lacore.plotting_path.plot_path`."""
-        from lacore.plotting_path import plot_path
-
-        return plot_path(self)
+        return views.picture(self)
 
     def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
         """A GIF or MP4: see `lacore.animation.animate_path`."""
-        from lacore.animation import animate_path
-
-        animate_path(self, file, fps, dpi)
+        views.animation(self, file, fps, dpi)

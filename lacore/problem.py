@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lacore import views
 from lacore.arrays import Floats, Ints
 from lacore.axisymmetry import check_axisymmetry
 from lacore.blocks import BlockAssembly
@@ -65,9 +66,7 @@ class Problem(Shown):
 
     def plot(self) -> "Figure":
         """Sketch of the problem: see `lacore.plotting_problem.plot_problem`."""
-        from lacore.plotting_problem import plot_problem
-
-        return plot_problem(self)
+        return views.picture(self)
 
     def facts(self) -> Facts:
         """What it consists of."""

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation
 from lacore.certificate import Certificate
@@ -360,12 +361,8 @@ class LimitState(Shown):
 
     def plot(self) -> "Figure":
         """Picture of the mechanism and of its forces: see `lacore.plotting.plot_mechanism`."""
-        from lacore.plotting import plot_mechanism
-
-        return plot_mechanism(self)
+        return views.picture(self)
 
     def to_vtu(self, path: str | PathLike[str]) -> None:
         """A file for ParaView: see `lacore.export.write_state`."""
-        from lacore.export import write_state
-
-        write_state(self, path)
+        views.files(self, path)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from lacore import views
 from lacore.admissible import margins, scaled, weaker, within_friction
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
@@ -98,9 +99,7 @@ class LowerBound(Shown):
 
     def plot(self) -> "Figure":
         """What is used of the strength: see `lacore.plotting_mesh.plot_strength`."""
-        from lacore.plotting_mesh import plot_strength
-
-        return plot_strength(self)
+        return views.picture(self)
 
     @property
     def stress(self) -> dict[str, Floats]:

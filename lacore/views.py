@@ -1,0 +1,53 @@
+"""What a result can be asked to show: its picture, its film, its files.
+
+A result knows neither matplotlib nor meshio, nor who uses them: `lacore.doors` says which function
+makes a view of what. Kinds of things are named, not imported: nothing loads before it is asked for.
+"""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+Made = TypeVar("Made")
+
+
+class View(Generic[Made]):
+    """A function whose body depends on the class of its first argument.
+
+    Args:
+        verb: what it does, for the message where nobody does it.
+    """
+
+    def __init__(self, verb: str) -> None:
+        self._verb = verb
+        self.makers: dict[str, Callable[..., Made]] = {}
+
+    def of(self, kind: str) -> Callable[[Callable[..., Made]], Callable[..., Made]]:
+        """Decorator of the function that makes it of a class, by its module and name."""
+
+        def registered(maker: Callable[..., Made]) -> Callable[..., Made]:
+            self.makers[kind] = maker
+            return maker
+
+        return registered
+
+    def __call__(self, thing: object, *args: Any, **options: Any) -> Made:
+        """The view of a thing.
+
+        Raises:
+            TypeError: nobody makes one of it.
+        """
+        for kind in type(thing).__mro__:
+            maker = self.makers.get(f"{kind.__module__}.{kind.__qualname__}")
+            if maker is not None:
+                return maker(thing, *args, **options)
+        raise TypeError(f"nothing {self._verb} a {type(thing).__name__}")
+
+
+picture: View["Figure"] = View("draws")
+animation: View[None] = View("animates")
+files: View["Path"] = View("writes files of")
