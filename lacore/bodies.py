@@ -121,7 +121,7 @@ class Body(Shown):
         return Picture(self.plot())
 
     def plot(self) -> "Figure":
-        """Its mesh, with the names of boundaries: see `lacore.plotting_mesh.plot_body`."""
+        """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
         return views.picture(self)
 
     @property

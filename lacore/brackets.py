@@ -204,7 +204,7 @@ class Bracket(Shown):
         return Picture(problem.plot(), "the problem, on the mesh of the upper bound")
 
     def plot(self) -> "Figure":
-        """Both meshes and their shares: see `lacore.plotting_bracket.plot_bracket`."""
+        """Both meshes and their shares: see `lacore.pictures.bracket.plot_bracket`."""
         return views.picture(self)
 
 

@@ -14,69 +14,69 @@ if TYPE_CHECKING:
 
 @views.picture.of("lacore.bodies.Body")
 def _body(body: Any) -> "Figure":
-    from lacore.plotting_mesh import plot_body
+    from lacore.pictures.mesh import plot_body
 
     return plot_body(body)
 
 
 @views.picture.of("lacore.problem.Problem")
 def _problem(problem: Any) -> "Figure":
-    from lacore.plotting_problem import plot_problem
+    from lacore.pictures.sketch.problem import plot_problem
 
     return plot_problem(problem)
 
 
 @views.picture.of("lacore.result.LimitState")
 def _state(state: Any) -> "Figure":
-    from lacore.plotting import plot_mechanism
+    from lacore.pictures.mechanism import plot_mechanism
 
     return plot_mechanism(state)
 
 
 @views.picture.of("lacore.static_bound.LowerBound")
 def _strength(bound: Any) -> "Figure":
-    from lacore.plotting_mesh import plot_strength
+    from lacore.pictures.mesh import plot_strength
 
     return plot_strength(bound)
 
 
 @views.picture.of("lacore.gap_identity.GapIdentity")
 def _gap(identity: Any) -> "Figure":
-    from lacore.plotting_mesh import plot_gap
+    from lacore.pictures.mesh import plot_gap
 
     return plot_gap(identity)
 
 
 @views.picture.of("lacore.brackets.Bracket")
 def _bracket(bracket: Any) -> "Figure":
-    from lacore.plotting_bracket import plot_bracket
+    from lacore.pictures.bracket import plot_bracket
 
     return plot_bracket(bracket)
 
 
 @views.picture.of("lacore.path.Path")
 def _path(path: Any) -> "Figure":
-    from lacore.plotting_path import plot_path
+    from lacore.pictures.path import plot_path
 
     return plot_path(path)
 
 
 @views.animation.of("lacore.path.Path")
 def _film(path: Any, *how: Any) -> None:
-    from lacore.animation import animate_path
+    from lacore.pictures.animation import animate_path
 
     animate_path(path, *how)
 
 
 @views.files.of("lacore.result.LimitState")
 def _state_file(state: Any, place: Any) -> Path:
-    from lacore.export import write_state
+    from lacore.files.vtu import write_state
 
     return write_state(state, place)
 
 
 @views.files.of("lacore.path.Path")
 def _path_files(path: Any, folder: Any) -> Path:
-    from lacore.export import write_path
+    from lacore.files.vtu import write_path
 
     return write_path(path, folder)

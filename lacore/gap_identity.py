@@ -71,7 +71,7 @@ class GapIdentity(Shown):
         return Picture(self.plot()) if self.bodies else None
 
     def plot(self) -> "Figure":
-        """Shares of the elements: see `lacore.plotting_mesh.plot_gap`."""
+        """Shares of the elements: see `lacore.pictures.mesh.plot_gap`."""
         return views.picture(self)
 
     def __str__(self) -> str:

@@ -227,13 +227,13 @@ class Path(Shown):
         return self.stage_of(snapshot).at(snapshot.configuration)
 
     def to_vtu(self, folder: str | PathLike[str]) -> File:
-        """Files for ParaView: see `lacore.export.write_path`."""
+        """Files for ParaView: see `lacore.files.vtu.write_path`."""
         return views.files(self, folder)
 
     def plot(self) -> "Figure":
-        """The bodies at the end, and the load: see `lacore.plotting_path.plot_path`."""
+        """The bodies at the end, and the load: see `lacore.pictures.path.plot_path`."""
         return views.picture(self)
 
     def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
-        """A GIF or MP4: see `lacore.animation.animate_path`."""
+        """A GIF or MP4: see `lacore.pictures.animation.animate_path`."""
         views.animation(self, file, fps, dpi)

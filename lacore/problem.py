@@ -65,7 +65,7 @@ class Problem(Shown):
         return type(self), tuple((given | {"bodies": dict(self.bodies)}).values())
 
     def plot(self) -> "Figure":
-        """Sketch of the problem: see `lacore.plotting_problem.plot_problem`."""
+        """Sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""
         return views.picture(self)
 
     def facts(self) -> Facts:

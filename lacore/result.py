@@ -360,9 +360,9 @@ class LimitState(Shown):
         return pd.concat(frames, ignore_index=True)
 
     def plot(self) -> "Figure":
-        """Picture of the mechanism and of its forces: see `lacore.plotting.plot_mechanism`."""
+        """Mechanism and forces: see `lacore.pictures.mechanism.plot_mechanism`."""
         return views.picture(self)
 
     def to_vtu(self, path: str | PathLike[str]) -> None:
-        """A file for ParaView: see `lacore.export.write_state`."""
+        """A file for ParaView: see `lacore.files.vtu.write_state`."""
         views.files(self, path)

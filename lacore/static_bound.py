@@ -98,7 +98,7 @@ class LowerBound(Shown):
         return Picture(self.plot())
 
     def plot(self) -> "Figure":
-        """What is used of the strength: see `lacore.plotting_mesh.plot_strength`."""
+        """What is used of the strength: see `lacore.pictures.mesh.plot_strength`."""
         return views.picture(self)
 
     @property

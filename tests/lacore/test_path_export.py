@@ -9,7 +9,7 @@ import lacore as la
 from lacore import masonry
 from lacore.dofs import number
 from lacore.errors import InputError
-from lacore.export import SERIES
+from lacore.files.vtu import SERIES
 from lacore.nodal import element_means, node_means, vertex_means
 from tests.lacore.path_billets import billet, pressed, quad_billet
 from tests.lacore.pictures import column

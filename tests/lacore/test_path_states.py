@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from lacore.contact_segments import segmented_contacts
-from lacore.plotting_contact import draw_panel
+from lacore.pictures.contact import draw_panel
+from lacore.pictures.contact_segments import segmented_contacts
 from tests.lacore.path_billets import pressed
 from tests.lacore.pictures import drawn, words
 

@@ -7,8 +7,8 @@ import pytest
 from matplotlib.collections import PolyCollection
 
 import lacore as la
-from lacore.plotting import plot_mechanism
-from lacore.plotting_contact import COLOURS
+from lacore.pictures.contact import COLOURS
+from lacore.pictures.mechanism import plot_mechanism
 from tests.lacore.pictures import drawn, lines, words
 
 

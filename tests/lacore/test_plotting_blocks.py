@@ -8,10 +8,10 @@ from matplotlib.colors import to_hex
 
 import lacore as la
 from lacore import masonry
-from lacore.plotting import plot_mechanism
-from lacore.plotting_blocks import FIXED
-from lacore.plotting_contact import COLOURS, GROUND
-from lacore.plotting_forces import THRUST, contact_forces
+from lacore.pictures.blocks import FIXED
+from lacore.pictures.contact import COLOURS, GROUND
+from lacore.pictures.forces import THRUST, contact_forces
+from lacore.pictures.mechanism import plot_mechanism
 from tests.lacore.pictures import column, drawn, lines, polygons, words
 
 

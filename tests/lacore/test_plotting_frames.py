@@ -7,9 +7,9 @@ from matplotlib.colors import to_hex
 
 import lacore as la
 from lacore import masonry
-from lacore.plotting import plot_mechanism
-from lacore.plotting_forces import THRUST
-from lacore.plotting_frames import HINGE, MOMENT
+from lacore.pictures.forces import THRUST
+from lacore.pictures.frames import HINGE, MOMENT
+from lacore.pictures.mechanism import plot_mechanism
 from tests.frame_problems import portal, pressed
 from tests.frame_problems import pushed as pushed_portal
 from tests.lacore.pictures import drawn, words

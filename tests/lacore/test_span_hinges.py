@@ -13,8 +13,8 @@ from matplotlib.colors import to_hex
 
 import lacore as la
 from lacore.hinging import excess
-from lacore.plotting import plot_mechanism
-from lacore.plotting_frames import MOMENT
+from lacore.pictures.frames import MOMENT
+from lacore.pictures.mechanism import plot_mechanism
 from lacore.span_moments import SpanMoments, span_moments
 from lacore.span_nodes import spanned
 from tests.frame_problems import DOWN, portal, static_load_factor

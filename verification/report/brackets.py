@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from skfem import MeshTri
 
 from lacore.brackets import BODY, POLYGON, heading
-from lacore.plotting_bracket import plot_shares
+from lacore.pictures.bracket import plot_shares
 from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.bracket_evidence import unpacked_shares

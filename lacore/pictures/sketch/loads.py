@@ -11,8 +11,8 @@ from lacore.contact_geometry import AnyBody, boundary_edges
 from lacore.curved import outlines
 from lacore.frames import Frame
 from lacore.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
-from lacore.plotting_axis import has_axis
-from lacore.plotting_sheet import Label, Sheet, middle, spaced
+from lacore.pictures.axis import has_axis
+from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
 from lacore.touching import Edges
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"

@@ -12,9 +12,9 @@ from lacore.contact_geometry import AnyBody, boundary_edges, interface_segments
 from lacore.frames import Frame
 from lacore.interfaces import SMOOTH, STICK, Coulomb, Friction, Interface, RigidObstacle
 from lacore.loads import Fix
-from lacore.plotting_axis import has_axis
-from lacore.plotting_contact import GROUND
-from lacore.plotting_sheet import Label, Sheet, middle, spaced
+from lacore.pictures.axis import has_axis
+from lacore.pictures.contact import GROUND
+from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
 from lacore.rigid import RigidDofs
 from lacore.touching import Edges
 

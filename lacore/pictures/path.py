@@ -23,9 +23,9 @@ from lacore.dofs import number
 from lacore.loads import RigidFooting
 from lacore.nodal import corner_shapes, vertex_means
 from lacore.path import Path, Snapshot
-from lacore.plotting_axis import draw_axis, label_coordinates
-from lacore.plotting_contact import GROUND, PLANE_DEPTH, draw_plane
-from lacore.plotting_continua import BEFORE
+from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_plane
+from lacore.pictures.continua import BEFORE
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from lacore.arrays import Floats
-from lacore.contact_segments import SegmentedContact
+from lacore.pictures.contact_segments import SegmentedContact
 from lacore.result import LimitState
 from lacore.staging import Obstacle
 

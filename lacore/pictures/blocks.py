@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
 from lacore.arrays import Bools, Floats
-from lacore.plotting_continua import BEFORE
+from lacore.pictures.continua import BEFORE
 from lacore.result import LimitState
 from lacore.rigid import RigidDofs
 

@@ -12,14 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
-from lacore.contact_segments import SegmentedContact, segmented_contacts
-from lacore.plotting_axis import draw_axis, label_coordinates
-from lacore.plotting_blocks import (
-    FIXED,
-    draw_blocks,
-    held_blocks,
-)
-from lacore.plotting_contact import (
+from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.blocks import FIXED, draw_blocks, held_blocks
+from lacore.pictures.contact import (
     COLOURS,
     GROUND,
     PLANE_DEPTH,
@@ -29,9 +24,10 @@ from lacore.plotting_contact import (
     draw_plane,
     draw_strips,
 )
-from lacore.plotting_continua import draw_continua
-from lacore.plotting_forces import draw_forces
-from lacore.plotting_frames import draw_foot, draw_frames, draw_moments, turning
+from lacore.pictures.contact_segments import SegmentedContact, segmented_contacts
+from lacore.pictures.continua import draw_continua
+from lacore.pictures.forces import draw_forces
+from lacore.pictures.frames import draw_foot, draw_frames, draw_moments, turning
 from lacore.result import LimitState
 from lacore.status import Status
 

@@ -14,7 +14,7 @@ from lacore.arrays import Floats
 from lacore.bodies import Body
 from lacore.curved import edge_lines, outlines
 from lacore.gap_identity import GapIdentity
-from lacore.plotting_axis import draw_axis, label_coordinates
+from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.static_bound import LowerBound
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone

@@ -7,7 +7,7 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from lacore.errors import InputError, require_positive
 from lacore.path import Path
-from lacore.plotting_path import draw_bodies, draw_load, page, strain_scale
+from lacore.pictures.path import draw_bodies, draw_load, page, strain_scale
 
 _HOLD = 1.0  # s: the last picture stays
 
@@ -15,7 +15,7 @@ _HOLD = 1.0  # s: the last picture stays
 def animate_path(
     path: Path, place: str | os.PathLike[str], fps: float = 8.0, dpi: float = 90.0
 ) -> None:
-    """A GIF or MP4 of a path, a picture a snapshot; see `lacore.plotting_path.plot_path`.
+    """A GIF or MP4 of a path, a picture a snapshot; see `lacore.pictures.path.plot_path`.
 
     Args:
         path: with at least one step.

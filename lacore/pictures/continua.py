@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from lacore.arrays import Floats
 from lacore.curved import edge_lines
 from lacore.dofs import BodyDofs, edge_shapes
-from lacore.plotting_axis import has_axis
+from lacore.pictures.axis import has_axis
 from lacore.result import LimitState
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}

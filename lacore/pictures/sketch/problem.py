@@ -13,9 +13,9 @@ from lacore.bodies import Body
 from lacore.contact_geometry import AnyBody
 from lacore.curved import edge_lines, outlines
 from lacore.frames import Frame
-from lacore.plotting_axis import draw_axis, label_coordinates
-from lacore.plotting_blocks import FIXED, fill_blocks
-from lacore.plotting_conditions import (
+from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.blocks import FIXED, fill_blocks
+from lacore.pictures.sketch.conditions import (
     draw_interface,
     draw_joints,
     draw_support,
@@ -24,8 +24,8 @@ from lacore.plotting_conditions import (
     law_colours,
     law_text,
 )
-from lacore.plotting_loads import draw_load
-from lacore.plotting_sheet import Label, Sheet
+from lacore.pictures.sketch.loads import draw_load
+from lacore.pictures.sketch.sheet import Label, Sheet
 from lacore.problem import Problem
 
 _POINTS = 72.0  # an inch

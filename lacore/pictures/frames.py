@@ -11,11 +11,11 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 
 from lacore.arrays import Floats
-from lacore.contact_segments import SegmentedContact
 from lacore.frame_dofs import FrameDofs
 from lacore.frames import Frame
-from lacore.plotting_contact import COLOURS, GROUND
-from lacore.plotting_continua import BEFORE
+from lacore.pictures.contact import COLOURS, GROUND
+from lacore.pictures.contact_segments import SegmentedContact
+from lacore.pictures.continua import BEFORE
 from lacore.result import LimitState
 from lacore.span_moments import SpanMoments, span_moments
 
