@@ -19,10 +19,10 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.contact_controls import Dofs, controls
 from lacore.contact_geometry import Segments, interface_segments
 from lacore.interfaces import Interface, RigidObstacle
+from lacore.paths.stage import Obstacle
 from lacore.program import ContactRows
 from lacore.rigid import RigidDofs
 from lacore.showing import Compact
-from lacore.staging import Obstacle
 
 _UNATTAINABLE = 100.0  # times the shear strength: control values may exceed it, not by this
 _SAME_NORMAL = 9  # digits to which the normals of two edges count as one

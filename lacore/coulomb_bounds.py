@@ -1,7 +1,7 @@
 """Bounds of every Coulomb load factor of a program, from admissible halves of states (T14).
 
 Of a discrete program: its frictionless value may lie above the load factors of the continuum, whose
-bounds are those of `lacore.continuum_range`.
+bounds are those of `lacore.ranges.continuum`.
 """
 
 import numpy as np

@@ -33,7 +33,7 @@ def _state(state: Any) -> "Figure":
     return plot_mechanism(state)
 
 
-@views.picture.of("lacore.static_bound.LowerBound")
+@views.picture.of("lacore.bounds.lower.LowerBound")
 def _strength(bound: Any) -> "Figure":
     from lacore.pictures.mesh import plot_strength
 
@@ -47,21 +47,21 @@ def _gap(identity: Any) -> "Figure":
     return plot_gap(identity)
 
 
-@views.picture.of("lacore.brackets.Bracket")
+@views.picture.of("lacore.adaptive.bracket.Bracket")
 def _bracket(bracket: Any) -> "Figure":
     from lacore.pictures.bracket import plot_bracket
 
     return plot_bracket(bracket)
 
 
-@views.picture.of("lacore.path.Path")
+@views.picture.of("lacore.paths.path.Path")
 def _path(path: Any) -> "Figure":
     from lacore.pictures.path import plot_path
 
     return plot_path(path)
 
 
-@views.animation.of("lacore.path.Path")
+@views.animation.of("lacore.paths.path.Path")
 def _film(path: Any, *how: Any) -> None:
     from lacore.pictures.animation import animate_path
 
@@ -75,7 +75,7 @@ def _state_file(state: Any, place: Any) -> Path:
     return write_state(state, place)
 
 
-@views.files.of("lacore.path.Path")
+@views.files.of("lacore.paths.path.Path")
 def _path_files(path: Any, folder: Any) -> Path:
     from lacore.files.vtu import write_path
 

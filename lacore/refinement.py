@@ -4,7 +4,6 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.marking import doerfler
 
 _THETA = 0.2  # Doerfler's part of all shares at a time; 0.1 to 0.3 differ little
 
@@ -116,3 +115,18 @@ def _parts(corners: Ints, middles: Ints) -> tuple[Ints, Ints]:
             parents.append(np.flatnonzero(which))
     # In the order in which scikit-fem wants them in memory.
     return np.ascontiguousarray(np.concatenate(triangles, axis=1)), np.concatenate(parents)
+
+
+def doerfler(shares: Floats, theta: float) -> Ints:
+    """The fewest elements that hold the part `theta` of all shares, ascending.
+
+    Shares below 0 count as 0; where none is left, all elements.
+
+    Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SINUM 33, 1996.
+    """
+    positive = np.maximum(shares, 0.0)
+    order = np.argsort(-positive, kind="stable")
+    held = np.cumsum(positive[order])
+    if not held[-1] > 0:
+        return np.arange(shares.size)
+    return np.sort(order[: int(np.searchsorted(held, theta * held[-1])) + 1])

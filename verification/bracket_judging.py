@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import inf, isfinite
 
 import lacore as la
-from lacore.brackets import width
+from lacore.adaptive.bracket import width
 from verification.bracketing import PROVEN, Bracketing
 from verification.case import Band, Reference
 from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED, cannot_judge

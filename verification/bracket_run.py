@@ -9,9 +9,9 @@ import numpy as np
 from skfem import MeshTri
 
 import lacore as la
+from lacore.adaptive.marking import lower_shares
 from lacore.arrays import Floats
-from lacore.enclosing import associated, has_coulomb
-from lacore.marking import lower_shares
+from lacore.bounds.enclosing import associated, has_coulomb
 from verification.bracket_evidence import Shares, packed_shares
 from verification.bracket_judging import STRICT, between, judge_bracket
 from verification.bracketing import Bracketing

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import lacore as la
 from lacore.errors import require_count, require_known, require_positive
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
 
 if TYPE_CHECKING:
-    from lacore.control import Control
+    from lacore.paths.control import Control
 
 ORDERS: Mapping[str, float] = {
     "explicit": 1.0,

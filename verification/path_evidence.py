@@ -11,11 +11,11 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Floats
-from lacore.configuration import Configuration
-from lacore.control import gauge_of
-from lacore.flow import Moment, flow_of, limit_problem
-from lacore.path import Snapshot
-from lacore.staging import staged
+from lacore.paths.configuration import Configuration
+from lacore.paths.control import gauge_of
+from lacore.paths.flow import Moment, flow_of, limit_problem
+from lacore.paths.path import Snapshot
+from lacore.paths.stage import staged
 from verification.evidence import Proof, packed, recheck, restored_on, unpacked
 from verification.run import Evidence, Row, Run
 

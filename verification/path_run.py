@@ -11,7 +11,7 @@ import pandas as pd
 
 import lacore as la
 from lacore.arrays import Floats
-from lacore.enclosing import associated
+from lacore.bounds.enclosing import associated
 from lacore.errors import InputError
 from verification.allowed import allowed_values
 from verification.case import SOLVER, Band, Reference

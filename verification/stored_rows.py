@@ -15,10 +15,10 @@ from math import isfinite, isnan
 from typing import Any
 
 import lacore as la
-from lacore.brackets import Step
+from lacore.adaptive.bracket import Step
 from lacore.certificate import Certificate
-from lacore.path import PathStep
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
+from lacore.paths.path import PathStep
 from verification.bracket_judging import STRICT
 from verification.bracketing import BRACKET
 from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED

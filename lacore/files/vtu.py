@@ -13,9 +13,9 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.dofs import BodyDofs, number
 from lacore.errors import InputError
-from lacore.flow import strain_per_length
 from lacore.nodal import element_means, node_means
-from lacore.path import Path, Snapshot
+from lacore.paths.flow import strain_per_length
+from lacore.paths.path import Path, Snapshot
 from lacore.program import DissipationGroup
 from lacore.result import LimitState
 from lacore.rigid import RigidDofs

@@ -6,7 +6,7 @@ from pathlib import Path as File
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from lacore.errors import InputError, require_positive
-from lacore.path import Path
+from lacore.paths.path import Path
 from lacore.pictures.path import draw_bodies, draw_load, page, strain_scale
 
 _HOLD = 1.0  # s: the last picture stays

@@ -8,9 +8,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from skfem import MeshTri
 
+from lacore.adaptive.bracket import Bracket
+from lacore.adaptive.marking import lower_shares
 from lacore.arrays import Floats
-from lacore.brackets import Bracket
-from lacore.marking import lower_shares
 
 _PAGE = 9.0  # inches
 _DECADES = 3.0  # of shares that the colours span
@@ -37,7 +37,7 @@ def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying
     """The same of meshes and shares that were kept.
 
     Args:
-        title: see `lacore.brackets.heading`.
+        title: see `lacore.adaptive.bracket.heading`.
         above: mesh of the upper bound.
         gap: shares of its elements in the gap.
         below: mesh of the lower bound.

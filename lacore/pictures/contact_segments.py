@@ -14,9 +14,9 @@ from lacore.contact_points import moving_sides
 from lacore.dofs import BodyDofs
 from lacore.frame_dofs import FrameDofs
 from lacore.interfaces import RigidObstacle
+from lacore.paths.stage import Obstacle
 from lacore.result import LimitState
 from lacore.rigid import RigidDofs
-from lacore.staging import Obstacle
 
 _MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
 _SAME = 1e-6  # of the extent of all contact, and of unit normals

@@ -12,10 +12,10 @@ from skfem import Mesh
 
 from lacore.arrays import Floats
 from lacore.bodies import Body
+from lacore.bounds.gap_identity import GapIdentity
+from lacore.bounds.lower import LowerBound
 from lacore.curved import edge_lines, outlines
-from lacore.gap_identity import GapIdentity
 from lacore.pictures.axis import draw_axis, label_coordinates
-from lacore.static_bound import LowerBound
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner

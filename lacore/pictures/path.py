@@ -16,13 +16,13 @@ from matplotlib.patches import Patch
 from matplotlib.tri import Triangulation
 from skfem import Mesh
 
-from lacore import drift
 from lacore.arrays import Floats, Ints
 from lacore.curved import edge_lines, outlines
 from lacore.dofs import number
 from lacore.loads import RigidFooting
 from lacore.nodal import corner_shapes, vertex_means
-from lacore.path import Path, Snapshot
+from lacore.paths import drift
+from lacore.paths.path import Path, Snapshot
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_plane
 from lacore.pictures.continua import BEFORE

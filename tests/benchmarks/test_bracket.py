@@ -13,7 +13,7 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.brackets import width
+from lacore.adaptive.bracket import width
 from lacore.linear_algebra import symmetric_solver
 from tests.benchmarks.measuring import Model, elastic_seconds, punch
 from verification.catalogue import find

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 import lacore as la
-from lacore.brackets import Ending as BracketEnding
-from lacore.path import Ending as PathEnding
+from lacore.adaptive.bracket import Ending as BracketEnding
+from lacore.paths.path import Ending as PathEnding
 from lacore.status import Rigor, Status
 from tests.lacore.models import cantilever, deformable_block, punch, square
 from tests.lacore.path_billets import pressed, quad_billet

@@ -8,13 +8,14 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore import adaptivity
-from lacore.brackets import crossing
-from lacore.fans import fanned, singular_points
-from lacore.marking import doerfler, lower_shares, upper_shares
+from lacore.adaptive import refine as adaptivity
+from lacore.adaptive.bracket import crossing
+from lacore.adaptive.marking import lower_shares, upper_shares
+from lacore.adaptive.same_domain import difference
+from lacore.adaptive.singular_points import singular_points
+from lacore.fans import fanned
 from lacore.mesh_checks import quality
-from lacore.refinement import bisected, grown
-from lacore.same_domain import difference
+from lacore.refinement import bisected, doerfler, grown
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.approach import approaching_rows, gaps
-from lacore.configuration import Configuration
 from lacore.curved import EdgeCurves
-from lacore.flow import Moment, discretised
-from lacore.staging import staged
+from lacore.paths.approach import approaching_rows, gaps
+from lacore.paths.configuration import Configuration
+from lacore.paths.flow import Moment, discretised
+from lacore.paths.stage import staged
 from tests.lacore.path_billets import billet, quad_billet
 
 DURATION = 0.5

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.brackets import heading
-from lacore.enclosing import associated, frictionless, has_coulomb
+from lacore.adaptive.bracket import heading
+from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.status import Scope
 from tests.lacore.models import CRITERION, deformable_block
 from tests.lacore.test_rigid_bounds import footing

@@ -7,8 +7,8 @@ import pytest
 
 import lacore as la
 from lacore.assembly import discretise
-from lacore.gap_identity import restriction
-from lacore.static_model import static_model
+from lacore.bounds.gap_identity import restriction
+from lacore.bounds.static_model import static_model
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 

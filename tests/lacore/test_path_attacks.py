@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
 from tests.lacore.path_billets import PLATEN, billet, pressed
 from verification.exact_paths import strip_force
 

@@ -15,13 +15,13 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from lacore.configuration import Configuration
 from lacore.errors import InputError
-from lacore.flow import Moment
-from lacore.path import Snapshot
-from lacore.progress import Progress
-from lacore.remeshing import NewMeshes
-from lacore.schemes import Here
+from lacore.paths.configuration import Configuration
+from lacore.paths.flow import Moment
+from lacore.paths.path import Snapshot
+from lacore.paths.remeshing import NewMeshes
+from lacore.paths.schemes import Here
+from lacore.paths.stored.progress import Progress
 from tests.lacore.path_billets import billet, pressed
 
 ROOT = Path(__file__).parents[2]
@@ -171,7 +171,7 @@ def test_of_another_path(tmp_path, monkeypatch):
             with pytest.raises(InputError, match=f"is of another path: .*{name}.*; give the same"):
                 go(**change)
             assert file.read_bytes() == data
-    monkeypatch.setattr("lacore.checkpoint.version", lambda _: "0.0")
+    monkeypatch.setattr("lacore.paths.stored.checkpoint.version", lambda _: "0.0")
     with pytest.raises(InputError, match="version of lacore"):
         go()
     assert file.read_bytes() == data

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore import drift
-from lacore.path_ending import Ending
-from lacore.selection import least_norm
+from lacore.paths import drift
+from lacore.paths.ending import Ending
+from lacore.paths.selection import least_norm
 from tests.lacore.path_billets import billet, pressed
 from verification.exact_paths import cylinder, pressure
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 import lacore as la
 from lacore.errors import InputError
-from lacore.path import Event
+from lacore.paths.path import Event
 from lacore.pictures.path import strain_scale
 from tests.lacore.path_billets import PLATEN, billet, pressed, quad_billet
 from tests.lacore.pictures import drawn, words

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.configuration import Configuration
 from lacore.curved import edge_curves
 from lacore.dofs import number
 from lacore.errors import InputError
-from lacore.path_ending import Ending
-from lacore.remeshing import carried, restaged
-from lacore.staging import staged
-from lacore.transfer import transferred
+from lacore.paths.configuration import Configuration
+from lacore.paths.ending import Ending
+from lacore.paths.remeshing import carried, restaged
+from lacore.paths.stage import staged
+from lacore.paths.transfer import transferred
 from tests.lacore.path_billets import billet, pressed, quad_billet
 from tests.lacore.pictures import drawn, words
 from tests.lacore.test_path_checkpoint import Stop, assert_same, stop_after

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore import flow as flow_module
-from lacore.path_ending import Ending
+from lacore.paths import flow as flow_module
+from lacore.paths.ending import Ending
 from tests.shares import one_in
 from verification.exact_paths import strip_force
 

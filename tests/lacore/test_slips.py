@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from skfem import MeshTri
 
 import lacore as la
-from lacore.marking import upper_shares
+from lacore.adaptive.marking import upper_shares
 from tests.lacore.models import CRITERION, obstacle, punch
 
 SPACES = ("p2-vertex", "p2-gauss", "p2-disc", "p1-disc")

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.static_model import static_model
+from lacore.bounds.static_model import static_model
 from tests.lacore.models import CRITERION, cantilever, deformable_block, obstacle, punch, square
 from tests.lacore.random_continua import problem as random_problem
 

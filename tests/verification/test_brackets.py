@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import lacore as la
 import verification.plugins as plugins
-from lacore.adaptivity import width
+from lacore.adaptive.refine import width
 from lacore.meshes import quality
 from verification.analysis import fit_slope
 from verification.bracket_evidence import packed_shares, unpacked_shares

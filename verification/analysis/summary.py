@@ -12,7 +12,7 @@ from math import inf, isfinite, isnan, nan
 import numpy as np
 
 import lacore as la
-from lacore.enclosing import has_coulomb
+from lacore.bounds.enclosing import has_coulomb
 from verification.allowed import allowed_values
 from verification.bracket_judging import STRICT
 from verification.bracketing import BRACKET

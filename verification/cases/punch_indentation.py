@@ -22,7 +22,7 @@ from dataclasses import replace
 from math import nan
 
 import lacore as la
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
 from verification.case import Band, Case, Reference, Variant
 from verification.cases import prandtl_punch
 from verification.following import Following

@@ -17,7 +17,7 @@ from math import inf, nan, sqrt
 import numpy as np
 
 import lacore as la
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
 from verification.case import SOLVER, Band, Case, Reference, Variant
 from verification.exact_paths import strip_force
 from verification.following import Following, Reading, last_load

@@ -5,7 +5,7 @@ from math import nan
 
 import lacore as la
 from lacore.errors import LacoreError
-from lacore.path_ending import Ending
+from lacore.paths.ending import Ending
 from verification.fuzz.copies import has_coulomb
 from verification.fuzz.recipe import Recipe, build
 from verification.fuzz.solving import told

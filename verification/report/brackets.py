@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from skfem import MeshTri
 
-from lacore.brackets import BODY, POLYGON, heading
+from lacore.adaptive.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
 from lacore.status import Rigor
 from verification.analysis import fit_slope

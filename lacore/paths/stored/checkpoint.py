@@ -2,7 +2,7 @@
 
 The file is replaced as a whole when a new one is complete and on the disk: whenever the process is
 killed, the last or the last but one is there. It holds arrays and text, nothing that is run, and
-digests of each of them. What is read is checked field by field (`lacore.progress`).
+digests of each of them. What is read is checked field by field (`lacore.paths.stored.progress`).
 """
 
 import hashlib
@@ -27,15 +27,15 @@ from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats
 from lacore.backend import load_backend
-from lacore.configuration import Configuration
 from lacore.errors import InputError
-from lacore.fingerprint import fingerprint
-from lacore.flow import Moment
-from lacore.path import Event, PathStep, Snapshot
-from lacore.progress import Progress, WrongFieldError, require_sound
-from lacore.remeshing import NewMeshes
-from lacore.schemes import Here
-from lacore.staging import Stage
+from lacore.paths.configuration import Configuration
+from lacore.paths.flow import Moment
+from lacore.paths.path import Event, PathStep, Snapshot
+from lacore.paths.remeshing import NewMeshes
+from lacore.paths.schemes import Here
+from lacore.paths.stage import Stage
+from lacore.paths.stored.fingerprint import fingerprint
+from lacore.paths.stored.progress import Progress, WrongFieldError, require_sound
 
 _FORMAT = 4
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}

@@ -9,21 +9,21 @@ import numpy as np
 import pandas as pd
 
 from lacore import views
-from lacore.admissible import margins, scaled, weaker, within_friction
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
+from lacore.bounds.admissible import margins, scaled, weaker, within_friction
+from lacore.bounds.precision import exactness, smallest_angle
+from lacore.bounds.static_model import StaticModel, static_model
+from lacore.bounds.stress_projection import in_equilibrium
 from lacore.certificate import Certificate, certify
 from lacore.claims import judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.polygonal import POLYGON
-from lacore.precision import exactness, smallest_angle
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
-from lacore.projection import in_equilibrium
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.solvers import preparing
 from lacore.state import ProgramState
-from lacore.static_model import StaticModel, static_model
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:

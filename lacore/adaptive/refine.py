@@ -10,19 +10,19 @@ import numpy as np
 import pandas as pd
 from skfem import MeshTri
 
+from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
+from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
+from lacore.adaptive.starts import mesh_of, on_mesh, only_body, starts
 from lacore.arrays import Floats
 from lacore.backend import find_backend
-from lacore.bracket_starts import mesh_of, on_mesh, only_body, starts
-from lacore.brackets import Bracket, Ending, Step, crossing, proven, width
-from lacore.enclosing import has_coulomb
+from lacore.bounds.enclosing import has_coulomb
+from lacore.bounds.lower import LowerBound, lower_bound
+from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import InputError, require_count, require_positive
-from lacore.kinematic_bound import UpperBound, upper_bound
-from lacore.marking import lower_shares, shared_shares, upper_shares
 from lacore.mesh_checks import quality
 from lacore.problem import Problem
 from lacore.refinement import grown
 from lacore.solving import solve
-from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Status
 
 Bound = LowerBound | UpperBound

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.errors import InputError, require_positive
-from lacore.path_ending import Ending
-from lacore.schemes import PathEndError
+from lacore.paths.ending import Ending
+from lacore.paths.schemes import PathEndError
 from lacore.showing import Compact
 
 _END = 1e-9  # of the travel: what is left is round-off

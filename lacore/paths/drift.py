@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from lacore.flow import Flow
-from lacore.path import Event, PathStep
-from lacore.selection import Selected, least_norm
+from lacore.paths.flow import Flow
+from lacore.paths.path import Event, PathStep
+from lacore.paths.selection import Selected, least_norm
 
 DRIFTS, SELECTED, LOST = "velocity not unique", "velocity selected", "velocity not selected"
 """Kinds of events: the solver took one of many; the regular one was taken; none could be found."""

@@ -9,11 +9,12 @@ from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation
+from lacore.bounds.precision import exactness
+from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError
-from lacore.precision import exactness
 from lacore.problem import Problem
 from lacore.program import (
     DissipationGroup,
@@ -30,7 +31,6 @@ from lacore.solving import solve
 from lacore.spaces import VelocitySpace
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
-from lacore.velocity_projection import admissible_velocity
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided

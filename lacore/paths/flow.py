@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from lacore.approach import approaching_rows
 from lacore.arrays import Floats
 from lacore.assembly import Discretisation, discretise
-from lacore.configuration import Configuration
 from lacore.contact_controls import Dofs
 from lacore.contact_points import ContactPoints
 from lacore.dofs import BodyDofs
 from lacore.interfaces import Interface
+from lacore.paths.approach import approaching_rows
+from lacore.paths.configuration import Configuration
+from lacore.paths.selection import Selected
+from lacore.paths.stage import Stage
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
 from lacore.result import LimitState
-from lacore.selection import Selected
 from lacore.showing import Compact
 from lacore.solving import solve
-from lacore.staging import Stage
 
 # Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
 # is taken out of the load again.

@@ -11,7 +11,6 @@ import pandas as pd
 
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import find_backend, read_options
-from lacore.continuum_range import continuum_range
 from lacore.conversion import point_in_program
 from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
 from lacore.coupling import Coupled
@@ -19,6 +18,7 @@ from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
 from lacore.problem import Problem
 from lacore.program import dimensionless
+from lacore.ranges.continuum import continuum_range
 from lacore.rescaling import good_for
 from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from lacore.adaptivity import bracket
+from lacore.adaptive.refine import bracket
 from lacore.assembly import Discretisation
-from lacore.enclosing import associated, frictionless
+from lacore.bounds.enclosing import associated, frictionless
+from lacore.bounds.lower import LowerBound, lower_bound
+from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import CapabilityError, InputError
-from lacore.kinematic_bound import UpperBound, upper_bound
 from lacore.showing import Compact
-from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor
 
 

@@ -2,27 +2,12 @@
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
-from lacore.gap_identity import gap_identity
-from lacore.kinematic_bound import UpperBound
-from lacore.static_bound import LowerBound
+from lacore.arrays import Floats
+from lacore.bounds.gap_identity import gap_identity
+from lacore.bounds.lower import LowerBound
+from lacore.bounds.upper import UpperBound
 
 _LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
-
-
-def doerfler(shares: Floats, theta: float) -> Ints:
-    """The fewest elements that hold the part `theta` of all shares, ascending.
-
-    Shares below 0 count as 0; where none is left, all elements.
-
-    Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SINUM 33, 1996.
-    """
-    positive = np.maximum(shares, 0.0)
-    order = np.argsort(-positive, kind="stable")
-    held = np.cumsum(positive[order])
-    if not held[-1] > 0:
-        return np.arange(shares.size)
-    return np.sort(order[: int(np.searchsorted(held, theta * held[-1])) + 1])
 
 
 def upper_shares(bound: UpperBound, body: str) -> Floats:

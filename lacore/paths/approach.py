@@ -12,12 +12,12 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Floats, Sparse
-from lacore.configuration import Configuration
 from lacore.contact_points import ContactPoints
 from lacore.curved import EdgeCurves
 from lacore.dofs import BodyDofs
+from lacore.paths.configuration import Configuration
+from lacore.paths.stage import Obstacle
 from lacore.program import ContactRows
-from lacore.staging import Obstacle
 
 # Gauss rule on (0, 1): exact up to degree 5, and where the length of a curved edge is smooth.
 _PLACES, _WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2, np.array([5, 8, 5]) / 18

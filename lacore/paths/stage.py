@@ -17,11 +17,11 @@ from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
 from lacore.arrays import Floats, Ints
 from lacore.bodies import Body
 from lacore.boundaries import Where, boundary_facets, facet_geometry
-from lacore.configuration import Configuration
 from lacore.curved import signed_jacobians
 from lacore.errors import InputError
 from lacore.interfaces import FrictionTerms, Interface, RigidObstacle
 from lacore.loads import BodyForce, Load, PointForce
+from lacore.paths.configuration import Configuration
 from lacore.problem import Problem, vertex_at
 from lacore.showing import Compact
 from lacore.spaces import SPACES

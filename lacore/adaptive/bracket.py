@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from lacore import views
-from lacore.gap_identity import GapIdentity, gap_identity
-from lacore.kinematic_bound import UpperBound
-from lacore.precision import exactness
+from lacore.bounds.gap_identity import GapIdentity, gap_identity
+from lacore.bounds.lower import LowerBound, lower_bound
+from lacore.bounds.precision import exactness
+from lacore.bounds.upper import UpperBound
 from lacore.showing import Compact, Facts, Picture, Shown, counted
-from lacore.static_bound import LowerBound, lower_bound
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:

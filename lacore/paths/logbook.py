@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore import drift
-from lacore.approach import gaps
-from lacore.control import Gauge
 from lacore.dofs import BodyDofs, number
 from lacore.loads import RigidFooting
-from lacore.path import Event, Path, PathStep, Snapshot
-from lacore.path_ending import Ending
-from lacore.progress import Progress
-from lacore.remeshing import NewMeshes
+from lacore.paths import drift
+from lacore.paths.approach import gaps
+from lacore.paths.control import Gauge
+from lacore.paths.ending import Ending
+from lacore.paths.path import Event, Path, PathStep, Snapshot
+from lacore.paths.remeshing import NewMeshes
+from lacore.paths.schemes import Here, PathEndError, Stride
+from lacore.paths.stage import Stage
+from lacore.paths.stored.progress import Progress
 from lacore.result import LimitState
-from lacore.schemes import Here, PathEndError, Stride
-from lacore.staging import Stage
 
 _RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
 _COLUMNS = [entry.name for entry in fields(PathStep)]

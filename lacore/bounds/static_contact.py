@@ -13,9 +13,9 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.boundaries import facet_geometry
+from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.contact_geometry import Segments, interface_segments, tolerance
 from lacore.contact_points import ContactPoints, Station, interface_station, joined, laws_of
-from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
 from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows

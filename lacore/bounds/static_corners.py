@@ -13,7 +13,7 @@ import numpy as np
 from numpy.linalg import norm
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.equilibrium import EquilibriumDofs, element_geometry
+from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.errors import InputError
 from lacore.program import KinematicProgram
 

@@ -6,7 +6,7 @@ from skfem import MeshTri
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies import Body
-from lacore.precision import exactness
+from lacore.bounds.precision import exactness
 
 _PLACED = 4  # times exact: coordinates of both, each after an operation or two
 _SHOWN = "{:.6g}"

@@ -8,14 +8,14 @@ from skfem import Mesh, MeshQuad, MeshTri
 
 from lacore.arrays import Floats
 from lacore.bodies import Body
-from lacore.configuration import Configuration
-from lacore.control import Control, PointTravel
 from lacore.curved import is_curved
 from lacore.dofs import number
 from lacore.errors import InputError, require_known
+from lacore.paths.configuration import Configuration
+from lacore.paths.control import Control, PointTravel
+from lacore.paths.stage import Obstacle, Stage, staged
+from lacore.paths.transfer import transferred
 from lacore.problem import Problem, vertex_at
-from lacore.staging import Obstacle, Stage, staged
-from lacore.transfer import transferred
 
 Remesh = Callable[[Problem], Mapping[str, Mesh]]
 """New meshes by body, of bodies where they are now; those without one keep theirs.

@@ -6,31 +6,23 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
-from lacore import drift
-from lacore.checkpoint import Checkpoint, identity
-from lacore.control import Control, FootingTravel, gauge_of
 from lacore.dofs import number
 from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.flow import Moment, discretised
 from lacore.interfaces import Interface
-from lacore.logbook import Log
-from lacore.pace import AdaptiveSteps, Pace
-from lacore.path import Path, PathStep
-from lacore.path_ending import Ending
+from lacore.paths import drift
+from lacore.paths.control import Control, FootingTravel, gauge_of
+from lacore.paths.ending import Ending
+from lacore.paths.flow import Moment, discretised
+from lacore.paths.logbook import Log
+from lacore.paths.pace import AdaptiveSteps, Pace
+from lacore.paths.path import Path, PathStep
+from lacore.paths.remeshing import NewMeshes, Remesh, again, carried, described, restaged
+from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
+from lacore.paths.selection import LeastNorm, require_selection
+from lacore.paths.stage import Stage, staged
+from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.problem import Problem
-from lacore.remeshing import NewMeshes, Remesh, again, carried, described, restaged
-from lacore.schemes import (
-    SCHEMES,
-    Here,
-    PathEndError,
-    Scheme,
-    Stride,
-    Walk,
-    require_upright,
-)
-from lacore.selection import LeastNorm, require_selection
 from lacore.solving import engine_for
-from lacore.staging import Stage, staged
 
 
 def sequential(
@@ -78,9 +70,9 @@ def sequential(
             `PathStep.seconds`. Each step writes it anew, all snapshots included: `keep_every`
             keeps it small.
         remesh: makes new meshes where the next step would turn an element inside out, from the
-            problem on the bodies as they are; see `lacore.remeshing.Remesh`. Equivalent strains
-            are transferred (`lacore.transfer`), the velocity before is forgotten. An event says by
-            how much volume and load jump. A checkpoint knows it by its name.
+            problem on the bodies as they are; see `lacore.paths.remeshing.Remesh`. Equivalent
+            strains are transferred (`lacore.paths.transfer`), the velocity before is forgotten. An
+            event says by how much volume and load jump. A checkpoint knows it by its name.
         on_step: called after each step that is taken now, when it is kept, for progress: ``print``
             writes a line a step.
 

@@ -11,14 +11,14 @@ import pandas as pd
 
 from lacore import views
 from lacore.arrays import Floats
-from lacore.configuration import Configuration
 from lacore.errors import InputError
-from lacore.flow import Moment, flow
-from lacore.path_ending import Ending
+from lacore.paths.configuration import Configuration
+from lacore.paths.ending import Ending
+from lacore.paths.flow import Moment, flow
+from lacore.paths.stage import Stage
 from lacore.problem import Problem
 from lacore.result import LimitState
 from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
-from lacore.staging import Stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

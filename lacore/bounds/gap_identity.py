@@ -9,15 +9,15 @@ import numpy as np
 from lacore import views
 from lacore.arrays import Floats
 from lacore.bodies import Body
+from lacore.bounds.equilibrium import EquilibriumDofs
+from lacore.bounds.lower import LowerBound
+from lacore.bounds.upper import UpperBound, plastic_power
 from lacore.dofs import BodyDofs
-from lacore.equilibrium import EquilibriumDofs
 from lacore.errors import InputError
-from lacore.kinematic_bound import UpperBound, plastic_power
 from lacore.program import require_homogeneous
 from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.slips import Slip
-from lacore.static_bound import LowerBound
 from lacore.status import Status
 
 if TYPE_CHECKING:

@@ -8,14 +8,14 @@ import numpy as np
 
 from lacore.anderson import Anderson
 from lacore.arrays import Floats
-from lacore.configuration import Configuration
-from lacore.control import Gauge
 from lacore.curved import signed_jacobians
 from lacore.errors import InputError
-from lacore.flow import Flow, Moment, flow
-from lacore.path_ending import Ending
-from lacore.selection import LeastNorm, least_norm
-from lacore.staging import Stage
+from lacore.paths.configuration import Configuration
+from lacore.paths.control import Gauge
+from lacore.paths.ending import Ending
+from lacore.paths.flow import Flow, Moment, flow
+from lacore.paths.selection import LeastNorm, least_norm
+from lacore.paths.stage import Stage
 from lacore.status import Status
 
 _CLOSE = 1e-10  # of the body size: displacements of an implicit step that count as the same

@@ -1,0 +1,1 @@
+"""Both bounds on meshes that grow where the gap is (T26)."""

@@ -1,0 +1,76 @@
+"""Where strain rates may be unbounded, and how finely elements turn around there (T26b)."""
+
+from math import ceil, pi, sqrt
+
+import numpy as np
+from skfem import MeshTri
+
+from lacore.arrays import Floats
+from lacore.bodies import Body
+from lacore.boundaries import boundary_facets
+from lacore.contact_geometry import interface_segments
+from lacore.interfaces import RigidObstacle
+from lacore.loads import BodyForce, PointForce
+from lacore.problem import Problem
+
+_STRAIGHT = 1e-6  # rad: round-off of angles
+_ENOUGH = 1.6  # sectors in 180 degrees, times the root of a width: see `sectors_for`
+
+
+def singular_points(problem: Problem, name: str) -> list[int]:
+    """Vertices where strain rates may be unbounded: re-entrant corners, and ends of loads.
+
+    On the boundary of the body: where the interior angle is above 180 degrees, or where loads,
+    supports or interfaces end along a straight line.
+    """
+    body = problem.bodies[name]
+    assert isinstance(body, Body)
+    mesh = body.mesh
+    parts = [
+        *problem.supports,
+        *(load for load in (*problem.reference_loads, *problem.dead_loads)),
+    ]
+    wheres = [
+        part.where
+        for part in parts
+        if not isinstance(part, BodyForce | PointForce) and part.body == name
+    ]
+    alike = [boundary_facets(body, where, "where") for where in wheres]
+    for index, pair in enumerate(problem.interfaces):
+        segments = interface_segments(pair, problem.bodies, f"Problem.interfaces[{index}]")
+        for side, facets in ((pair.slave, segments.slave), (pair.master, segments.master)):
+            if not isinstance(side, RigidObstacle) and side[0] == name:
+                alike.append(facets)
+    boundary = mesh.boundary_facets()
+    conditions = np.zeros((mesh.nfacets, len(alike)), dtype=bool)
+    for column, facets in enumerate(alike):
+        conditions[facets, column] = True
+    angle = _angles(mesh)
+    sides: dict[int, list[int]] = {}
+    for facet in boundary.tolist():
+        for vertex in mesh.facets[:, facet].tolist():
+            sides.setdefault(vertex, []).append(facet)
+    found = []
+    for vertex, (one, *others) in sorted(sides.items()):
+        changes = any(np.any(conditions[one] != conditions[other]) for other in others)
+        if angle[vertex] > pi + _STRAIGHT or (changes and angle[vertex] > pi - _STRAIGHT):
+            found.append(vertex)
+    return found
+
+
+def sectors_for(target_width: float) -> int:
+    """Sectors in 180 degrees that cost less than half of a relative width.
+
+    By the punch, of whose load n sectors in 90 degrees cost about ``1/(4 n^2)`` (T26b).
+    """
+    return ceil(_ENOUGH / sqrt(target_width))
+
+
+def _angles(mesh: MeshTri) -> Floats:
+    """Sum of the angles of elements at vertices, shape (vertices,), rad."""
+    corner = mesh.p[:, mesh.t]
+    after, before = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
+    cross = np.abs(after[0] * before[1] - after[1] * before[0])
+    total = np.zeros(mesh.p.shape[1])
+    np.add.at(total, mesh.t, np.arctan2(cross, np.sum(after * before, axis=0)))
+    return total

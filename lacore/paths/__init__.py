@@ -1,0 +1,1 @@
+"""Large deformation: a limit problem a step (T29-T32)."""

@@ -1,0 +1,1 @@
+"""Long paths on the disk: read back as they were, or refused."""

@@ -1,0 +1,1 @@
+"""Which Coulomb load factors there are: ranges of blocks and of continua (T14)."""
