@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.linear_algebra import Gram, SingularError, SymmetricSolver
+from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Beside, Penalties, RegularisedPoint, beside, evaluate
 

@@ -16,7 +16,8 @@ from backends._newton_system import Shape, System, laws_of, shape_of
 from lacore.arrays import Floats
 from lacore.backend import Capabilities, InnerSolution
 from lacore.errors import require_count, require_positive
-from lacore.linear_algebra import SingularError, fast_solver, symmetric_solver
+from lacore.numerics.linear_algebra import SingularError
+from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
     Penalties,

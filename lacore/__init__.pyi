@@ -20,6 +20,7 @@ from .bounds.lower import lower_bound as lower_bound
 from .bounds.upper import UpperBound as UpperBound
 from .bounds.upper import upper_bound as upper_bound
 from .certificate import Certificate as Certificate
+from .coupling.interval import Interval as Interval
 from .criteria import VonMises as VonMises
 from .errors import CapabilityError as CapabilityError
 from .errors import InputError as InputError
@@ -32,8 +33,6 @@ from .interfaces import Coulomb as Coulomb
 from .interfaces import Interface as Interface
 from .interfaces import RigidObstacle as RigidObstacle
 from .interfaces import Tresca as Tresca
-from .intervals import Interval as Interval
-from .isolation import SolverProcess as SolverProcess
 from .loads import BodyForce as BodyForce
 from .loads import Fix as Fix
 from .loads import PointForce as PointForce
@@ -48,6 +47,7 @@ from .paths.path import Path as Path
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
 from .problem import Problem as Problem
+from .process.isolation import SolverProcess as SolverProcess
 from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
 from .result import LimitState as LimitState

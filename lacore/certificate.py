@@ -20,7 +20,7 @@ class Certificate(Shown):
     """Residuals, each >= 0 up to round-off and 0 for an exact Coulomb limit state.
 
     Of a regularised state divergence, penetration, flow, slip and gap stay as large as its
-    penalties let them; `lacore.coupling` says what it is judged by.
+    penalties let them; `lacore.coupling.run` says what it is judged by.
 
     Forces are judged by those of the body or block that they act on, its loads and reactions
     (`lacore.part_forces`): beside a heavy block a light one is not out of balance by little. Other

@@ -16,7 +16,8 @@ from lacore.assembly import Discretisation
 from lacore.certificate import Certificate
 from lacore.checking import Table, checked
 from lacore.contact_sides import contact_sides
-from lacore.intervals import Interval, interval_of_state
+from lacore.coupling.interval import Interval
+from lacore.limit.interval import interval_of_state
 from lacore.regularization import RegularisedValues
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.stability import Stability, stability_of

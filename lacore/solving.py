@@ -13,17 +13,11 @@ import pandas as pd
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.certificate import certify
-from lacore.certified import certified_loop
-from lacore.claims import CLAIMED, judged_claim
+from lacore.claims.judged import CLAIMED, judged_claim
 from lacore.conversion import point_in_si
-from lacore.coulomb_bounds import kinematic_load_factor
-from lacore.coupling import Coupled, CouplingOptions, Iterate
-from lacore.coupling_names import COUPLINGS
-from lacore.driven_corners import driven_corners
-from lacore.errors import InputError, SolveError, require_known
-from lacore.hinging import ROUNDS, excess, hinged
-from lacore.isolation import SolverProcess
-from lacore.loops import (
+from lacore.coupling.bounds import kinematic_load_factor
+from lacore.coupling.certified import certified_loop
+from lacore.coupling.fixed_point import (
     Coupling,
     associated,
     frictionless,
@@ -32,8 +26,16 @@ from lacore.loops import (
     shift_loop,
     stick,
 )
+from lacore.coupling.names import COUPLINGS
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate
+from lacore.driven_corners import driven_corners
+from lacore.errors import InputError, SolveError, require_known
+from lacore.hinging import ROUNDS, excess, hinged
+from lacore.inner.preparing import JUDGE, preparing
+from lacore.inner.rescaling import good_for
 from lacore.polygonal import POLYGON
 from lacore.problem import Problem
+from lacore.process.isolation import SolverProcess
 from lacore.program import (
     KinematicProgram,
     Scales,
@@ -42,9 +44,7 @@ from lacore.program import (
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
-from lacore.rescaling import good_for
 from lacore.result import LimitState
-from lacore.solvers import JUDGE, preparing
 from lacore.spaces import SPACES
 from lacore.stability import warning
 from lacore.status import Rigor, Status

@@ -17,13 +17,14 @@ import numpy as np
 
 from lacore.assembly import Discretisation
 from lacore.backend import checked_answer, find_backend, read_options
-from lacore.carrying import carrying
 from lacore.certificate import certify
 from lacore.checking import laws_of
+from lacore.claims.carrying import carrying
 from lacore.conversion import point_in_si
-from lacore.coupling import Coupled
+from lacore.coupling.interval import Prepare
+from lacore.coupling.run import Coupled
 from lacore.driven_corners import driven_corners
-from lacore.intervals import Prepare
+from lacore.inner.preparing import JUDGE, preparing
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
@@ -32,7 +33,6 @@ from lacore.program import (
     require_homogeneous,
 )
 from lacore.showing import Facts, Shown
-from lacore.solvers import JUDGE, preparing
 from lacore.span_moments import span_excess
 from lacore.state import ProgramState
 from lacore.status import Status

@@ -76,8 +76,8 @@ HEAVY = (
     ("code", "more"),
     [
         ("import lacore", ("numpy", "lacore.errors", "backends", "verification")),
-        ("import lacore.child_process", ("numpy", "backends", "verification")),
-        ("import lacore.isolation", ("pandas", "skfem", "backends", "verification")),
+        ("import lacore.process.child_process", ("numpy", "backends", "verification")),
+        ("import lacore.process.isolation", ("pandas", "skfem", "backends", "verification")),
         ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.solving",)),
         ("import verification", ("numpy", "lacore", "backends")),
     ],

@@ -9,7 +9,7 @@ from statistics import median
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.coupling_names import COUPLINGS
+from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
 from lacore.solving import coupling_for
 from verification.bracketing import BRACKET

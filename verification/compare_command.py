@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.coupling_names import COUPLINGS
+from lacore.coupling.names import COUPLINGS
 from lacore.errors import InputError, require_positive
 from verification.bracketing import BRACKET
 from verification.catalogue import Catalogue

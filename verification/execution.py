@@ -9,7 +9,7 @@ from typing import Protocol
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.child_process import (
+from lacore.process.child_process import (
     GRACE,
     LONGEST,
     ChildProcess,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
-from lacore.solvers import JUDGE
+from lacore.inner.preparing import JUDGE
 from verification.bracket_run import run_bracket
 from verification.bracketing import BRACKET
 from verification.defaults import RAW

@@ -9,7 +9,7 @@ from typing import Any
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.coupling import CouplingOptions
+from lacore.coupling.run import CouplingOptions
 from lacore.errors import InputError
 from verification import varied
 from verification.axis import KINDS, Axis, read_axis

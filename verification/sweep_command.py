@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lacore.coupling_names import COUPLINGS
+from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_positive
 from verification.catalogue import Catalogue
 from verification.defaults import ON_DEMAND, RAW

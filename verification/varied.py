@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.coupling import CouplingOptions
+from lacore.coupling.run import CouplingOptions
 from lacore.errors import InputError, suggest
 from verification.axis import ALIASES, KINDS, Axis, read_value
 from verification.case import Case, Variant

@@ -16,13 +16,13 @@ from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stress_projection import in_equilibrium
 from lacore.certificate import Certificate, certify
-from lacore.claims import judged_claim
+from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, SolveError
+from lacore.inner.preparing import preparing
 from lacore.polygonal import POLYGON
 from lacore.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.showing import Facts, Picture, Shown, counted
-from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
 from lacore.arrays import Floats, Sparse
-from lacore.linear_algebra import SingularError, SuperLU
+from lacore.numerics.linear_algebra import SingularError, SuperLU
 from lacore.program import KinematicProgram
 from lacore.state import ProgramState, out_of_balance
 

@@ -15,6 +15,7 @@ from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError
+from lacore.inner.rigid_motions import motions_without_strain
 from lacore.problem import Problem
 from lacore.program import (
     DissipationGroup,
@@ -25,7 +26,6 @@ from lacore.program import (
     require_homogeneous,
 )
 from lacore.result import LimitState
-from lacore.rigid_motions import motions_without_strain
 from lacore.showing import Facts, Picture, Shown
 from lacore.solving import solve
 from lacore.spaces import VelocitySpace

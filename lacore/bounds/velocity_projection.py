@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.linear_algebra import SingularError, SuperLU
+from lacore.numerics.linear_algebra import SingularError, SuperLU
 from lacore.program import KinematicProgram
 
 _SHIFT = 1e-11  # of rows of length 1

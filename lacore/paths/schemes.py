@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.curved import signed_jacobians
 from lacore.errors import InputError
+from lacore.numerics.anderson import Anderson
 from lacore.paths.configuration import Configuration
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending

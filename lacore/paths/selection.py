@@ -11,6 +11,7 @@ from lacore.backend import Backend, checked_answer, find_backend, read_options
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
 from lacore.errors import InputError, require_positive
+from lacore.inner.preparing import preparing
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -20,7 +21,6 @@ from lacore.program import (
 )
 from lacore.result import LimitState
 from lacore.showing import Compact
-from lacore.solvers import preparing
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved
 _CLOSER = 0.8  # of the strength that would make the excess just the one allowed

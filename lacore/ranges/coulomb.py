@@ -12,17 +12,17 @@ import pandas as pd
 from lacore.assembly import Discretisation, discretise
 from lacore.backend import find_backend, read_options
 from lacore.conversion import point_in_program
-from lacore.coulomb_search import HIGH, LOW, Found, Search, bracket
-from lacore.coupling import Coupled
+from lacore.coupling.run import Coupled
+from lacore.coupling.search import HIGH, LOW, Found, Search, bracket
 from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
+from lacore.inner.preparing import preparing
+from lacore.inner.rescaling import good_for
 from lacore.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
-from lacore.rescaling import good_for
 from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted
-from lacore.solvers import preparing
 from lacore.solving import limit_state, solve
 from lacore.status import Scope, Status
 

@@ -16,8 +16,8 @@ from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.newton import Newton
 from lacore.backend import find_backend
 from lacore.certificate import certify
-from lacore.coupling import CouplingOptions
-from lacore.loops import reaction_loop
+from lacore.coupling.fixed_point import reaction_loop
+from lacore.coupling.run import CouplingOptions
 from lacore.program import DissipationGroup, associated_contact, dimensionless
 from lacore.regularization import Penalties, evaluate
 from lacore.status import Status

@@ -9,9 +9,9 @@ import pytest
 import lacore as la
 from lacore.backend import check_capable, find_backend
 from lacore.certificate import certify
-from lacore.certified import certified_loop
-from lacore.coupling import CouplingOptions
-from lacore.loops import reaction_loop
+from lacore.coupling.certified import certified_loop
+from lacore.coupling.fixed_point import reaction_loop
+from lacore.coupling.run import CouplingOptions
 from lacore.program import dimensionless, reaction_contact
 from lacore.regularization import evaluate, penalties
 from lacore.status import Status

@@ -7,7 +7,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from lacore.backend import backend_names, load_backend
-from lacore.linear_algebra import symmetric_solver
+from lacore.numerics.symmetric import symmetric_solver
 from tests.benchmarks.measuring import Model, punch
 from verification.provenance import describe
 

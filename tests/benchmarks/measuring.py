@@ -16,7 +16,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import lacore as la
 from lacore.backend import Backend, PreparedSolver
-from lacore.linear_algebra import SuperLU, fast_solver, symmetric_solver
+from lacore.numerics.linear_algebra import SuperLU
+from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.program import dimensionless, reaction_contact
 
 POISSON = 0.3

@@ -14,7 +14,7 @@ from skfem import MeshTri
 
 import lacore as la
 from lacore.adaptive.bracket import width
-from lacore.linear_algebra import symmetric_solver
+from lacore.numerics.symmetric import symmetric_solver
 from tests.benchmarks.measuring import Model, elastic_seconds, punch
 from verification.catalogue import find
 

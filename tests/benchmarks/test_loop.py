@@ -5,8 +5,8 @@ import time
 import pytest
 
 import lacore as la
-from lacore.coupling import CouplingOptions
-from lacore.loops import reaction_loop
+from lacore.coupling.fixed_point import reaction_loop
+from lacore.coupling.run import CouplingOptions
 from lacore.program import dimensionless
 from tests.benchmarks.measuring import Clocked
 from verification.catalogue import find

@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.backend import load_backend
-from lacore.linear_algebra import symmetric_solver
+from lacore.numerics.symmetric import symmetric_solver
 from tests.benchmarks.measuring import Clocked, elastic_seconds
 from tests.benchmarks.test_assembly import SIZES
 

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from lacore.child_process import ChildProcess, LostError
+from lacore.process.child_process import ChildProcess, LostError
 from tests.processes import alive, marked, wait_for
 
 
@@ -64,7 +64,7 @@ def test_killed_while_it_starts(monkeypatch):
 
 _SIGNALLED = """
 import os, signal, threading
-from lacore.child_process import ChildProcess, LostError
+from lacore.process.child_process import ChildProcess, LostError
 signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as gmsh does
 def lost():
     with ChildProcess("tests.lacore.test_child_process:Worker") as child:

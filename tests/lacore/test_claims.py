@@ -7,11 +7,11 @@ import pytest
 
 import lacore as la
 from lacore.backend import InnerSolution
-from lacore.dead_collapse import dead_collapse
-from lacore.free_motion import without_dissipation
-from lacore.locking_ray import locking_ray
+from lacore.claims.dead_collapse import dead_collapse
+from lacore.claims.free_motion import without_dissipation
+from lacore.claims.locking_ray import locking_ray
+from lacore.inner.preparing import preparing
 from lacore.program import associated_contact, dimensionless, frictionless_contact
-from lacore.solvers import preparing
 from tests.shares import one_in
 
 R = la.masonry.rectangle

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.anderson import Anderson
 from lacore.backend import InnerSolution
-from lacore.coupling import CouplingOptions
-from lacore.loops import reaction_loop
+from lacore.coupling.fixed_point import reaction_loop
+from lacore.coupling.run import CouplingOptions
+from lacore.numerics.anderson import Anderson
 from lacore.status import Status
 from tests.lacore.models import cantilever, deformable_block, obstacle, square
 from tests.lacore.random_programs import random_program

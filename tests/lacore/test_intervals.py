@@ -12,7 +12,7 @@ from lacore.backend import InnerSolution
 from lacore.bonds import random_bond
 from lacore.certificate import certify
 from lacore.conversion import point_in_program
-from lacore.intervals import EndStatus, load_factor_interval
+from lacore.coupling.interval import EndStatus, load_factor_interval
 from lacore.program import (
     ContactRows,
     KinematicProgram,

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-import lacore.child_process
-import lacore.isolation
+import lacore.process.child_process
+import lacore.process.isolation
 from lacore.backend import InnerSolution, checked_answer
 from lacore.program import associated_contact, dimensionless
 from lacore.regularization import RegularisedValues
@@ -86,7 +86,7 @@ def test_a_solver_does_not_answer_for_the_program_of_another(process, block, ans
 def test_a_lost_process_is_final_for_its_solver_only(
     process, block, answer, monkeypatch, backend, limit, status, native
 ):
-    monkeypatch.setattr(lacore.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.process.isolation, "GRACE", 0.1)
     program, contact = block
     solver = process.prepare(backend(), program, Options(time_limit=limit))
     lost = solver.solve(contact)
@@ -98,7 +98,7 @@ def test_a_lost_process_is_final_for_its_solver_only(
 
 
 def test_a_prepare_that_hangs_is_the_answer_of_solve(process, block, monkeypatch):
-    monkeypatch.setattr(lacore.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.process.isolation, "GRACE", 0.1)
     program, contact = block
     solver = process.prepare(SleepsInPrepare(), program, Options(time_limit=0.1))
     assert solver.solve(contact).status is la.Status.TIME_LIMIT
@@ -126,7 +126,7 @@ def test_an_interrupt_leaves_nothing_out_of_step(process, block, answer, monkeyp
     program, contact = block
     solver = process.prepare(Works(), program, Options())
     with monkeypatch.context() as patch:
-        patch.setattr(lacore.child_process, "_receive", interrupt)
+        patch.setattr(lacore.process.child_process, "_receive", interrupt)
         with pytest.raises(KeyboardInterrupt):
             solver.solve(contact)
     started = []

@@ -10,9 +10,9 @@ import pytest
 
 import lacore as la
 from lacore.certificate import certify
+from lacore.inner.rescaling import PartUnits
 from lacore.part_forces import part_forces
 from lacore.program import dimensionless
-from lacore.rescaling import PartUnits
 from tests.lacore.random_weights import random_assembly
 
 R = la.masonry.rectangle
@@ -137,7 +137,7 @@ def test_most_assemblies_of_ten_decades_are_certified():
 
 def test_above_the_associated_load_nothing_is_solved(monkeypatch):
     """A loop whose residuals would let it pass is stopped by the upper bound that it has."""
-    import lacore.certified as certified
+    import lacore.coupling.certified as certified
 
     problem = stone_on_a_wall(1.0)
     true = certified.averaged

@@ -6,8 +6,9 @@ import scipy.sparse as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore import linear_algebra
-from lacore.linear_algebra import Gram, SingularError, SuperLU, fast_solver, symmetric_solver
+from lacore.numerics import symmetric
+from lacore.numerics.linear_algebra import Gram, SingularError, SuperLU
+from lacore.numerics.symmetric import fast_solver, symmetric_solver
 
 SOLVERS = [solver for solver in (SuperLU, fast_solver()) if solver is not None]
 
@@ -75,5 +76,5 @@ def test_a_singular_matrix_has_a_name(solver):
 
 
 def test_without_the_extra_superlu_does_it(monkeypatch):
-    monkeypatch.setattr(linear_algebra, "fast_solver", lambda: None)
+    monkeypatch.setattr(symmetric, "fast_solver", lambda: None)
     assert isinstance(symmetric_solver(), SuperLU)

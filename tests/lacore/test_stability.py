@@ -7,8 +7,8 @@ import pytest
 
 import lacore as la
 from lacore.backend import InnerSolution
-from lacore.carrying import carrying
 from lacore.certificate import certify
+from lacore.claims.carrying import carrying
 from lacore.conversion import point_in_program
 from lacore.program import associated_contact, dimensionless
 from lacore.stability import Standing, stability_of

@@ -5,9 +5,9 @@ import pytest
 from scipy.sparse import csr_matrix
 
 import lacore as la
-import lacore.strong_bodies as strong_bodies
-from lacore.rigid_motions import kernel, motions_without_strain, weighted_rows
-from lacore.strong_bodies import StrongBodySolver
+import lacore.inner.strong_bodies as strong_bodies
+from lacore.inner.rigid_motions import kernel, motions_without_strain, weighted_rows
+from lacore.inner.strong_bodies import StrongBodySolver
 
 WEIGHT, MU = 77e3, 0.3  # N/m^3
 

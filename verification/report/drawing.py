@@ -9,7 +9,7 @@ from queue import SimpleQueue
 
 from matplotlib.figure import Figure
 
-from lacore.child_process import ChildProcess
+from lacore.process.child_process import ChildProcess
 from verification.bracketing import BRACKET
 from verification.case import Case, is_of_lacore
 from verification.checks import said

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import lacore as la
-from lacore.child_process import START, ChildProcess
+from lacore.process.child_process import START, ChildProcess
 from lacore.solving import strict_bound
 from verification.case import Case, Variant, is_of_lacore
 

@@ -17,6 +17,8 @@ from scipy.sparse.linalg import splu
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
+from lacore.inner.rescaling import largest_residual
+from lacore.inner.rigid_motions import motions_without_strain, weighted_rows
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -25,8 +27,6 @@ from lacore.program import (
     dimensionless,
     reduced,
 )
-from lacore.rescaling import largest_residual
-from lacore.rigid_motions import motions_without_strain, weighted_rows
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Status
 

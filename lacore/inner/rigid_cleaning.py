@@ -1,6 +1,6 @@
 """Velocities of rigid parts moved the least that makes them admissible.
 
-In units of its own a light block is solved as sharply as a heavy one (`lacore.rescaling`): in
+In units of its own a light block is solved as sharply as a heavy one (`lacore.inner.rescaling`): in
 power. Its velocity, power per its small force, carries noise that is large beside that of others.
 """
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack, vstack
 
 from lacore.arrays import Floats
-from lacore.linear_program import least
+from lacore.numerics.linear_program import least
 from lacore.part_forces import part_forces
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from lacore.backend import PreparedSolver
-from lacore.dead_collapse import dead_collapse
-from lacore.locking_ray import locking_ray
+from lacore.claims.dead_collapse import dead_collapse
+from lacore.claims.locking_ray import locking_ray
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
 

@@ -1,33 +1,27 @@
 """Exact range of load factors that one mechanism can carry (T14b a).
 
 Coulomb limit loads are not unique: the velocity of a limit state leaves reactions, and with them
-the load factor, undetermined. The reactions that go with it are convex (`lacore.faces`), so that
-the smallest and the largest load factor are one conic program each, and everything between is
-carried too.
+the load factor, undetermined. The reactions that go with it are convex (`lacore.coupling.faces`),
+so that the smallest and the largest load factor are one conic program each, and everything between
+is carried too.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly import Discretisation
-from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
+from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
-from lacore.conversion import point_in_program, point_in_si
-from lacore.coulomb_bounds import kinematic_power
-from lacore.faces import Face, faces, ray_program
+from lacore.coupling.bounds import kinematic_power
+from lacore.coupling.faces import Face, faces, ray_program
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
-    dimensionless,
-    require_homogeneous,
 )
 from lacore.showing import Facts, Shown
-from lacore.solvers import preparing
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -122,49 +116,6 @@ class Interval(Shown):
         return f"[{ends} ({self.upper.status.label})]"
 
 
-def interval_of_state(
-    discretisation: Discretisation,
-    point: ProgramState,
-    backend: str,
-    options: Mapping[str, Any],
-    tolerance: float,
-) -> Interval:
-    """The interval of the mechanism of a state of a problem, all in SI units.
-
-    Of a state that is none of Coulomb (regularised, associated) nothing is certified.
-
-    Raises:
-        InputError: a state within a step of a path: how fast it moves is given there.
-    """
-    require_homogeneous(
-        discretisation.program,
-        "LimitState.interval",
-        "ask for the interval of a state of lacore.solve",
-    )
-    engine = find_backend(backend)
-    program = dimensionless(discretisation.program, discretisation.natural)
-    with preparing(engine, read_options(engine, options)) as prepare:
-        found = load_factor_interval(
-            program, point_in_program(discretisation, point), prepare, tolerance
-        )
-    return _in_si(discretisation, found, point)
-
-
-def _in_si(discretisation: Discretisation, interval: Interval, state: ProgramState) -> Interval:
-    """An interval of the dimensionless program as one of its problem, about a state of it."""
-    scale = discretisation.natural.load_factor
-    ends = []
-    for sign, end in ((-1.0, interval.lower), (1.0, interval.upper)):
-        there = replace(
-            end,
-            load_factor=end.load_factor * scale,
-            point=point_in_si(discretisation, end.point),
-        )
-        known = End(end.status, state.load_factor, state, end.certificate)
-        ends.append(_further(there, known, sign))
-    return Interval(*ends)
-
-
 def load_factor_interval(
     program: KinematicProgram, point: ProgramState, prepare: Prepare, tolerance: float = 1e-6
 ) -> Interval:
@@ -187,11 +138,11 @@ def load_factor_interval(
     for sign in (-1.0, 1.0):
         end = proven_end(program, point, sign, prepare, tolerance)
         known = End(EndStatus.FOUND, point.load_factor, point, found)
-        ends.append(known if end is None else _further(end, known, sign))
+        ends.append(known if end is None else further(end, known, sign))
     return Interval(*ends)
 
 
-def _further(end: End, known: End, sign: float) -> End:
+def further(end: End, known: End, sign: float) -> End:
     """The end, or the state itself where round-off has it beyond: it proves its own load factor."""
     beyond = sign * (known.load_factor - end.load_factor) > 0
     return replace(known, status=end.status) if beyond else end

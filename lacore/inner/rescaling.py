@@ -18,9 +18,9 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import certify
+from lacore.inner.rigid_cleaning import cleaned
 from lacore.part_forces import own_loads, part_forces
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
-from lacore.rigid_cleaning import cleaned
 from lacore.state import ProgramState
 from lacore.status import Status
 

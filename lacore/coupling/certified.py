@@ -16,12 +16,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
-from lacore.coulomb_bounds import kinematic_power, lower_bound, upper_bound
-from lacore.coupling import Coupled, CouplingOptions, Iterate, Run, paired
-from lacore.loops import OnIterate, fixed_point, slip_rate
+from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
+from lacore.coupling.fixed_point import OnIterate, fixed_point, slip_rate
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, paired
+from lacore.numerics.anderson import Anderson
 from lacore.program import (
     KinematicProgram,
     associated_contact,

@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import Any
 
 from lacore.backend import Backend, InnerSolution, PreparedSolver
-from lacore.child_process import (
+from lacore.process.child_process import (
     GRACE,
     LONGEST,
     START,
@@ -18,7 +18,7 @@ from lacore.child_process import (
 )
 from lacore.program import FrozenContact, KinematicProgram
 
-_WORKER = "lacore.isolation:SolverWorker"
+_WORKER = "lacore.process.isolation:SolverWorker"
 
 
 class SolverProcess:

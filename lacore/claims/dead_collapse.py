@@ -14,11 +14,11 @@ from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.linear_program import least
+from lacore.inner.rescaling import PartUnits
+from lacore.inner.rigid_cleaning import cleaned
+from lacore.numerics.linear_program import least
 from lacore.part_forces import own_loads
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.rescaling import PartUnits
-from lacore.rigid_cleaning import cleaned
 from lacore.state import ProgramState
 
 

@@ -26,7 +26,7 @@ from lacore_start import hidden
 GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports
 LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
-_SERVE = "from lacore.child_process import serve; serve({!r})"
+_SERVE = "from lacore.process.child_process import serve; serve({!r})"
 _LENGTH = 8  # bytes, of the number before each message that says how long it is
 
 

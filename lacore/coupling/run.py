@@ -1,9 +1,9 @@
 """What all coupling loops share: options, the inner solves as they come, and their judgement.
 
-The loops (`lacore.loops`, `lacore.certified`) are the only place that iterates on contact
-reactions (T9-T13). Exact backends stop when the recomputed residuals of the Coulomb problem
-(`lacore.certificate`) are within tolerance; regularised ones, whose residuals never vanish, when
-the friction bounds that they were given are those of the reactions that they return.
+The loops (`lacore.coupling.fixed_point`, `lacore.coupling.certified`) are the only place that
+iterates on contact reactions (T9-T13). Exact backends stop when the recomputed residuals of the
+Coulomb problem (`lacore.certificate`) are within tolerance; regularised ones, whose residuals never
+vanish, when the friction bounds that they were given are those of the reactions that they return.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
+from lacore.claims.free_motion import without_dissipation
 from lacore.errors import (
     InputError,
     is_number,
@@ -24,7 +25,6 @@ from lacore.errors import (
     require_known,
     require_positive,
 )
-from lacore.free_motion import without_dissipation
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.showing import Compact
 from lacore.state import ProgramState

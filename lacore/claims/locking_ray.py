@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
 from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Floats, Sparse
-from lacore.linear_program import least
+from lacore.numerics.linear_program import least
 from lacore.program import FrozenContact, KinematicProgram
 
 _ROUND_OFF = 1e-12  # of all forces on a part: sums of a thousand terms in double precision

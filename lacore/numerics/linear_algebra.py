@@ -5,7 +5,6 @@ small dense blocks D that change and rows R that do not, and the solution with K
 """
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -77,23 +76,6 @@ class SymmetricSolver(Protocol):
 
     def close(self) -> None:
         """Give the factors back."""
-
-
-def symmetric_solver() -> SymmetricSolver:
-    """The best solver installed: PARDISO (extra ``fast``), else SuperLU."""
-    fast = fast_solver()
-    return SuperLU() if fast is None else fast()
-
-
-@cache
-def fast_solver() -> type[SymmetricSolver] | None:
-    """PARDISO where it is installed, else None."""
-    try:
-        # Here: MKL takes half a second to load, and only second-order methods have a use for it.
-        from lacore.pardiso import Pardiso
-    except ImportError:  # an extra
-        return None
-    return Pardiso
 
 
 class SuperLU:

@@ -10,7 +10,7 @@ from pypardiso.pardiso_wrapper import PyPardisoError
 from scipy.sparse import csr_array
 
 from lacore.arrays import Floats, Sparse
-from lacore.linear_algebra import SingularError
+from lacore.numerics.linear_algebra import SingularError
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE = 2

@@ -17,7 +17,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.own_unknown import with_own_unknown
+from lacore.inner.own_unknown import with_own_unknown
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.showing import Compact
 from lacore.state import ProgramState

@@ -22,7 +22,7 @@ from scipy.sparse import csr_matrix, diags_array, vstack
 from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.own_unknown import with_own_unknown
+from lacore.inner.own_unknown import with_own_unknown
 from lacore.program import (
     FrozenContact,
     KinematicProgram,

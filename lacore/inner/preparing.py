@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from lacore.backend import Backend, PreparedSolver
-from lacore.isolation import SolverProcess
+from lacore.inner.rescaling import GOOD, RescalingSolver
+from lacore.inner.strong_bodies import StrongBodySolver
+from lacore.process.isolation import SolverProcess
 from lacore.program import KinematicProgram
-from lacore.rescaling import GOOD, RescalingSolver
-from lacore.strong_bodies import StrongBodySolver
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
 JUDGE = "clarabel"
@@ -26,8 +26,8 @@ def preparing(
 
     Args:
         backend: exact ones are asked for strong bodies as rigid ones first
-            (`lacore.strong_bodies`), and in units of the parts of a program (`lacore.rescaling`);
-            penalties of regularised ones (T20) are not to be scaled.
+            (`lacore.inner.strong_bodies`), and in units of the parts of a program
+            (`lacore.inner.rescaling`); penalties of regularised ones (T20) are not to be scaled.
         options: of the backend.
         process: to work in, one program at a time; None: one of its own where it needs one.
         good: residual of a solve with which it is not asked again in other units.

@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lacore.anderson import Anderson
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
-from lacore.coupling import Coupled, CouplingOptions, Iterate, Run
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run
+from lacore.numerics.anderson import Anderson
 from lacore.program import (
     ContactRows,
     FrozenContact,

@@ -17,10 +17,17 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.certified import averaged
-from lacore.coulomb_bounds import lower_bound, upper_bound
-from lacore.coupling import CouplingOptions, Iterate, Run
-from lacore.intervals import End, EndStatus, Interval, Prepare, load_factor_interval, proven_end
+from lacore.coupling.bounds import lower_bound, upper_bound
+from lacore.coupling.certified import averaged
+from lacore.coupling.interval import (
+    End,
+    EndStatus,
+    Interval,
+    Prepare,
+    load_factor_interval,
+    proven_end,
+)
+from lacore.coupling.run import CouplingOptions, Iterate, Run
 from lacore.program import KinematicProgram, associated_contact, frictionless_contact
 from lacore.showing import Compact
 from lacore.state import ProgramState

@@ -1,0 +1,1 @@
+"""What is claimed of a program without a load factor, proven: locked, unsafe, carried, free."""

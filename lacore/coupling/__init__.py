@@ -1,0 +1,1 @@
+"""Loops on contact reactions, on programs alone (T9-T14)."""

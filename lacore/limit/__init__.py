@@ -1,0 +1,1 @@
+"""One limit problem solved: its state, whether it stands, its interval."""

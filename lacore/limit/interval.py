@@ -1,0 +1,59 @@
+"""The interval of a state of a problem, in its own units (T14b a)."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from lacore.assembly import Discretisation
+from lacore.backend import find_backend, read_options
+from lacore.conversion import point_in_program, point_in_si
+from lacore.coupling.interval import End, Interval, further, load_factor_interval
+from lacore.inner.preparing import preparing
+from lacore.program import (
+    dimensionless,
+    require_homogeneous,
+)
+from lacore.state import ProgramState
+
+
+def interval_of_state(
+    discretisation: Discretisation,
+    point: ProgramState,
+    backend: str,
+    options: Mapping[str, Any],
+    tolerance: float,
+) -> Interval:
+    """The interval of the mechanism of a state of a problem, all in SI units.
+
+    Of a state that is none of Coulomb (regularised, associated) nothing is certified.
+
+    Raises:
+        InputError: a state within a step of a path: how fast it moves is given there.
+    """
+    require_homogeneous(
+        discretisation.program,
+        "LimitState.interval",
+        "ask for the interval of a state of lacore.solve",
+    )
+    engine = find_backend(backend)
+    program = dimensionless(discretisation.program, discretisation.natural)
+    with preparing(engine, read_options(engine, options)) as prepare:
+        found = load_factor_interval(
+            program, point_in_program(discretisation, point), prepare, tolerance
+        )
+    return _in_si(discretisation, found, point)
+
+
+def _in_si(discretisation: Discretisation, interval: Interval, state: ProgramState) -> Interval:
+    """An interval of the dimensionless program as one of its problem, about a state of it."""
+    scale = discretisation.natural.load_factor
+    ends = []
+    for sign, end in ((-1.0, interval.lower), (1.0, interval.upper)):
+        there = replace(
+            end,
+            load_factor=end.load_factor * scale,
+            point=point_in_si(discretisation, end.point),
+        )
+        known = End(end.status, state.load_factor, state, end.certificate)
+        ends.append(further(there, known, sign))
+    return Interval(*ends)

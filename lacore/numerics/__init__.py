@@ -1,0 +1,1 @@
+"""Sparse matrices, linear programs and iterations, for loops, proofs and backends alike."""

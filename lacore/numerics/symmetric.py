@@ -1,0 +1,22 @@
+"""Which solver factorises symmetric matrices: the best that is installed."""
+
+from functools import cache
+
+from lacore.numerics.linear_algebra import SuperLU, SymmetricSolver
+
+
+def symmetric_solver() -> SymmetricSolver:
+    """The best solver installed: PARDISO (extra ``fast``), else SuperLU."""
+    fast = fast_solver()
+    return SuperLU() if fast is None else fast()
+
+
+@cache
+def fast_solver() -> type[SymmetricSolver] | None:
+    """PARDISO where it is installed, else None."""
+    try:
+        # Here: MKL takes half a second to load, and only second-order methods have a use for it.
+        from lacore.numerics.pardiso import Pardiso
+    except ImportError:  # an extra
+        return None
+    return Pardiso

@@ -1,0 +1,1 @@
+"""Work in another process, which can be stopped."""
