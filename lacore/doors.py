@@ -12,21 +12,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@views.picture.of("lacore.bodies.Body")
+@views.picture.of("lacore.bodies.continuum.body.Body")
 def _body(body: Any) -> "Figure":
     from lacore.pictures.mesh import plot_body
 
     return plot_body(body)
 
 
-@views.picture.of("lacore.problem.Problem")
+@views.picture.of("lacore.problem.problem.Problem")
 def _problem(problem: Any) -> "Figure":
     from lacore.pictures.sketch.problem import plot_problem
 
     return plot_problem(problem)
 
 
-@views.picture.of("lacore.result.LimitState")
+@views.picture.of("lacore.limit.state.LimitState")
 def _state(state: Any) -> "Figure":
     from lacore.pictures.mechanism import plot_mechanism
 
@@ -68,7 +68,7 @@ def _film(path: Any, *how: Any) -> None:
     animate_path(path, *how)
 
 
-@views.files.of("lacore.result.LimitState")
+@views.files.of("lacore.limit.state.LimitState")
 def _state_file(state: Any, place: Any) -> Path:
     from lacore.files.vtu import write_state
 

@@ -62,7 +62,7 @@ class DissipationGroup(Compact):
         weights: integration weights, shape (m,), m^3; m^2 of plane bodies of unit thickness.
         bound: largest norm of the conjugate stress, shape (m,), Pa.
         volumetric: rows of theta, shape (m, n).
-        volumetric_factor: see `lacore.criteria.ConicForm`.
+        volumetric_factor: see `lacore.materials.conic_form.ConicForm`.
         modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
     """
 

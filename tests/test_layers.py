@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
 from itertools import chain
 from pathlib import Path
@@ -12,13 +13,33 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+MOST_FILES, MOST_LINES = 16, 400
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
+LACORE = (
+    *("arrays", "errors", "showing", "views", "status", "program", "state", "part_forces"),
+    *("certificate", "regularization", "backend"),
+    *("numerics", "process", "inner", "claims", "coupling"),
+    *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
+    *("limit", "bounds", "adaptive", "ranges", "paths", "files", "pictures", "doors"),
+)
+"""Files and folders of lacore: each imports from those before it, and from its own."""
+SOLVER_WING = LACORE[LACORE.index("numerics") : LACORE.index("materials")]
+MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
-def imports(path):
-    """Top-level packages and full names that a file imports, wherever in the file."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def imports(path, run=False):
+    """Packages and full names that a file imports, wherever in it; `run`: but for types alone."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    typed = {
+        inner
+        for node in ast.walk(tree)
+        if run and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+        for inner in ast.walk(node)
+    }
+    for node in ast.walk(tree):
+        if node in typed:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -41,6 +62,60 @@ def within(name, package):
 def test_the_core_knows_no_solver_and_no_case(path):
     banned = ("backends", "verification", *SOLVERS)
     assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
+
+
+@pytest.mark.parametrize("path", files("lacore"))
+def test_imports_run_one_way(path):
+    """Wherever in a file they stand. What knows no mesh and what knows no loop meet in `limit`."""
+    own = room(f"lacore.{'.'.join(path.relative_to(ROOT / 'lacore').with_suffix('').parts)}")
+    if own == "__init__":
+        return  # the face
+    seen = {room(name) for name in imports(path) if within(name, "lacore") and name != "lacore"}
+    assert [name for name in seen if LACORE.index(name) > LACORE.index(own)] == []
+    for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
+        assert own not in wing or not seen & set(other)
+
+
+def room(name):
+    """The file or folder of lacore that a module is or lies in."""
+    return name.split(".")[1]
+
+
+@pytest.mark.parametrize("house", ["lacore", "verification", "backends"])
+def test_no_file_needs_itself(house):
+    """Of modules, inside of rooms too; imports for types alone need nothing."""
+    found = {module_of(path): path for path in (ROOT / house).rglob("*.py")}
+    needs = {
+        name: {known(seen, found) for seen in imports(path, run=True)} - {name, None}
+        for name, path in found.items()
+        if not name.endswith("__init__")
+    }
+    TopologicalSorter(needs).prepare()  # CycleError names the files of a circle
+
+
+def module_of(path):
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts)
+
+
+def known(name, found):
+    """The module that holds a name, if it is one of those."""
+    return next((n for n in (name, name.rpartition(".")[0]) if n in found), None)
+
+
+@pytest.mark.parametrize("house", ["lacore", "verification"])
+def test_a_room_is_seen_at_a_glance(house):
+    """Cases are as many as there are."""
+    crowded, long = {}, {}
+    for folder in {path.parent for path in (ROOT / house).rglob("*.py")}:
+        held = list(folder.glob("*.py"))
+        if len(held) > MOST_FILES and folder.name != "cases":
+            crowded[str(folder.relative_to(ROOT))] = len(held)
+        for path in held:
+            lines = len(path.read_text(encoding="utf-8").splitlines())
+            if lines > MOST_LINES:
+                long[str(path.relative_to(ROOT))] = lines
+    assert not crowded
+    assert not long
 
 
 @pytest.mark.parametrize("path", files("backends"))
@@ -78,7 +153,7 @@ HEAVY = (
         ("import lacore", ("numpy", "lacore.errors", "backends", "verification")),
         ("import lacore.process.child_process", ("numpy", "backends", "verification")),
         ("import lacore.process.isolation", ("pandas", "skfem", "backends", "verification")),
-        ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.solving",)),
+        ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.limit.solve",)),
         ("import verification", ("numpy", "lacore", "backends")),
     ],
 )
@@ -108,14 +183,14 @@ try:
     main({arguments!r})
 except SystemExit:
     pass"""
-    banned = [*HEAVY, "backends", "lacore.solving", "verification.execution"]
+    banned = [*HEAVY, "backends", "lacore.limit.solve", "verification.execution"]
     assert loaded_of(call, [*banned, "verification.cases.prandtl_punch"]) == []
 
 
 def test_every_name_that_lacore_promises_is_there():
     """Also where a function has the name of its module, and that was imported before."""
     code = """
-import lacore.coulomb_range, lacore.gap_identity, lacore.sequential
+import lacore.ranges.coulomb, lacore.bounds.gap_identity, lacore.paths.sequential
 import lacore as la
 from types import ModuleType
 found = {name: getattr(la, name) for name in la.__all__}

@@ -11,7 +11,7 @@ import lacore as la
 from lacore.backend import load_backend
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
-from lacore.solving import coupling_for
+from lacore.limit.solve import coupling_for
 from verification.bracketing import BRACKET
 from verification.case import Case, Variant
 from verification.catalogue import Catalogue, catalogue, find

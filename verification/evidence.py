@@ -12,7 +12,7 @@ import pandas as pd
 import lacore as la
 from lacore.arrays import Floats
 from lacore.certificate import Certificate
-from lacore.checking import recomputed
+from lacore.limit.checking import recomputed
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState
 from verification.case import SOLVER

@@ -13,7 +13,7 @@ from scipy.special import spence
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, require_positive
-from lacore.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 
 _WHOLE = 1e-12  # of an exponent: a hundredth of the accuracy asked of a closed form
 _GROWTH = np.geomspace(1e-6, 1e3, 2000)  # of the bore, where a peak is looked for

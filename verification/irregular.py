@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from skfem import MeshTri
 
-from lacore.refinement import bisected
+from lacore.meshes.refinement import bisected
 
 _PART = 3  # one in so many elements is divided
 _MOVE = 0.25  # of the least height around a vertex: no element can turn over

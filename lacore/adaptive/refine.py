@@ -19,10 +19,10 @@ from lacore.bounds.enclosing import has_coulomb
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import InputError, require_count, require_positive
-from lacore.mesh_checks import quality
-from lacore.problem import Problem
-from lacore.refinement import grown
-from lacore.solving import solve
+from lacore.limit.solve import solve
+from lacore.meshes.checks import quality
+from lacore.meshes.refinement import grown
+from lacore.problem.problem import Problem
 from lacore.status import Status
 
 Bound = LowerBound | UpperBound

@@ -5,7 +5,7 @@ import shapely
 from skfem import MeshTri
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies import Body
+from lacore.bodies.continuum.body import Body
 from lacore.bounds.precision import exactness
 
 _PLACED = 4  # times exact: coordinates of both, each after an operation or two

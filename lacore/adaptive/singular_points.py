@@ -6,12 +6,12 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.arrays import Floats
-from lacore.bodies import Body
-from lacore.boundaries import boundary_facets
-from lacore.contact_geometry import interface_segments
-from lacore.interfaces import RigidObstacle
-from lacore.loads import BodyForce, PointForce
-from lacore.problem import Problem
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import boundary_facets
+from lacore.conditions.loads import BodyForce, PointForce
+from lacore.contact.obstacles import RigidObstacle
+from lacore.contact.segments import interface_segments
+from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
 _ENOUGH = 1.6  # sectors in 180 degrees, times the root of a width: see `sectors_for`

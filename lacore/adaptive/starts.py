@@ -7,16 +7,16 @@ from skfem import MeshTri
 
 from lacore.adaptive.same_domain import difference
 from lacore.adaptive.singular_points import sectors_for, singular_points
-from lacore.blocks import BlockAssembly
-from lacore.bodies import Body
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
 from lacore.errors import InputError, require_known
-from lacore.fans import fanned
-from lacore.mesh_checks import quality
-from lacore.meshes import split
-from lacore.problem import Problem
+from lacore.meshes.checks import quality
+from lacore.meshes.fans import fanned
+from lacore.meshes.structured import split
+from lacore.problem.problem import Problem
 
 MESHES = ("separate", "shared")
 _SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique

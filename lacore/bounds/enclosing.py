@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from lacore.blocks import BlockAssembly
-from lacore.interfaces import SMOOTH, Coulomb, Friction, friction_law
-from lacore.problem import Problem
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.materials.friction import SMOOTH, Coulomb, Friction, friction_law
+from lacore.problem.problem import Problem
 
 
 def has_coulomb(problem: Problem) -> bool:

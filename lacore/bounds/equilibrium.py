@@ -17,8 +17,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies import Body
-from lacore.boundaries import facet_geometry
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 

@@ -8,16 +8,16 @@ import numpy as np
 
 from lacore import views
 from lacore.arrays import Floats
-from lacore.bodies import Body
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.slip import Slip
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound, plastic_power
-from lacore.dofs import BodyDofs
 from lacore.errors import InputError
+from lacore.limit.state import LimitState
 from lacore.program import require_homogeneous
-from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted
-from lacore.slips import Slip
 from lacore.status import Status
 
 if TYPE_CHECKING:

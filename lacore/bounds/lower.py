@@ -19,8 +19,8 @@ from lacore.certificate import Certificate, certify
 from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.inner.preparing import preparing
-from lacore.polygonal import POLYGON
-from lacore.problem import Problem
+from lacore.meshes.polygonal import POLYGON
+from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.state import ProgramState

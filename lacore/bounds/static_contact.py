@@ -12,14 +12,16 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.boundaries import facet_geometry
+from lacore.bodies.any_body import tolerance
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
-from lacore.contact_geometry import Segments, interface_segments, tolerance
-from lacore.contact_points import ContactPoints, Station, interface_station, joined, laws_of
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.contact.rows import ContactPoints, Station, interface_station, joined, laws_of
+from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError
-from lacore.interfaces import Interface, RigidObstacle
 from lacore.program import ContactRows
-from lacore.rigid import RigidDofs
 
 StaticDofs = EquilibriumDofs | RigidDofs
 

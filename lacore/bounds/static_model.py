@@ -9,20 +9,28 @@ from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
-from lacore.blocks import BlockAssembly
-from lacore.bodies import Body
-from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
-from lacore.conditions import footing_conditions, support_conditions
-from lacore.contact_points import ContactPoints
-from lacore.elimination import free_basis, join
+from lacore.conditions.elimination import free_basis, join
+from lacore.conditions.loads import (
+    BodyForce,
+    Fix,
+    Load,
+    PointForce,
+    Pressure,
+    RigidFooting,
+    Traction,
+)
+from lacore.conditions.nodes import footing_conditions, support_conditions
+from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
-from lacore.loads import BodyForce, Fix, Load, PointForce, Pressure, RigidFooting, Traction
-from lacore.problem import Problem
+from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, Scales, kept_points, reduced
-from lacore.rigid import RigidDofs
 from lacore.showing import Facts, Shown, counted, listed, sized
 
 _ROUND_OFF = 1e-12  # of the load that remains where supports take all of it

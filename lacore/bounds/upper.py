@@ -8,15 +8,18 @@ import numpy as np
 from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Floats
-from lacore.assembly import Discretisation
+from lacore.assembly.discretise import Discretisation
+from lacore.bodies.continuum.spaces import VelocitySpace
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
-from lacore.conversion import point_in_program
-from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, SolveError
 from lacore.inner.rigid_motions import motions_without_strain
-from lacore.problem import Problem
+from lacore.limit.conversion import point_in_program
+from lacore.limit.driven_corners import driven_corners
+from lacore.limit.solve import solve
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
 from lacore.program import (
     DissipationGroup,
     KinematicProgram,
@@ -25,10 +28,7 @@ from lacore.program import (
     reduced,
     require_homogeneous,
 )
-from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown
-from lacore.solving import solve
-from lacore.spaces import VelocitySpace
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 

@@ -11,14 +11,14 @@ from xml.etree import ElementTree
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.dofs import BodyDofs, number
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.dofs import BodyDofs, number
+from lacore.bodies.continuum.nodal import element_means, node_means
 from lacore.errors import InputError
-from lacore.nodal import element_means, node_means
+from lacore.limit.state import LimitState
 from lacore.paths.flow import strain_per_length
 from lacore.paths.path import Path, Snapshot
 from lacore.program import DissipationGroup
-from lacore.result import LimitState
-from lacore.rigid import RigidDofs
 
 SERIES = "path.pvd"
 _CELLS = {3: "triangle", 6: "triangle6", 9: "quad9"}
@@ -113,7 +113,8 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
 
     At points: `velocity` (m/s at ``F0.u = 1``, of the step that led there), `displacement` (m,
     from the beginning, or from the last new mesh), `equivalent_strain` (means around vertices, see
-    `lacore.nodal.vertex_means`, linear between). At cells means over the strain points by their
+    `lacore.bodies.continuum.nodal.vertex_means`, linear between). At cells means over the strain
+    points by their
     volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
     at that strain), `dissipation` (W/m^3: yield stress times strain rate); and `body`, its number
     in the problem.

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from lacore.assembly import Discretisation
+from lacore.assembly.discretise import Discretisation
 from lacore.backend import find_backend, read_options
-from lacore.conversion import point_in_program, point_in_si
 from lacore.coupling.interval import End, Interval, further, load_factor_interval
 from lacore.inner.preparing import preparing
+from lacore.limit.conversion import point_in_program, point_in_si
 from lacore.program import (
     dimensionless,
     require_homogeneous,

@@ -12,11 +12,11 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Floats, Sparse
-from lacore.contact_points import ContactPoints
-from lacore.curved import EdgeCurves
-from lacore.dofs import BodyDofs
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.contact.obstacles import Obstacle
+from lacore.contact.rows import ContactPoints
+from lacore.meshes.curved import EdgeCurves
 from lacore.paths.configuration import Configuration
-from lacore.paths.stage import Obstacle
 from lacore.program import ContactRows
 
 # Gauss rule on (0, 1): exact up to degree 5, and where the length of a curved edge is smooth.

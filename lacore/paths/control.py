@@ -7,11 +7,12 @@ from typing import Protocol
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly import Discretisation
-from lacore.bodies import Body
+from lacore.assembly.discretise import Discretisation
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import vertex_at
+from lacore.conditions.loads import RigidFooting
 from lacore.errors import InputError, is_plane_vector, require_range
-from lacore.loads import RigidFooting
-from lacore.problem import Problem, vertex_at
+from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
 Gauge = Callable[[Discretisation, Floats], float]

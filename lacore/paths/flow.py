@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly import Discretisation, discretise
-from lacore.contact_controls import Dofs
-from lacore.contact_points import ContactPoints
-from lacore.dofs import BodyDofs
-from lacore.interfaces import Interface
+from lacore.assembly.discretise import Discretisation, discretise
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.contact.controls import Dofs
+from lacore.contact.interfaces import Interface
+from lacore.contact.rows import ContactPoints
+from lacore.limit.solve import solve
+from lacore.limit.state import LimitState
 from lacore.paths.approach import approaching_rows
 from lacore.paths.configuration import Configuration
 from lacore.paths.selection import Selected
 from lacore.paths.stage import Stage
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
-from lacore.result import LimitState
 from lacore.showing import Compact
-from lacore.solving import solve
 
 # Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
 # is taken out of the load again.

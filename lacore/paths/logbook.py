@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.dofs import BodyDofs, number
-from lacore.loads import RigidFooting
+from lacore.bodies.continuum.dofs import BodyDofs, number
+from lacore.conditions.loads import RigidFooting
+from lacore.limit.state import LimitState
 from lacore.paths import drift
 from lacore.paths.approach import gaps
 from lacore.paths.control import Gauge
@@ -18,7 +19,6 @@ from lacore.paths.remeshing import NewMeshes
 from lacore.paths.schemes import Here, PathEndError, Stride
 from lacore.paths.stage import Stage
 from lacore.paths.stored.progress import Progress
-from lacore.result import LimitState
 
 _RISES = 1e-6  # of a load: less is what solvers leave of one that stays the same
 _COLUMNS = [entry.name for entry in fields(PathStep)]

@@ -12,12 +12,12 @@ import pandas as pd
 from lacore import views
 from lacore.arrays import Floats
 from lacore.errors import InputError
+from lacore.limit.state import LimitState
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
-from lacore.problem import Problem
-from lacore.result import LimitState
+from lacore.problem.problem import Problem
 from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
 
 if TYPE_CHECKING:

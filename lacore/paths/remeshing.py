@@ -7,15 +7,17 @@ import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
 
 from lacore.arrays import Floats
-from lacore.bodies import Body
-from lacore.curved import is_curved
-from lacore.dofs import number
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import vertex_at
+from lacore.bodies.continuum.dofs import number
+from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError, require_known
+from lacore.meshes.curved import is_curved
 from lacore.paths.configuration import Configuration
 from lacore.paths.control import Control, PointTravel
-from lacore.paths.stage import Obstacle, Stage, staged
+from lacore.paths.stage import Stage, staged
 from lacore.paths.transfer import transferred
-from lacore.problem import Problem, vertex_at
+from lacore.problem.problem import Problem
 
 Remesh = Callable[[Problem], Mapping[str, Mesh]]
 """New meshes by body, of bodies where they are now; those without one keep theirs.

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.curved import signed_jacobians
 from lacore.errors import InputError
+from lacore.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
 from lacore.paths.configuration import Configuration
 from lacore.paths.control import Gauge

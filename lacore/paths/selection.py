@@ -9,9 +9,10 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import Backend, checked_answer, find_backend, read_options
 from lacore.certificate import certify
-from lacore.conversion import point_in_program
 from lacore.errors import InputError, require_positive
 from lacore.inner.preparing import preparing
+from lacore.limit.conversion import point_in_program
+from lacore.limit.state import LimitState
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -19,7 +20,6 @@ from lacore.program import (
     dimensionless,
     reaction_contact,
 )
-from lacore.result import LimitState
 from lacore.showing import Compact
 
 _STRENGTH = 1.0  # of the power that the norm may cost at the velocity as solved

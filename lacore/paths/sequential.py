@@ -6,9 +6,10 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
-from lacore.dofs import number
+from lacore.bodies.continuum.dofs import number
+from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.interfaces import Interface
+from lacore.limit.solve import engine_for
 from lacore.paths import drift
 from lacore.paths.control import Control, FootingTravel, gauge_of
 from lacore.paths.ending import Ending
@@ -21,8 +22,7 @@ from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Wa
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
 from lacore.paths.stored.checkpoint import Checkpoint, identity
-from lacore.problem import Problem
-from lacore.solving import engine_for
+from lacore.problem.problem import Problem
 
 
 def sequential(

@@ -15,58 +15,21 @@ from skfem import Mesh
 from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies import Body
-from lacore.boundaries import Where, boundary_facets, facet_geometry
-from lacore.curved import signed_jacobians
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
+from lacore.bodies.continuum.spaces import SPACES
+from lacore.bodies.touching import TOUCH
+from lacore.conditions.loads import BodyForce, Load, PointForce
+from lacore.conditions.where import Where
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import Obstacle, RigidObstacle
 from lacore.errors import InputError
-from lacore.interfaces import FrictionTerms, Interface, RigidObstacle
-from lacore.loads import BodyForce, Load, PointForce
+from lacore.meshes.curved import signed_jacobians
 from lacore.paths.configuration import Configuration
-from lacore.problem import Problem, vertex_at
+from lacore.problem.problem import Problem
 from lacore.showing import Compact
-from lacore.spaces import SPACES
 
-_TOUCH = 1e-9  # of the body size
-_NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
 _STRAIGHT = 1e-9  # sine between edges of one plane
-
-
-@dataclass(frozen=True, repr=False)
-class Obstacle(Compact):
-    """A plane that does not move, and the part of a body that may come to it.
-
-    Attributes:
-        name: of the interface.
-        body: name.
-        where: name of the part of its boundary.
-        facets: of its mesh.
-        point, normal: of the plane, shape (2,); the unit normal points towards the body.
-        law: friction.
-        size: of the body, m.
-    """
-
-    name: str
-    body: str
-    where: str
-    facets: Ints
-    point: Floats
-    normal: Floats
-    law: FrictionTerms
-    size: float
-
-    @property
-    def touch(self) -> float:
-        """Distance up to which a point that is placed there counts as touching, m."""
-        return _TOUCH * self.size
-
-    @property
-    def near(self) -> float:
-        """Distance up to which a point that came there counts as touching, m."""
-        return _NEAR * self.size
-
-    def distance(self, places: Floats) -> Floats:
-        """Of places of shape (2, n) from the plane, m; negative behind it."""
-        return np.asarray(self.normal @ (places - self.point[:, None]))
 
 
 @dataclass(frozen=True, repr=False)
@@ -317,7 +280,7 @@ def _plane_along(interface: Interface, body: Body, facets: Ints) -> tuple[Floats
     normal = -outward[:, 0]
     bent = np.abs(normal[0] * outward[1] - normal[1] * outward[0]).max() > _STRAIGHT
     places = body.mesh.doflocs[:, body.mesh.nvertices + facets]
-    off = np.abs(normal @ (places - start[:, :1])).max() > _TOUCH * body.size
+    off = np.abs(normal @ (places - start[:, :1])).max() > TOUCH * body.size
     if bent or off:
         raise InputError(
             "Interface.master",

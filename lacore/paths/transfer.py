@@ -4,17 +4,17 @@ import numpy as np
 import shapely
 
 from lacore.arrays import Floats
-from lacore.curved import subdivided
-from lacore.dofs import BodyDofs
-from lacore.nodal import node_means
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.nodal import node_means
+from lacore.meshes.curved import subdivided
 
 
 def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     """Strains (elements, q) at the strain points of a new mesh.
 
-    Means around the vertices of the old mesh (`lacore.nodal.vertex_means`), linear between its
-    nodes; beyond its boundary those of the nearest place. Uniform strains stay what they are, none
-    becomes larger or smaller than all before; peaks are smoothed over an element.
+    Means around the vertices of the old mesh (`lacore.bodies.continuum.nodal.vertex_means`), linear
+    between its nodes; beyond its boundary those of the nearest place. Uniform strains stay what
+    they are, none becomes larger or smaller than all before; peaks are smoothed over an element.
     """
     mesh = subdivided(old.body.mesh)
     at_nodes = node_means(old, strain)

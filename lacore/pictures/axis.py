@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from lacore.bodies import Body
+from lacore.bodies.continuum.body import Body
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
 _FAR = 1.0  # sizes of the body: an axis farther off is not drawn

@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
 from lacore.arrays import Bools, Floats
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.limit.state import LimitState
 from lacore.pictures.continua import BEFORE
-from lacore.result import LimitState
-from lacore.rigid import RigidDofs
 
 FIXED = "#9a9a9a"
 _FACE = "#ece7dc"

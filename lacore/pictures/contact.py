@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from lacore.arrays import Floats
-from lacore.paths.stage import Obstacle
+from lacore.contact.obstacles import Obstacle
+from lacore.limit.state import LimitState
 from lacore.pictures.contact_segments import SegmentedContact
-from lacore.result import LimitState
 
 COLOURS = {"stick": "#4d4d4d", "slip": "#0072b2", "open": "#e69f00"}  # legible to the colour-blind
 GROUND = "#8a8a8a"

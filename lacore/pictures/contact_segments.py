@@ -7,16 +7,15 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lacore.arrays import Floats, Ints
-from lacore.assembly import Discretisation
-from lacore.contact_controls import Dofs, controls, segment_curves
-from lacore.contact_geometry import Segments, interface_segments
-from lacore.contact_points import moving_sides
-from lacore.dofs import BodyDofs
-from lacore.frame_dofs import FrameDofs
-from lacore.interfaces import RigidObstacle
-from lacore.paths.stage import Obstacle
-from lacore.result import LimitState
-from lacore.rigid import RigidDofs
+from lacore.assembly.discretise import Discretisation
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.contact.controls import Dofs, controls, segment_curves
+from lacore.contact.obstacles import Obstacle, RigidObstacle
+from lacore.contact.rows import moving_sides
+from lacore.contact.segments import Segments, interface_segments
+from lacore.limit.state import LimitState
 
 _MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
 _SAME = 1e-6  # of the extent of all contact, and of unit normals

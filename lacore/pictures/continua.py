@@ -10,10 +10,10 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from lacore.arrays import Floats
-from lacore.curved import edge_lines
-from lacore.dofs import BodyDofs, edge_shapes
+from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
+from lacore.limit.state import LimitState
+from lacore.meshes.curved import edge_lines
 from lacore.pictures.axis import has_axis
-from lacore.result import LimitState
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
 """How outlines before collapse are drawn."""

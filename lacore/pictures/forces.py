@@ -9,13 +9,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from lacore.arrays import Floats, Ints
-from lacore.frame_dofs import FrameDofs
-from lacore.interfaces import RigidObstacle
-from lacore.loads import PointForce
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.conditions.loads import PointForce
+from lacore.contact.obstacles import RigidObstacle
+from lacore.limit.state import LimitState
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
 from lacore.pictures.continua import boundary_lines
-from lacore.result import LimitState
 from lacore.status import Status
 
 THRUST = "#b2182b"

@@ -11,13 +11,13 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 
 from lacore.arrays import Floats
-from lacore.frame_dofs import FrameDofs
-from lacore.frames import Frame
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.bodies.frames.frame import Frame
+from lacore.limit.span_moments import SpanMoments, span_moments
+from lacore.limit.state import LimitState
 from lacore.pictures.contact import COLOURS, GROUND
 from lacore.pictures.contact_segments import SegmentedContact
 from lacore.pictures.continua import BEFORE
-from lacore.result import LimitState
-from lacore.span_moments import SpanMoments, span_moments
 
 HINGE = "#b2182b"
 MOMENT = "#5e3c99"

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
+from lacore.limit.state import LimitState
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.blocks import FIXED, draw_blocks, held_blocks
 from lacore.pictures.contact import (
@@ -28,7 +29,6 @@ from lacore.pictures.contact_segments import SegmentedContact, segmented_contact
 from lacore.pictures.continua import draw_continua
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_foot, draw_frames, draw_moments, turning
-from lacore.result import LimitState
 from lacore.status import Status
 
 _STRETCH = 0.08  # largest displacement drawn, per size of the structure

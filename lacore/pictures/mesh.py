@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from skfem import Mesh
 
 from lacore.arrays import Floats
-from lacore.bodies import Body
+from lacore.bodies.continuum.body import Body
 from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
-from lacore.curved import edge_lines, outlines
+from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone

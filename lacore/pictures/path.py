@@ -17,10 +17,10 @@ from matplotlib.tri import Triangulation
 from skfem import Mesh
 
 from lacore.arrays import Floats, Ints
-from lacore.curved import edge_lines, outlines
-from lacore.dofs import number
-from lacore.loads import RigidFooting
-from lacore.nodal import corner_shapes, vertex_means
+from lacore.bodies.continuum.dofs import number
+from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
+from lacore.conditions.loads import RigidFooting
+from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
 from lacore.paths.path import Path, Snapshot
 from lacore.pictures.axis import draw_axis, label_coordinates
@@ -56,9 +56,9 @@ def plot_path(path: Path) -> Figure:
     """The bodies at the end of a path, and the load over the travel.
 
     Bodies are coloured by their equivalent strain: means around vertices
-    (`lacore.nodal.vertex_means`), linear between, which stay below the largest strain of a point,
-    `PathStep.max_strain`. Element edges are the curves that they are. Peaks
-    of the load are marked at their step, other events at the bottom, those of one travel above each
+    (`lacore.bodies.continuum.nodal.vertex_means`), linear between, which stay below the largest
+    strain of a point, `PathStep.max_strain`. Element edges are the curves that they are. Peaks of
+    the load are marked at their step, other events at the bottom, those of one travel above each
     other.
     """
     figure, bodies, load = page(path)

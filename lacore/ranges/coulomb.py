@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.assembly import Discretisation, discretise
+from lacore.assembly.discretise import Discretisation, discretise
 from lacore.backend import find_backend, read_options
-from lacore.conversion import point_in_program
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, bracket
-from lacore.driven_corners import driven_corners
 from lacore.errors import InputError, require_whole
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
-from lacore.problem import Problem
+from lacore.limit.conversion import point_in_program
+from lacore.limit.driven_corners import driven_corners
+from lacore.limit.solve import limit_state, solve
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
-from lacore.result import LimitState
 from lacore.showing import Facts, Picture, Shown, counted
-from lacore.solving import limit_state, solve
 from lacore.status import Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)

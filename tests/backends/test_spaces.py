@@ -5,8 +5,8 @@ import pytest
 
 import lacore as la
 from lacore.backend import find_backend
+from lacore.bodies.continuum.spaces import SPACES
 from lacore.program import dimensionless, reaction_contact
-from lacore.spaces import SPACES
 from tests.lacore.models import CRITERION, obstacle
 
 KINEMATICS = ["plane_strain", "plane_stress"]

@@ -13,9 +13,9 @@ from lacore.adaptive.bracket import crossing
 from lacore.adaptive.marking import lower_shares, upper_shares
 from lacore.adaptive.same_domain import difference
 from lacore.adaptive.singular_points import singular_points
-from lacore.fans import fanned
-from lacore.mesh_checks import quality
-from lacore.refinement import bisected, doerfler, grown
+from lacore.meshes.checks import quality
+from lacore.meshes.fans import fanned
+from lacore.meshes.refinement import bisected, doerfler, grown
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.curved import EdgeCurves
+from lacore.meshes.curved import EdgeCurves
 from lacore.paths.approach import approaching_rows, gaps
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment, discretised

@@ -12,7 +12,7 @@ from skfem import MeshTri
 from skfem.mesh import MeshQuad2, MeshTri2
 
 import lacore as la
-from lacore.bodies import on_axis
+from lacore.bodies.continuum.body import on_axis
 
 S0 = la.VonMises(yield_stress=1.0)
 CERTIFIED = 2e-6  # relative: twice the bar, as the gap is that of a whole loop

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore import masonry
+from lacore.bodies.blocks import masonry
 
 
 def box(x0, x1, y0, y1):

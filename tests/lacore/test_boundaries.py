@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 
 BODY = la.Body(
     la.meshes.rectangle((0, 2), (-1, 0.7), 8, 3).with_boundaries(

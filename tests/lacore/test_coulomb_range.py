@@ -8,8 +8,8 @@ import pytest
 
 import lacore as la
 from lacore.certificate import certify
-from lacore.conversion import point_in_program, point_in_si
 from lacore.coupling.interval import EndStatus
+from lacore.limit.conversion import point_in_program, point_in_si
 from lacore.program import dimensionless
 from lacore.status import Status
 from tests.lacore.models import deformable_block

@@ -12,7 +12,7 @@ from skfem import MeshQuad
 from skfem.mesh import MeshQuad2, MeshTri2
 
 import lacore as la
-from lacore.curved import (
+from lacore.meshes.curved import (
     EdgeCurves,
     edge_curves,
     edge_lines,

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.elimination import NodeConditions, free_basis, held, join
+from lacore.conditions.elimination import NodeConditions, free_basis, held, join
 
 ANGLES = [0.0, np.pi / 2, 0.3, 0.3 + np.pi, -1.1]  # 0.3 and 0.3 + pi: one line, two senses
 

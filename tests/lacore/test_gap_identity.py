@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.assembly import discretise
+from lacore.assembly.discretise import discretise
 from lacore.bounds.gap_identity import restriction
 from lacore.bounds.static_model import static_model
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch

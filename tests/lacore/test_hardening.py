@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.hardening import HardeningLaw, Linear, Perfect, Swift, Table, Voce
+from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Swift, Table, Voce
 from tests.lacore.models import square
 
 SIZES = st.floats(1e-3, 1e3)

@@ -9,10 +9,10 @@ from scipy.sparse import csr_matrix
 
 import lacore as la
 from lacore.backend import InnerSolution
-from lacore.bonds import random_bond
+from lacore.bodies.blocks.bonds import random_bond
 from lacore.certificate import certify
-from lacore.conversion import point_in_program
 from lacore.coupling.interval import EndStatus, load_factor_interval
+from lacore.limit.conversion import point_in_program
 from lacore.program import (
     ContactRows,
     KinematicProgram,

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.assembly import discretise
+from lacore.assembly.discretise import discretise
+from lacore.bodies.continuum.dofs import edge_shapes
 from lacore.bounds.upper import lattice
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
-from lacore.conversion import point_in_program
-from lacore.dofs import edge_shapes
+from lacore.limit.conversion import point_in_program
 from lacore.program import associated_contact, dimensionless
 from tests.lacore.models import CRITERION, deformable_block, punch, square
 from tests.lacore.random_continua import problem as random_problem

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore import masonry
-from lacore.masonry import Opening
+from lacore.bodies.blocks import masonry
+from lacore.bodies.blocks.masonry import Opening
 
 HALVES, FULL = [0.5, 1, 1, 1, 1, 0.5], [1, 1, 1, 1, 1]
 E, U, e, u = [1, 1, 1, 1], [0.5, 1, 1, 1, 0.5], [1, 0.5, -1, 0.5, 1], [0.5, 1, -1, 1, 0.5]

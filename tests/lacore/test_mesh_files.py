@@ -12,7 +12,7 @@ from scipy.spatial import Delaunay
 from skfem import MeshTri
 
 import lacore as la
-from lacore.mesh_files import read
+from lacore.meshes.reading import read
 from tests.lacore.models import CRITERION
 
 MESHES = Path(__file__).with_name("meshes")

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.meshes import graded
+from lacore.meshes.structured import graded
 
 ROUND_OFF = 1e-12  # of lengths of order one, after some hundred operations
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore import masonry
-from lacore.dofs import number
+from lacore.bodies.blocks import masonry
+from lacore.bodies.continuum.dofs import number
+from lacore.bodies.continuum.nodal import element_means, node_means, vertex_means
 from lacore.errors import InputError
 from lacore.files.vtu import SERIES
-from lacore.nodal import element_means, node_means, vertex_means
 from tests.lacore.path_billets import billet, pressed, quad_billet
 from tests.lacore.pictures import column
 

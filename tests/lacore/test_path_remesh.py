@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.curved import edge_curves
-from lacore.dofs import number
+from lacore.bodies.continuum.dofs import number
 from lacore.errors import InputError
+from lacore.meshes.curved import edge_curves
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.remeshing import carried, restaged

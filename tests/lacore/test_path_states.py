@@ -11,7 +11,7 @@ from lacore.pictures.contact_segments import segmented_contacts
 from tests.lacore.path_billets import pressed
 from tests.lacore.pictures import drawn, words
 
-# Of the velocity 1 of the footing, that point counts as at rest: see `lacore.result`.
+# Of the velocity 1 of the footing, that point counts as at rest: see `lacore.limit.state`.
 REST = 1e-5
 
 

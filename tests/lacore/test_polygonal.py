@@ -7,7 +7,7 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.polygonal import looks_curved
+from lacore.meshes.polygonal import looks_curved
 
 STRONG = la.VonMises(shear_strength=1.0)
 

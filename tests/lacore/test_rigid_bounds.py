@@ -9,7 +9,7 @@ import pytest
 import lacore as la
 from lacore.adaptive.singular_points import singular_points
 from lacore.bounds.velocity_projection import admissible_velocity
-from lacore.conversion import point_in_program
+from lacore.limit.conversion import point_in_program
 from lacore.program import dimensionless
 from tests.lacore.models import punch
 

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.spaces import SPACES
+from lacore.bodies.continuum.spaces import SPACES
 from lacore.state import contact_force, internal_force
 from tests.lacore import random_continua
 from tests.lacore.models import CRITERION, obstacle, polynomial

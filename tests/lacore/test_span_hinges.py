@@ -12,11 +12,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex
 
 import lacore as la
-from lacore.hinging import excess
+from lacore.assembly.span_nodes import spanned
+from lacore.limit.hinging import excess
+from lacore.limit.span_moments import SpanMoments, span_moments
 from lacore.pictures.frames import MOMENT
 from lacore.pictures.mechanism import plot_mechanism
-from lacore.span_moments import SpanMoments, span_moments
-from lacore.span_nodes import spanned
 from tests.frame_problems import DOWN, portal, static_load_factor
 from tests.lacore.pictures import drawn, words
 

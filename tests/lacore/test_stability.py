@@ -9,9 +9,9 @@ import lacore as la
 from lacore.backend import InnerSolution
 from lacore.certificate import certify
 from lacore.claims.carrying import carrying
-from lacore.conversion import point_in_program
+from lacore.limit.conversion import point_in_program
+from lacore.limit.stability import Standing, stability_of
 from lacore.program import associated_contact, dimensionless
-from lacore.stability import Standing, stability_of
 from lacore.status import Status
 from tests.frame_problems import DOWN
 from tests.lacore.models import deformable_block, obstacle, square

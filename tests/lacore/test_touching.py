@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lacore.touching import Edges, near_misses, touching
+from lacore.bodies.touching import Edges, near_misses, touching
 
 TOLERANCE = 1e-9
 

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 import lacore as la
 import verification.plugins as plugins
 from lacore.adaptive.refine import width
-from lacore.meshes import quality
+from lacore.meshes.checks import quality
 from verification.analysis import fit_slope
 from verification.bracket_evidence import packed_shares, unpacked_shares
 from verification.bracket_judging import between

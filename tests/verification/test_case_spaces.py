@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.spaces import SPACES
+from lacore.bodies.continuum.spaces import SPACES
 from verification.catalogue import catalogue
 
 STRICT = [name for name, space in SPACES.items() if space.strict]

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
-from lacore.hardening import Linear, Perfect, Swift, Table, Voce
+from lacore.materials.hardening import Linear, Perfect, Swift, Table, Voce
 from verification import exact_paths as exact
 from verification.exact_paths import cylinder, sphere
 

@@ -8,7 +8,7 @@ import pytest
 
 import lacore as la
 from lacore.arrays import Floats
-from lacore.hardening import HardeningLaw, Linear, Perfect, Voce
+from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.paths.ending import Ending
 from verification.analysis import step_orders
 from verification.case import Band, Reference

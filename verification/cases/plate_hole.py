@@ -26,7 +26,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 
 import lacore as la
-from lacore.meshes import graded
+from lacore.meshes.structured import graded
 from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Reference, Variant
 

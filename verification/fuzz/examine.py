@@ -158,7 +158,8 @@ class Found:
         """Without friction no load factor is larger; with more of it none is smaller.
 
         Of blocks with stick. A body where stick meets a footing slips at its strength, and there
-        only (`lacore.sticking`): its discrete value may be below that of friction, not its bounds.
+        only (`lacore.assembly.sticking`): its discrete value may be below that of friction, not its
+        bounds.
         """
         if not self._coulomb:
             return

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import lacore as la
+from lacore.limit.solve import strict_bound
 from lacore.process.child_process import START, ChildProcess
-from lacore.solving import strict_bound
 from verification.case import Case, Variant, is_of_lacore
 
 _WORKER = "verification.verify.nature:Worker"

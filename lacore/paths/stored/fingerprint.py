@@ -10,7 +10,7 @@ import numpy as np
 from skfem import Mesh
 
 from lacore.errors import InputError
-from lacore.hardening import HardeningLaw
+from lacore.materials.hardening import HardeningLaw
 
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])  # of strain, of laws of others
 

@@ -7,16 +7,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Bools, Floats
-from lacore.blocks import BlockAssembly
-from lacore.contact_geometry import AnyBody, boundary_edges, interface_segments
-from lacore.frames import Frame
-from lacore.interfaces import SMOOTH, STICK, Coulomb, Friction, Interface, RigidObstacle
-from lacore.loads import Fix
+from lacore.bodies.any_body import AnyBody, boundary_edges
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.frames.frame import Frame
+from lacore.bodies.touching import Edges
+from lacore.conditions.loads import Fix
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.contact.segments import interface_segments
+from lacore.materials.friction import SMOOTH, STICK, Coulomb, Friction
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
-from lacore.rigid import RigidDofs
-from lacore.touching import Edges
 
 _HELD = "#3c3c3c"
 _LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")

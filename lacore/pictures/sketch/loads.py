@@ -5,15 +5,15 @@ import shapely
 from matplotlib.lines import Line2D
 
 from lacore.arrays import Floats
-from lacore.blocks import BlockAssembly
-from lacore.bodies import Body
-from lacore.contact_geometry import AnyBody, boundary_edges
-from lacore.curved import outlines
-from lacore.frames import Frame
-from lacore.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.bodies.any_body import AnyBody, boundary_edges
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames.frame import Frame
+from lacore.bodies.touching import Edges
+from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
-from lacore.touching import Edges
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
 _SINGLE, _OF_BODY, _OF_ROW = 40.0, 34.0, 20.0  # points: lengths of arrows

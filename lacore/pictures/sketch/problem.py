@@ -8,11 +8,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Bools, Floats
-from lacore.blocks import BlockAssembly
-from lacore.bodies import Body
-from lacore.contact_geometry import AnyBody
-from lacore.curved import edge_lines, outlines
-from lacore.frames import Frame
+from lacore.bodies.any_body import AnyBody
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames.frame import Frame
+from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.sketch.conditions import (
@@ -26,7 +26,7 @@ from lacore.pictures.sketch.conditions import (
 )
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Label, Sheet
-from lacore.problem import Problem
+from lacore.problem.problem import Problem
 
 _POINTS = 72.0  # an inch
 _PAGE, _TALLEST = 5.6, 3.9  # inches: the structure alone

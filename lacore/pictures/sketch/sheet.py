@@ -11,7 +11,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.textpath import TextPath
 
 from lacore.arrays import Floats
-from lacore.touching import Edges
+from lacore.bodies.touching import Edges
 
 TEXT = 9.0  # points
 _GAP = 2.0  # points, around labels and arrows

@@ -1,0 +1,57 @@
+"""An order of the unknowns and contact points of rigid blocks that their geometry gives.
+
+Coulomb load factors are not unique (T14b), and which one a loop finds may depend on the order of
+rows and columns, where solvers stop at other points of a face. Blocks that are listed in another
+order make the same program.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.contact.rows import ContactPoints
+from lacore.program import ContactRows
+
+_DIGITS = 9  # of places per size, and of normals: above round-off
+
+
+def column_order(basis: Sparse, assemblies: Mapping[str, RigidDofs]) -> Ints:
+    """Columns of the free unknowns: those of blocks by the places of centroids, shape (n_free,)."""
+    by_column = basis.tocsc()
+    row = by_column.indices[by_column.indptr[:-1]].astype(np.int64)
+    order = np.arange(row.size)
+    for dofs in assemblies.values():
+        own = np.flatnonzero((row >= dofs.offset) & (row < dofs.offset + dofs.count))
+        place = dofs.body.centroid[:, (row[own] - dofs.offset) // 3]
+        order[own] = own[np.lexsort((own, *_digits(place, dofs.body.size)))]
+    return order
+
+
+def point_order(
+    contact: ContactRows,
+    points: ContactPoints,
+    assemblies: Mapping[str, RigidDofs],
+    interfaces: int,
+) -> Ints:
+    """Contact points: those of joints by their places, whichever block is the slave, shape (m,)."""
+    order, first = np.arange(contact.count), interfaces
+    for dofs in assemblies.values():
+        joints, size = dofs.body.joints, dofs.body.size
+        number = contact.interface
+        own = np.flatnonzero((number >= first) & (number < first + joints.count))
+        joint = number[own] - first
+        normal = np.round(points.normal[own].T, _DIGITS) + 0.0
+        normal *= np.where((normal[0] < 0) | ((normal[0] == 0) & (normal[1] < 0)), -1.0, 1.0)
+        pair = (
+            dofs.body.centroid[:, joints.slave[joint]] + dofs.body.centroid[:, joints.master[joint]]
+        )
+        keys = (*_digits(pair, size), *normal, *_digits(points.position[own].T, size))
+        order[own] = own[np.lexsort(keys)]
+        first += joints.count
+    return order
+
+
+def _digits(place: Floats, size: float) -> Floats:
+    return np.asarray(np.round(place / size, _DIGITS) + 0.0)

@@ -1,0 +1,174 @@
+"""Slip along held boundaries, where what holds them meets other conditions at a corner (T23).
+
+A continuous velocity that sticks to a support, or to a rough footing, sticks to it at its last
+vertex too. Where contact of another direction begins there, or something that moves otherwise, no
+velocity is left, on any mesh, though the continuum has one: the body yields beside what holds it.
+Its tangential velocity jumps, at ``k |[u_t]|`` per area, which is no less than what any admissible
+stress does there, so that bounds stay strict; ``[u_n] = 0`` stays. Such a boundary slips along all
+of its length, on every mesh; all others stick, as in the limit of fine meshes they may.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from lacore.arrays import Bools, Ints
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.slip import Slip
+from lacore.conditions.elimination import NodeConditions, contradictory, join
+from lacore.conditions.loads import RigidFooting
+from lacore.conditions.nodes import footing_conditions, support_conditions
+from lacore.contact.obstacles import RigidObstacle
+from lacore.contact.segments import interface_segments
+from lacore.problem.problem import Problem
+
+_NONE = np.zeros(0, dtype=np.int64)
+_PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
+
+
+def slips(
+    problem: Problem,
+    bodies: Mapping[str, BodyDofs],
+    footings: Sequence[RigidFooting],
+    first: int,
+) -> dict[str, Slip]:
+    """Where the bodies of a problem slip, by name; those that slip nowhere are left out.
+
+    Of straight triangles in the plane: elsewhere no load factor is a bound, and meshes of paths
+    would leave what holds them.
+
+    Args:
+        problem: the problem.
+        bodies: its continua.
+        footings: in the order of their unknowns.
+        first: number of the first of these.
+    """
+    found = {}
+    touched = [contact_facets(problem, index) for index in range(len(problem.interfaces))]
+    for name, dofs in bodies.items():
+        if not dofs.linear:
+            continue
+        asked, owner = asked_of(problem, name, dofs, footings)
+        contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
+        slip = _slip(dofs, asked, owner, footings, first, np.unique(contact))
+        if slip is not None:
+            found[name] = slip
+    return found
+
+
+def asked_of(
+    problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[RigidFooting]
+) -> tuple[NodeConditions, Ints]:
+    """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
+    parts = []
+    for support in problem.supports:
+        if support.body == name:
+            facets = boundary_facets(dofs.body, support.where, "Fix.where")
+            *_, outward = facet_geometry(dofs.body, facets)
+            parts.append((-1, support_conditions(support, facets, outward.T)))
+    for number, footing in enumerate(footings):
+        if footing.body == name:
+            facets = boundary_facets(dofs.body, footing.where, "RigidFooting.where")
+            *_, outward = facet_geometry(dofs.body, facets)
+            parts.append((number, footing_conditions(footing, facets, outward.T, number)))
+    owners = [np.full(own.nodes.size, number) for number, own in parts]
+    return join([own for _, own in parts]), np.concatenate([_NONE, *owners])
+
+
+def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
+    """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
+    interface = problem.interfaces[index]
+    segments = interface_segments(interface, problem.bodies, f"Problem.interfaces[{index}]")
+    touched = {interface.slave[0]: np.unique(segments.slave)}
+    if not isinstance(interface.master, RigidObstacle):
+        touched[interface.master[0]] = np.unique(segments.master)
+    return touched
+
+
+def _slip(
+    dofs: BodyDofs,
+    asked: NodeConditions,
+    asking: Ints,
+    footings: Sequence[RigidFooting],
+    first: int,
+    contact: Ints,
+) -> Slip | None:
+    mesh = dofs.body.mesh
+    facets, owner, pressed = _sticking(dofs, asked, asking)
+    apart = ~np.isin(facets, contact)
+    facets, owner, pressed = facets[apart], owner[apart], pressed[apart]
+    if not facets.size:
+        return None
+    *_, normal = facet_geometry(dofs.body, facets)
+    ends = mesh.facets[:, facets]
+    turned, straight = meetings(dofs, facets, contact)
+    corners = [
+        NodeConditions(end, asked.directions, asked.footing, asked.factors)
+        for end in mesh.facets[:, asked.nodes].astype(np.int64)
+    ]
+    against = np.isin(ends, contradictory(join(corners), mesh.nvertices, len(footings)))
+    part = _parts(ends, owner)
+    kept = np.isin(part, part[(turned | against).any(axis=0)])
+    if not kept.any():
+        return None
+    motion = np.array([*(footing.direction for footing in footings), (0.0, 0.0)])
+    return Slip(
+        facets=facets[kept],
+        normal=normal[:, kept],
+        footing=owner[kept],
+        unknown=np.where(owner < 0, 0, first + owner)[kept],
+        motion=motion[owner[kept]].T,
+        pressed=pressed[kept],
+        stuck=straight[:, kept],
+    )
+
+
+def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints, Ints, Bools]:
+    """Facets whose tangential velocity one owner holds, who, and whether the normal one too."""
+    # One entry a facet and owner.
+    keys = np.stack([asked.nodes, asking])
+    (facets, owner), entry = np.unique(keys, axis=1, return_inverse=True)
+    entry = entry.ravel()
+    *_, normal = facet_geometry(dofs.body, facets)
+    n, d = normal[:, entry], asked.directions.T
+    across, along = np.sum(n * d, axis=0), n[0] * d[1] - n[1] * d[0]
+    nn, nt, tt = (
+        np.bincount(entry, values, minlength=facets.size)
+        for values in (across**2, across * along, along**2)
+    )
+    both = nn * tt - nt**2 > _PARALLEL
+    only = (tt > _PARALLEL) & (nn <= _PARALLEL)
+    owners = np.bincount(facets[tt > _PARALLEL], minlength=dofs.body.mesh.nfacets)
+    able = (both | only) & (owners[facets] == 1)
+    return facets[able], owner[able], both[able]
+
+
+def meetings(dofs: BodyDofs, facets: Ints, others: Ints) -> tuple[Bools, Bools]:
+    """Which ends of facets meet others in another direction, and which in their own, (2, e)."""
+    mesh = dofs.body.mesh
+    *_, normal = facet_geometry(dofs.body, facets)
+    *_, facing = facet_geometry(dofs.body, others)
+    vertices, count = mesh.facets[:, others].ravel(), others.size
+    touching = csr_matrix(
+        (np.ones(2 * count), (vertices, np.tile(np.arange(count), 2))), (mesh.nvertices, count)
+    )
+    end, other = touching[mesh.facets[:, facets].ravel()].nonzero()
+    n, m = normal[:, end % facets.size], facing[:, other]
+    parallel = (n[0] * m[1] - n[1] * m[0]) ** 2 <= _PARALLEL
+    turned, straight = (
+        np.isin(np.arange(2 * facets.size), end[mask]).reshape(2, -1)
+        for mask in (~parallel, parallel)
+    )
+    return turned, straight
+
+
+def _parts(ends: Ints, owner: Ints) -> Ints:
+    """Numbers of the connected parts that one owner holds, shape (e,), from ends (2, e)."""
+    count = owner.size
+    joints = np.stack([ends.ravel(), np.tile(owner, 2)])
+    _, joint = np.unique(joints, axis=1, return_inverse=True)
+    incidence = csr_matrix((np.ones(2 * count), (np.tile(np.arange(count), 2), joint.ravel())))
+    return np.asarray(connected_components(incidence @ incidence.T, directed=False)[1])

@@ -1,0 +1,109 @@
+"""Nodes inside members under loads along them, which have hinges at nodes only."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.bodies.frames.frame import Frame
+from lacore.conditions.loads import Fix
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.problem.problem import Problem
+
+_BESIDE = 4.0  # tolerances: from where another member crosses
+
+
+def spanned(problem: Problem) -> Problem:
+    """The problem with a node midway in loaded pieces that have none between joints and supports.
+
+    Applied again it changes nothing.
+    """
+    places = {}
+    for name, frame in problem.bodies.items():
+        if isinstance(frame, Frame):
+            loaded = np.zeros(frame.pieces.length.size, dtype=bool)
+            dofs = FrameDofs(frame, 0)
+            for loads in (problem.reference_loads, problem.dead_loads):
+                loaded |= dofs.load_across([load for load in loads if load.body == name]) != 0
+            loaded &= ~_passing(problem, name)[frame.pieces.nodes].any(axis=1)
+            half = np.full(int(loaded.sum()), 0.5)
+            places[name] = places_on(frame, np.flatnonzero(loaded), half)
+    return with_nodes(problem, problem, places)
+
+
+def with_nodes(given: Problem, problem: Problem, places: dict[str, Floats]) -> Problem:
+    """`given` with nodes at places (2, k) in its frames, and what holds them as in `problem`."""
+    if not any(place.size for place in places.values()):
+        return given
+    bodies = dict(given.bodies)
+    for name, place in places.items():
+        frame = bodies[name]
+        assert isinstance(frame, Frame)
+        bodies[name] = frame.split_at(place.T.tolist())
+    return replace(
+        given,
+        bodies=bodies,
+        supports=[_named(support, problem) for support in given.supports],
+        interfaces=[_named_interface(interface, problem) for interface in given.interfaces],
+    )
+
+
+def _named(support: Fix, problem: Problem) -> Fix:
+    """A support by the names of the nodes that it holds: a predicate would hold new ones, too."""
+    frame = problem.bodies[support.body]
+    if not (isinstance(frame, Frame) and callable(support.where)):
+        return support
+    nodes = frame.find(support.where, "Fix.where")
+    return replace(support, where=tuple(frame.names[node] for node in nodes))
+
+
+def _named_interface(interface: Interface, problem: Problem) -> Interface:
+    sides: dict[str, Any] = {}
+    for side in ("slave", "master"):
+        part = getattr(interface, side)
+        if isinstance(part, RigidObstacle) or not callable(part[1]):
+            continue
+        frame = problem.bodies[part[0]]
+        if isinstance(frame, Frame):
+            nodes = frame.find(part[1], "Interface")
+            sides[side] = (part[0], tuple(frame.names[node] for node in nodes))
+    return replace(interface, **sides) if sides else interface
+
+
+def _passing(problem: Problem, name: str) -> Bools:
+    """Nodes inside one member that nothing else holds, (N,)."""
+    frame = problem.bodies[name]
+    assert isinstance(frame, Frame)
+    pieces, count = frame.pieces, len(frame.names)
+    nodes = pieces.nodes.ravel()
+    member = np.repeat(pieces.member, 2)
+    ends = np.bincount(nodes, minlength=count)
+    low, high = np.full(count, member.max() + 1), np.full(count, -1)
+    np.minimum.at(low, nodes, member)
+    np.maximum.at(high, nodes, member)
+    held = np.zeros(count, dtype=bool)
+    for number in _held(problem, name, frame):
+        held[number] = True
+    return np.asarray((ends == 2) & (low == high) & ~held)
+
+
+def _held(problem: Problem, name: str, frame: Frame) -> list[Ints]:
+    """Nodes of supports and interfaces."""
+    parts = [support.where for support in problem.supports if support.body == name]
+    for interface in problem.interfaces:
+        sides = [interface.slave, interface.master]
+        parts += [s[1] for s in sides if not isinstance(s, RigidObstacle) and s[0] == name]
+    return [frame.find(where, "where") for where in parts]
+
+
+def places_on(frame: Frame, pieces: Ints, share: Floats) -> Floats:
+    """Places at shares of pieces, (2, k), beside those where another member crosses."""
+    start = frame.position[:, frame.pieces.start[pieces]]
+    along, length = frame.pieces.along[:, pieces], frame.pieces.length[pieces]
+    assert frame.tolerance is not None
+    places = start + along * length * share
+    aside = np.array([frame.crossed_at(place) for place in places.T.tolist()], dtype=bool)
+    return np.asarray(places + np.where(aside, _BESIDE * frame.tolerance, 0.0) * along)

@@ -1,0 +1,50 @@
+"""Interfaces that stick, where other conditions meet them: they hold what the body can carry.
+
+STICK forbids slip up to the last vertex of an interface. Where a footing begins there, or any
+condition where a side moves, no velocity may be left, on any mesh. No body carries more shear than
+its strength, so that the Tresca law with that limit is the same in the continuum: all of such an
+interface has it, on every mesh, and others stick as before.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import isinf
+
+import numpy as np
+
+from lacore.assembly.slips import asked_of, contact_facets, meetings
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.conditions.loads import RigidFooting
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.materials.friction import Tresca
+from lacore.problem.problem import Problem
+
+
+def yielding(
+    problem: Problem, bodies: Mapping[str, BodyDofs], footings: Sequence[RigidFooting]
+) -> tuple[Interface, ...]:
+    """The interfaces of a problem, those that stick against what moves otherwise as Tresca's.
+
+    Of straight triangles in the plane, as in `lacore.slips.slips`.
+    """
+    found = list(problem.interfaces)
+    touched = [contact_facets(problem, index) for index in range(len(found))]
+    moves = [not isinstance(interface.master, RigidObstacle) for interface in found]
+    for index, interface in enumerate(found):
+        strengths = [bodies[name].strength for name in touched[index] if name in bodies]
+        if not strengths or not isinf(interface.law.terms().limit):
+            continue
+        for name, facets in touched[index].items():
+            if name not in bodies or not bodies[name].linear:
+                continue
+            asked, owner = asked_of(problem, name, bodies[name], footings)
+            beside = [np.unique(asked.nodes[moves[index] | (owner >= 0)])]
+            beside += [
+                touched[k][name]
+                for k in range(len(found))
+                if k != index and name in touched[k] and (moves[k] or moves[index])
+            ]
+            if any(meetings(bodies[name], facets, other)[0].any() for other in beside):
+                found[index] = replace(interface, friction=Tresca(min(strengths)))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Bodies of three kinds, and which of their edges touch."""

@@ -1,0 +1,5 @@
+"""Assemblies of rigid blocks: outlines, joints, unknowns, builders of masonry."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submodules={"masonry"})

@@ -1,0 +1,232 @@
+"""Assemblies of rigid blocks in the plane: polygons, the joints between them, and their friction.
+
+Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_names
+from lacore.bodies.blocks.meeting_corners import Meetings, meetings
+from lacore.bodies.blocks.polygons import (
+    BlockEdges,
+    Polygons,
+    counterclockwise,
+    outline_edges,
+    read_polygons,
+    require_apart,
+    require_no_slits,
+)
+from lacore.conditions.where import edges_inside
+from lacore.errors import InputError, require_known, require_positive
+from lacore.materials.friction import Friction, friction_law
+from lacore.showing import Facts, Shown, counted, listed, short
+
+Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
+_TOLERANCE = 1e-6  # of the mean block size
+_GAP = 1e-3  # of the shortest edge: ten times less than gaps that count as nearly touching
+_SLIVER = 1e-6  # of the size of its block: an edge below it is none
+_DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BlockAssembly(Shown):
+    """Rigid blocks and the joints between them.
+
+    A joint is a segment that two outlines share: edges that face each other, overlap along more
+    than `tolerance`, and are at most `tolerance` apart. Each joint gets two contact points, its
+    ends. Corners that touch an edge or a corner make no joint; `Problem` refuses those that rest
+    inside an edge, or on a corner with no joint beside it.
+
+    Attributes:
+        blocks: polygons by name, vertices (k, 2) in m, in either sense, convex or not; a sequence
+            is named "0", "1", ... Kept counterclockwise.
+        friction: law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
+        joint_friction: other laws for single pairs ``(name, name)``, in either order.
+        tolerance: m; if None 1e-6 of the mean block size (root of the area), or 1e-3 of the
+            shortest edge where that is less: it swallows no gap that edges could show.
+        names: (B,). `area`: (B,), m^2. `centroid`: (2, B), m.
+        radius: largest distance of a vertex from the centroid, (B,), m: turns rates of rotation
+            into velocities.
+        size: diagonal of the bounding box of all, m.
+        edges: edges of all outlines, with block numbers.
+        joints: see `Joints`; the master is the block that comes first.
+        meetings: corners that meet without a joint that keeps them apart, see `Meetings`.
+
+    Raises:
+        InputError: no block, polygons with fewer than 3 vertices, not finite, without area, that
+            cross themselves; blocks that overlap deeper than `tolerance`, or nearly touch (a gap
+            above `tolerance` and below 1 % of the shorter edge); friction below 0 or NaN; a pair
+            of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+    """
+
+    blocks: Polygons
+    friction: float | Friction
+    joint_friction: JointFriction | None = None
+    tolerance: float | None = None
+    names: tuple[str, ...] = field(init=False, repr=False)
+    area: Floats = field(init=False, repr=False)
+    centroid: Floats = field(init=False, repr=False)
+    radius: Floats = field(init=False, repr=False)
+    size: float = field(init=False, repr=False)
+    edges: BlockEdges = field(init=False, repr=False)
+    joints: Joints = field(init=False, repr=False)
+    meetings: Meetings = field(init=False, repr=False)
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        """Pickle by the arguments."""
+        given = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
+        given["blocks"] = dict(self.polygons)
+        given["joint_friction"] = dict(self.joint_friction or {})
+        return type(self), tuple(given.values())
+
+    def __post_init__(self) -> None:
+        outlines = read_polygons(self.blocks, "BlockAssembly.blocks")
+        polygons = counterclockwise(outlines, "BlockAssembly.blocks")
+        names = tuple(outlines)
+        points, block = shapely.get_coordinates(polygons, return_index=True)
+        area = np.asarray(shapely.area(polygons))
+        tolerance = _length_tolerance(self.tolerance, points, block, area)
+        require_apart(names, polygons, tolerance, "BlockAssembly.blocks")
+        edges = outline_edges(polygons, tolerance)
+        require_no_slits(names, polygons, edges, tolerance, "BlockAssembly.blocks")
+        friction = friction_law(self.friction, "BlockAssembly.friction")
+        laws = {} if self.joint_friction is None else self.joint_friction
+        joints = find_joints(
+            names, edges, friction, laws, tolerance, "BlockAssembly.joint_friction"
+        )
+        centroid = shapely.get_coordinates(shapely.centroid(polygons)).T
+        radius = np.zeros(area.size)
+        np.maximum.at(radius, block, np.linalg.norm(points.T - centroid[:, block], axis=0))
+        ends = np.flatnonzero(np.diff(block)) + 1
+        rings = (ring[:-1] for ring in np.split(points, ends))  # the last closes the ring
+        computed = {
+            "blocks": MappingProxyType(dict(zip(names, rings, strict=True))),
+            "friction": friction,
+            "joint_friction": MappingProxyType(dict(laws)),
+            "tolerance": tolerance,
+            "names": names,
+            "area": area,
+            "centroid": centroid,
+            "radius": radius,
+            "size": float(np.linalg.norm(np.ptp(points, axis=0))),
+            "edges": edges,
+            "joints": joints,
+            "meetings": meetings(edges, joints, tolerance),
+        }
+        for name, value in computed.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def contents(self) -> str:
+        """``13 blocks, 22 joints``."""
+        return f"{counted(len(self.names), 'rigid block')}, {counted(self.joints.count, 'joint')}"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        laws = self.joint_friction or {}
+        told = {
+            "blocks": listed(self.names, 10),
+            "friction": short(self.friction) + (f", {len(laws)} joints differ" if laws else ""),
+            "size": f"{self.area.sum():.4g} m^2, {self.size:.4g} m across",
+        }
+        return Facts(f"BlockAssembly: {self.contents}", told)
+
+    @property
+    def polygons(self) -> Mapping[str, Floats]:
+        """Vertices (k, 2) by name, counterclockwise."""
+        assert isinstance(self.blocks, Mapping)  # since it was built
+        return self.blocks  # type: ignore[return-value]
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """``master|slave``, and ``master|slave#2`` where two blocks share a second segment."""
+        return joint_names(self.names, self.joints)
+
+    @property
+    def isolated(self) -> tuple[str, ...]:
+        """Names of the blocks that have no joint."""
+        jointed = np.zeros(len(self.names), dtype=bool)
+        jointed[self.joints.slave] = jointed[self.joints.master] = True
+        return tuple(name for name, has in zip(self.names, jointed, strict=True) if not has)
+
+    @property
+    def jointed_edges(self) -> Ints:
+        """Numbers of the edges that have a joint."""
+        return np.union1d(self.joints.slave_edge, self.joints.master_edge)
+
+    def outline(self, where: Blocks, field: str) -> Ints:
+        """Edge numbers of the part `where` of the outlines, sorted.
+
+        A name, or a tuple of names, selects whole blocks. A predicate gets coordinates (2, n),
+        returns a mask (n,), and selects the edges that satisfy it along their whole length; it
+        must not end inside an edge.
+
+        Raises:
+            InputError: unknown name, nothing selected, a predicate that ends inside an edge; it
+                names `field`.
+        """
+        if callable(where):
+            chosen, cut = edges_inside(where, self.edges.start, self.edges.end, field)
+            if cut.size:
+                first = cut[0]
+                raise InputError(
+                    field,
+                    None,
+                    f"it ends inside an edge of block {self.names[self.edges.block[first]]!r},"
+                    f" from {self.edges.start[:, first]} to {self.edges.end[:, first]}",
+                    "put a vertex of the block where it ends",
+                )
+        elif isinstance(where, str | tuple):
+            wanted = (where,) if isinstance(where, str) else where
+            for name in wanted:
+                require_known(field, name, self.names)
+            chosen = np.flatnonzero(np.isin(self.names, wanted)[self.edges.block])
+        else:
+            raise InputError(
+                field, where, "no part of the blocks", "give a name, names, or a function of (2, n)"
+            )
+        if chosen.size == 0:
+            raise InputError(field, None, "an empty outline", "select at least one edge")
+        return chosen
+
+
+def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Floats) -> float:
+    """The tolerance in m, refused where coordinates do not resolve it.
+
+    Args:
+        given: by the user.
+        points: vertices, (n, 2), of all blocks; the last of each repeats its first.
+        block: numbers, (n,).
+        area: of the blocks.
+    """
+    farthest = np.abs(points).max()
+    if given is not None:
+        require_positive("BlockAssembly.tolerance", given)
+        tolerance = given
+    else:
+        size = np.sqrt(area)
+        length = np.linalg.norm(np.diff(points, axis=0), axis=1)[block[1:] == block[:-1]]
+        own = size[block[1:][block[1:] == block[:-1]]]
+        shortest = length[length > _SLIVER * own].min()
+        tolerance = min(_TOLERANCE * np.mean(size), _GAP * shortest)
+    if tolerance < _DIGITS * farthest:
+        raise InputError(
+            "BlockAssembly.tolerance",
+            tolerance,
+            f"coordinates as large as {farthest:.3g} m are not that precise",
+            "put the origin near the blocks, or give a larger tolerance",
+        )
+    return float(tolerance)
+
+
+def RigidBlock(vertices: npt.ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
+    """An assembly of one block, named "block"."""
+    return BlockAssembly({"block": vertices}, friction=0.0)

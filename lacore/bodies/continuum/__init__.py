@@ -1,0 +1,1 @@
+"""Deformable bodies: mesh, velocity space, unknowns, dissipation."""

@@ -1,0 +1,182 @@
+"""Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from skfem import MeshQuad, MeshTri
+from skfem.mesh import MeshTri1
+
+from lacore import views
+from lacore.arrays import Bools, Floats
+from lacore.bodies.continuum.locking import crossed_quadrilaterals
+from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.errors import InputError, require_known
+from lacore.materials.conic_form import KINEMATICS
+from lacore.materials.von_mises import VonMises
+from lacore.meshes.checks import check_mesh
+from lacore.meshes.curved import edge_curves, vertices
+from lacore.meshes.polygonal import geometry_of
+from lacore.showing import Facts, Picture, Shown, counted, listed, short
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_NEAR = 1e-9  # of the body size: coordinates written in double precision agree to this
+
+GEOMETRIES = ("exact", "approximated")
+
+
+@dataclass(frozen=True, repr=False)
+class Body(Shown):
+    """A continuum body.
+
+    Attributes:
+        mesh: straight-edged triangles (`skfem.MeshTri`), boundaries named; for the space ``q2``
+            convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
+            isoparametric meshes, whose edges are curves through their midside nodes
+            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
+        criterion: yield criterion, `VonMises`.
+        kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
+            body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
+            forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
+            the axis by itself; spaces ``p2-gauss`` and ``q2``.
+        space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
+            ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
+            More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
+        geometry: ``exact``, or ``approximated`` where straight edges replace a curved boundary:
+            then no value is called a bound. None: what the maker of the mesh says, such as
+            `lacore.meshes.quarter_ring`; else ``approximated`` where the outline turns by small
+            angles at three corners in a row, like a polygon in place of an arc. Of a polygon that
+            is meant say ``exact``.
+
+    Raises:
+        InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
+            locks on the mesh.
+    """
+
+    mesh: MeshTri | MeshQuad
+    criterion: VonMises
+    kinematics: str = "plane_strain"
+    space: str = "p2-vertex"
+    geometry: str | None = None
+
+    def __post_init__(self) -> None:
+        require_known("Body.kinematics", self.kinematics, KINEMATICS)
+        require_known("Body.space", self.space, SPACES)
+        if self.geometry is not None:
+            require_known("Body.geometry", self.geometry, GEOMETRIES)
+        if not isinstance(self.criterion, VonMises):
+            raise InputError(
+                "Body.criterion",
+                self.criterion,
+                "not a yield criterion",
+                "give lacore.VonMises(shear_strength=...)",
+            )
+        space = SPACES[self.space]
+        if self.axisymmetric and space.strict:
+            raise InputError(
+                "Body.space",
+                self.space,
+                "no axisymmetric bodies: bounds need strain rates that are linear in elements, and"
+                " the vertex rule has a motion without energy at the axis",
+                "take 'p2-gauss', or 'q2' on quadrilaterals",
+            )
+        _check_mesh(self.mesh, space)
+        if self.geometry is None:
+            object.__setattr__(self, "geometry", geometry_of(self.mesh))
+        if self.axisymmetric:
+            _check_radii(self)
+        incompressible = not self.criterion.conic_form(self.kinematics).compressible
+        if space.locks and incompressible and not crossed_quadrilaterals(self.mesh):
+            raise InputError(
+                "Body.space",
+                self.space,
+                "locks: on this mesh triangles of constant strain cannot flow at constant volume,"
+                " and load factors would be far too high",
+                "take 'p1-disc' or 'p2-vertex', or cut all quadrilaterals along both diagonals"
+                " (lacore.meshes.rectangle(crossed=True))",
+            )
+
+    @property
+    def contents(self) -> str:
+        """``576 triangles, plane_strain, p2-vertex, k = 1 Pa``."""
+        elements = counted(
+            self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
+        )
+        return f"{elements}, {self.kinematics}, {self.space}, k = {self.criterion.k:.4g} Pa"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        (left, low), (right, high) = self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
+        told = {
+            "criterion": short(self.criterion),
+            "size": f"{self.mesh.nvertices} vertices, {left:.4g} to {right:.4g} m by {low:.4g} to"
+            f" {high:.4g} m, geometry {self.geometry}",
+            "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
+        }
+        return Facts(f"Body: {self.contents}", told)
+
+    def picture(self) -> Picture:
+        """Its mesh."""
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
+        return views.picture(self)
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether x is the radius r >= 0 and y the axis z."""
+        return self.kinematics == "axisymmetric"
+
+    def thickness(self, places: Floats) -> Floats:
+        """Across the plane at places of shape (2, ...): 1, or the circumference ``2 pi r``, m."""
+        return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box, the length that tolerances refer to."""
+        return float(np.linalg.norm(np.ptp(self.mesh.p, axis=1)))
+
+
+def on_axis(body: Body, places: Floats) -> Bools:
+    """Which places of shape (2, ...) lie on the axis of an axisymmetric body; else none."""
+    near = np.abs(places[0]) <= _NEAR * body.size
+    return np.asarray(near & body.axisymmetric)
+
+
+def _check_radii(body: Body) -> None:
+    mesh = body.mesh
+    curves = edge_curves(mesh, mesh.boundary_facets())
+    places = np.concatenate([vertices(mesh), curves.middle + curves.bulge], axis=1)
+    outside = np.flatnonzero(places[0] < -_NEAR * body.size)
+    if outside.size:
+        place = places[:, outside[np.argmin(places[0, outside])]]
+        raise InputError(
+            "Body.mesh",
+            float(place[0]),
+            f"a radius below 0, near ({place[0]:.6g}, {place[1]:.6g}): x is the radius r of an"
+            " axisymmetric body",
+            "give the half of the section at x >= 0, its axis at x = 0",
+        )
+
+
+def _check_mesh(mesh: MeshTri | MeshQuad, space: VelocitySpace) -> None:
+    if type(mesh) not in (space.mesh, space.curved):
+        triangles = space.mesh is MeshTri1
+        wanted = "straight-edged triangles" if triangles else "quadrilaterals"
+        mend = (
+            "give a skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated',"
+            " or space='p2-gauss' on a MeshTri2;"
+            " of quadrilaterals: mesh.to_meshtri(style='x'), or space='q2')"
+            if triangles
+            else "give a skfem.MeshQuad, or another space"
+        )
+        raise InputError(
+            "Body.mesh",
+            type(mesh).__name__,
+            f"only {wanted} are taken by the space {space.name!r}",
+            mend,
+        )
+    check_mesh(mesh, "Body.mesh")

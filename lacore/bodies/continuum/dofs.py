@@ -1,0 +1,165 @@
+"""Numbering of the velocity unknowns of all bodies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from skfem import Basis
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.continuum.body import Body, on_axis
+from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.meshes.curved import EdgeCurves, edge_curves, is_curved
+from lacore.showing import Compact
+
+_ROUND_OFF = 1e-13  # of a shape function
+
+
+@dataclass(frozen=True, repr=False)
+class BodyDofs(Compact):
+    """Where a body's velocity stands in the vector of all unknowns.
+
+    Attributes:
+        body: the body.
+        nodes: coordinates of its nodes, shape (2, nodes): vertices, then edge midpoints, then
+            centres; where velocities jump, those of the first element, then of the second, ...
+        dofs: unknowns (x, y) of each node, shape (2, nodes).
+        element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
+        first_node: number of the body's first node among those of all bodies.
+        basis: scikit-fem basis at the strain points; its dofs start at `offset`.
+        offset: number of the body's first unknown.
+    """
+
+    body: Body
+    nodes: Floats
+    dofs: Ints
+    element_nodes: Ints
+    first_node: int
+    basis: Basis
+    offset: int
+
+    @property
+    def space(self) -> VelocitySpace:
+        """The velocity space."""
+        return SPACES[self.body.space]
+
+    @property
+    def degree(self) -> int:
+        """Of the velocity along an edge."""
+        return self.space.degree
+
+    @property
+    def linear(self) -> bool:
+        """Whether strain rates are linear in each element, see `VelocitySpace.linear`."""
+        straight = self.space.linear and not is_curved(self.body.mesh)
+        return straight and not self.body.axisymmetric
+
+    @property
+    def strength(self) -> float:
+        """Shear stress that it can carry, Pa."""
+        return self.body.criterion.k
+
+    @property
+    def extent(self) -> float:
+        """Area, m^2."""
+        return float(self.areas.sum())
+
+    @property
+    def areas(self) -> Floats:
+        """Areas of the elements, shape (elements,), m^2."""
+        return np.asarray(self.basis.dx.sum(axis=1))
+
+    @property
+    def volumes(self) -> Floats:
+        """Volumes of the elements, shape (elements,), m^3; m^2 per unit thickness."""
+        return np.asarray(self.weights.sum(axis=1))
+
+    @property
+    def axis_nodes(self) -> Ints:
+        """Nodes of an axisymmetric body on its axis, numbered among those of all bodies."""
+        return self.first_node + np.flatnonzero(on_axis(self.body, self.nodes))
+
+    @property
+    def weights(self) -> Floats:
+        """Volumes of the strain points, shape (elements, q), m^3; m^2 per unit thickness."""
+        places = np.asarray(self.basis.global_coordinates())
+        return np.asarray(self.basis.dx * self.body.thickness(places))
+
+    def parts(self, facets: Ints) -> Ints:
+        """The facets themselves: velocities differ from one to the next."""
+        return facets
+
+    def moving(self, facets: Ints) -> Ints:
+        """What moves continuously: all of the body is one, or each element for itself."""
+        return self.body.mesh.f2t[0, facets] if self.space.jumps else np.zeros_like(facets)
+
+    def curves(self, facets: Ints) -> EdgeCurves:
+        """The facets as curves."""
+        return edge_curves(self.body.mesh, facets)
+
+    def velocity_rows(self, facets: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
+        """Rows of u_x and u_y on facets at points of shape (2, k), each of shape (k, n).
+
+        On a curved edge at the place that lies across its chord from the point.
+        """
+        nodes = self.facet_nodes(facets)
+        shape = edge_shapes(self.curves(facets).parameter(points), self.degree)
+        kept = np.abs(shape) >= _ROUND_OFF
+        first = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
+        x, y = (
+            csr_matrix((shape[kept], self.dofs[axis, nodes].T[kept], first), (facets.size, n))
+            for axis in (0, 1)
+        )
+        return x, y
+
+    def facet_nodes(self, facets: Ints, side: int = 0) -> Ints:
+        """Nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
+
+        Args:
+            facets: of the mesh.
+            side: of which of the two elements at a facet; a boundary facet has only 0.
+        """
+        mesh = self.body.mesh
+        element = mesh.f2t[side, facets]
+        corners = len(mesh.t)
+
+        def local(numbers: Ints, wanted: Ints) -> Ints:
+            return np.asarray(np.argmax(numbers[:, element] == wanted, axis=0))
+
+        nodes = [local(mesh.t, end) for end in mesh.facets[:, facets]]
+        if self.degree == 2:
+            nodes.insert(1, corners + local(mesh.t2f, facets))
+        return np.asarray(self.element_nodes[np.stack(nodes), element])
+
+    def vertex_nodes(self, vertex: int) -> Ints:
+        """The nodes at a vertex of the mesh: one, or one in each element."""
+        mesh = self.body.mesh
+        return np.unique(self.element_nodes[: len(mesh.t)][mesh.t == vertex])
+
+
+def edge_shapes(s: Floats, degree: int) -> Floats:
+    """Shape functions of nodes along an edge at shares `s` of its length, (s, degree + 1)."""
+    if degree == 1:
+        return np.stack([1 - s, s], axis=1)
+    return np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
+
+
+def number(bodies: Mapping[str, Body]) -> dict[str, BodyDofs]:
+    """Number the unknowns of bodies, one after the other, in their order."""
+    numbered: dict[str, BodyDofs] = {}
+    first_node = 0
+    for name, body in bodies.items():
+        basis = SPACES[body.space].basis(body.mesh)
+        # scikit-fem numbers the components of a node one after the other.
+        numbered[name] = BodyDofs(
+            body=body,
+            nodes=basis.doflocs[:, ::2],
+            dofs=2 * first_node + np.arange(basis.N, dtype=np.int64).reshape(-1, 2).T,
+            element_nodes=basis.element_dofs[::2].astype(np.int64) // 2,
+            first_node=first_node,
+            basis=basis,
+            offset=2 * first_node,
+        )
+        first_node += basis.N // 2
+    return numbered

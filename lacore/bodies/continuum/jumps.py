@@ -1,0 +1,171 @@
+"""Velocity jumps of a body, as dissipation like any other (T23).
+
+Between its elements, and along boundaries where it slips past what holds it
+(`lacore.assembly.slips`).
+
+A jump over an edge of length L is a layer of thickness L with the strain rate
+``sym(n (x) [u])/L``: the criterion says what it costs, per volume L^2. Its cones stand at the
+Bernstein control values of the jump along the edge, L/(degree + 1) each: of a linear jump the ends,
+of a quadratic one also ``2 [u]_mid - ([u]_start + [u]_end)/2``. The jump is a convex combination
+of them, so that their sum is never below the dissipation, and ``[u_n] = 0`` holds along the whole
+edge. The thickness cancels from all powers; only the regularised law sees it.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import csr_matrix, vstack
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.slip import Slip
+from lacore.program import DissipationGroup
+from lacore.showing import Compact
+
+CONTROL = {
+    1: np.eye(2),
+    2: np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]]),
+}
+"""Bernstein control values from the values at the nodes of an edge, by degree."""
+_ROUND_OFF = 1e-12  # of the entries of a row
+
+
+@dataclass(frozen=True, repr=False)
+class Jumps(Compact):
+    """The velocity jumps of a body.
+
+    Attributes:
+        group: their dissipation; cone by cone along each edge.
+        elements: on both sides of each cone, shape (2, m); at a boundary twice the same.
+        place: number of each cone among the control values of all edges, `copies` an edge, shape
+            (m,); the others are zero.
+        copies: control values of an edge.
+    """
+
+    group: DissipationGroup
+    elements: Ints
+    place: Ints
+    copies: int
+
+    def kept(self, mask: Bools) -> "Jumps":
+        """Those of a mask of shape (m,)."""
+        group = replace(
+            self.group,
+            rows=self.group.rows[np.repeat(mask, self.group.dim)],
+            weights=self.group.weights[mask],
+            bound=self.group.bound[mask],
+            volumetric=self.group.volumetric[mask],
+        )
+        return Jumps(group, self.elements[:, mask], self.place[mask], self.copies)
+
+    def held_force(self, stress: Floats) -> Floats:
+        """Nodal forces of stresses of shape (m, dim) on what the body slips past, shape (n,)."""
+        outer = self.elements[0] == self.elements[1]
+        weights = np.where(outer, self.group.weights, 0.0)
+        return np.asarray(self.group.rows.T @ (weights[:, None] * stress).ravel())
+
+    def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
+        """Elements on both sides of edges, shape (2, e), and the power dissipated there, (e,).
+
+        From above: control values of `parts` equal parts of each edge, `parts` = 1 is the group.
+        """
+        _, first, edge = np.unique(
+            self.place // self.copies, return_index=True, return_inverse=True
+        )
+        control = np.zeros((first.size, self.copies, self.group.dim))
+        control[edge, self.place % self.copies] = self.group.cone_vectors(velocity)
+        total = np.zeros(first.size)
+        for start, end in pairwise(np.linspace(0, 1, parts + 1)):
+            for value in _control_values_of_part(control, start, end):
+                total += np.linalg.norm(value, axis=1)
+        strength = (self.group.weights * self.group.bound)[first]
+        return self.elements[:, first], strength * total / parts
+
+
+def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
+    """All jumps of a body for n unknowns: of a discontinuous space, and past what holds it."""
+    mesh = dofs.body.mesh
+    inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
+    outer = np.zeros(0, dtype=np.int64) if slip is None else slip.facets
+    facets, copies = np.concatenate([inner, outer]), dofs.degree + 1
+    own = _control_values(dofs, facets, 0, n)
+    beyond = _control_values(dofs, inner, 1, n)
+    if slip is not None:
+        held = slip.held_rows(copies, n)
+        beyond = [csr_matrix(vstack(part)) for part in zip(beyond, held, strict=True)]
+    x, y = (csr_matrix(b - a) for a, b in zip(own, beyond, strict=True))
+    elements = mesh.f2t[:, facets].astype(np.int64)
+    elements[1, inner.size :] = elements[0, inner.size :]
+    within = np.repeat(np.arange(facets.size) < inner.size, copies)
+    facets = np.repeat(facets, copies)
+    along = mesh.p[:, mesh.facets[1, facets]] - mesh.p[:, mesh.facets[0, facets]]
+    length = np.linalg.norm(along, axis=0)
+
+    def across(direction: Floats) -> Sparse:
+        share = direction / length**2
+        return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
+
+    # What holds a boundary, or does not, has no normal jump.
+    opening, slipping = across(np.stack([along[1], -along[0]]) * within), across(along)
+    form = dofs.body.criterion.conic_form(dofs.body.kinematics).across()
+    dim, count = form.rows.shape[0], length.size
+    order = np.arange(dim * count).reshape(dim, count).T.ravel()
+    rows = vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
+    volumetric = csr_matrix(form.volumetric[0] * opening + form.volumetric[1] * slipping)
+    for matrix in (rows, volumetric):
+        matrix.eliminate_zeros()
+    group = DissipationGroup(
+        name=f"{name}: jumps",
+        rows=csr_matrix(rows),
+        dim=dim,
+        weights=length**2 / copies,
+        bound=np.full(count, form.bound),
+        volumetric=volumetric,
+        volumetric_factor=form.volumetric_factor,
+    )
+    return Jumps(group, np.repeat(elements, copies, axis=1), np.arange(count), copies)
+
+
+def movable(group: DissipationGroup, basis: Sparse) -> Bools:
+    """Cones that supports and footings leave something of, shape (m,).
+
+    The others would say ``0 = 0``, with a multiplier that is any number.
+
+    Args:
+        group: for all unknowns.
+        basis: of the free velocities, see `lacore.conditions.elimination.free_basis`.
+    """
+    left = np.zeros(group.weights.size)
+    for rows, dim in ((group.rows, group.dim), (group.volumetric, 1)):
+        entries = np.asarray(abs(csr_matrix(rows @ basis)).sum(axis=1))
+        left += entries.reshape(left.size, dim).sum(axis=1)
+    return np.asarray(left > _ROUND_OFF * left.max(initial=0.0))
+
+
+def _control_values_of_part(control: Floats, start: float, end: float) -> list[Floats]:
+    """Those of the part of each edge from `start` to `end` (shares of its length), by blossoms."""
+
+    def between(values: Floats, share: float) -> Floats:
+        return np.asarray(values[:, :-1] * (1 - share) + values[:, 1:] * share)
+
+    if control.shape[1] == 2:
+        return [between(control, share)[:, 0] for share in (start, end)]
+    pairs = ((start, start), (start, end), (end, end))
+    return [between(between(control, a), b)[:, 0] for a, b in pairs]
+
+
+def _control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
+    """Rows of u_x and u_y at the control values of facets, facet by facet."""
+    nodes = dofs.facet_nodes(facets, side)
+    control = CONTROL[dofs.degree]
+    shape = (facets.size, *control.shape)
+    values = np.broadcast_to(control, shape).ravel()
+    start = np.arange(facets.size * shape[1] + 1) * shape[2]
+    return [
+        csr_matrix(
+            (values, np.broadcast_to(own[nodes].T[:, None], shape).ravel(), start),
+            (start.size - 1, n),
+        )
+        for own in dofs.dofs
+    ]

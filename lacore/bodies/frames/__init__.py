@@ -1,0 +1,1 @@
+"""Plane frames: members, plastic hinges, unknowns."""

@@ -1,0 +1,207 @@
+"""Plane frames: straight members between nodes, with plastic hinges where members end."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.frames.members import (
+    Members,
+    Pieces,
+    on_lines,
+    read_members,
+    read_moments,
+    read_nodes,
+    read_releases,
+    require_apart,
+    require_joined,
+    require_single,
+    split_members,
+)
+from lacore.errors import InputError, require_known, require_positive
+from lacore.showing import Facts, Shown, counted, listed
+
+Nodes = str | tuple[str, ...] | Callable[[Floats], Bools]
+_TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Frame(Shown):
+    """Rigid-plastic members, inextensible, with potential plastic hinges at nodes.
+
+    A node that lies on a member, within `tolerance`, splits it: the member may hinge there, on
+    either side, and is joined to what else meets there. Members that cross elsewhere pass each
+    other. Where a `PointForce` acts at coordinates on a member, `Problem` adds the node. Nodes are
+    the only places of hinges; under loads along a member `solve` adds those where its moments peak.
+
+    Moments are per unit thickness, N m/m = N, like forces, N/m.
+
+    Attributes:
+        nodes: places (x, y) by name, m.
+        members: ``(node, node)`` by name; those of a sequence are called "A-B".
+        plastic_moment: M_p of all members, or by member, N.
+        releases: ``(member, node)``: ends without moment. A node that one member reaches needs
+            none: it turns with its member unless a support clamps it.
+        tolerance: m; 1e-6 of the size if None.
+        names, member_names: of nodes (N,) and members (M,).
+        position: of the nodes, (2, N), m.
+        size: diagonal of the bounding box, m.
+        pieces: see `Pieces`.
+
+    Raises:
+        InputError: unknown or unused nodes, nodes at one place, members without length or on top
+            of each other, M_p that is missing or not positive, parts that no member joins.
+    """
+
+    nodes: Mapping[str, tuple[float, float]]
+    members: Members
+    plastic_moment: float | Mapping[str, float]
+    releases: Sequence[tuple[str, str]] = ()
+    tolerance: float | None = None
+    names: tuple[str, ...] = field(init=False, repr=False)
+    member_names: tuple[str, ...] = field(init=False, repr=False)
+    position: Floats = field(init=False, repr=False)
+    size: float = field(init=False, repr=False)
+    pieces: Pieces = field(init=False, repr=False)
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        """Pickle by the arguments."""
+        given = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
+        plain = {
+            name: dict(value) if isinstance(value, Mapping) else value
+            for name, value in given.items()
+        }
+        return type(self), tuple(plain.values())
+
+    def __post_init__(self) -> None:
+        names, position = read_nodes(self.nodes)
+        members = read_members(self.members, names)
+        size = float(np.linalg.norm(np.ptp(position, axis=1)))
+        if self.tolerance is not None:
+            require_positive("Frame.tolerance", self.tolerance)
+        tolerance = _TOLERANCE * size if self.tolerance is None else float(self.tolerance)
+        require_apart(names, position, tolerance)
+        moments = read_moments(self.plastic_moment, tuple(members))
+        number = {name: index for index, name in enumerate(names)}
+        ends = np.array([[number[node] for node in pair] for pair in members.values()])
+        pieces = split_members(position, ends, moments, tolerance)
+        stiff = read_releases(self.releases, tuple(members), names, pieces)
+        pieces = replace(pieces, stiff=stiff)
+        require_single(names, tuple(members), pieces)
+        require_joined(names, tuple(members), position, ends, pieces)
+        places = dict(zip(names, map(tuple, position.T.tolist()), strict=True))
+        computed = {
+            "nodes": MappingProxyType(places),
+            "members": MappingProxyType(members),
+            "plastic_moment": (
+                MappingProxyType(dict(self.plastic_moment))
+                if isinstance(self.plastic_moment, Mapping)
+                else float(self.plastic_moment)
+            ),
+            "releases": tuple((member, node) for member, node in self.releases),
+            "tolerance": tolerance,
+            "names": names,
+            "member_names": tuple(members),
+            "position": position,
+            "size": size,
+            "pieces": pieces,
+        }
+        for name, value in computed.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def contents(self) -> str:
+        """``3 members, 4 nodes``."""
+        members = counted(len(self.member_names), "member")
+        return f"{members}, {counted(len(self.names), 'node')}"
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        low, high = self.pieces.plastic_moment.min(), self.pieces.plastic_moment.max()
+        told = {
+            "members": listed(self.member_names, 10),
+            "nodes": listed(self.names, 10),
+            "moment": f"M_p = {low:.4g} N" if low == high else f"M_p = {low:.4g} to {high:.4g} N",
+            "releases": counted(len(self.releases), "release"),
+            "size": f"{self.pieces.length.sum():.4g} m of members, {self.size:.4g} m across",
+        }
+        return Facts(f"Frame: {self.contents}", told)
+
+    def find(self, where: Nodes, field: str) -> Ints:
+        """Numbers of nodes: of a name, of names, or of a predicate on coordinates (2, n) -> (n,).
+
+        Raises:
+            InputError: an unknown name, nothing selected; it names `field`.
+        """
+        if callable(where):
+            inside = np.asarray(where(self.position))
+            if inside.shape != (len(self.names),) or inside.dtype != bool:
+                raise InputError(
+                    field,
+                    inside.dtype.name,
+                    "the predicate does not return one bool a node",
+                    "return an array of bool of shape (n,) for coordinates (2, n)",
+                )
+            chosen = np.flatnonzero(inside)
+        elif isinstance(where, str | tuple):
+            wanted = (where,) if isinstance(where, str) else where
+            for name in wanted:
+                require_known(field, name, self.names)
+            chosen = np.flatnonzero(np.isin(self.names, wanted))
+        else:
+            raise InputError(
+                field, where, "no nodes", "give a name, names, or a function of coordinates (2, n)"
+            )
+        if chosen.size == 0:
+            raise InputError(field, None, "selects no node", "select at least one node")
+        return chosen
+
+    def node_at(self, at: Sequence[float]) -> int | None:
+        """Number of the node at a place, None where there is none."""
+        away = np.linalg.norm(self.position - np.reshape(at, (2, 1)), axis=0)
+        nearest = int(np.argmin(away))
+        return nearest if away[nearest] <= self._allowed else None
+
+    def split_at(self, points: Iterable[Sequence[float]]) -> "Frame":
+        """The frame with further nodes at those of the points that lie inside a member.
+
+        They are called "member(x, y)".
+
+        Raises:
+            InputError: a point where members cross that no node joins.
+        """
+        frame = self
+        for point in points:
+            if frame.node_at(point) is not None:
+                continue
+            crossed = frame._members_at(point)
+            if len(crossed) > 1:
+                raise InputError(
+                    "PointForce.at",
+                    tuple(point),
+                    f"the members {', '.join(crossed)} cross there, and no node joins them",
+                    "make it a node, or load one of the members beside it",
+                )
+            if crossed:
+                x, y = (float(own) for own in point)
+                frame = replace(frame, nodes={**frame.nodes, f"{crossed[0]}({x:g}, {y:g})": (x, y)})
+        return frame
+
+    def crossed_at(self, point: Sequence[float]) -> bool:
+        """Whether members cross at a point that no node joins."""
+        return self.node_at(point) is None and len(self._members_at(point)) > 1
+
+    def _members_at(self, point: Sequence[float]) -> list[str]:
+        """Members with a piece that a point lies inside of."""
+        ends = self.position[:, self.pieces.nodes]
+        place = np.reshape(np.asarray(point, dtype=np.float64), (2, 1))
+        inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], self._allowed)[0][:, 0]
+        return [self.member_names[m] for m in self.pieces.member[inside]]
+
+    @property
+    def _allowed(self) -> float:
+        assert self.tolerance is not None  # since it was built
+        return self.tolerance

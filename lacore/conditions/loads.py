@@ -1,0 +1,202 @@
+"""Supports and loads. Forces are per unit thickness; every load is integrated exactly.
+
+Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces
+are those of the whole circumference, in N.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+
+from lacore.conditions.where import Where, where_name
+from lacore.errors import (
+    InputError,
+    is_number,
+    is_plane_vector,
+    require_known,
+    require_place,
+    require_range,
+)
+from lacore.showing import Compact, short
+
+COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
+
+
+def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
+    if not is_plane_vector(vector):
+        raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
+    if not np.any(vector):
+        raise InputError(field, vector, "is zero: a load without power", "give a vector != 0")
+    require_range(field, vector)
+
+
+def _check_size(field: str, value: float, unit: str) -> None:
+    if not (is_number(value) and value):
+        raise InputError(
+            field, value, "not a number other than zero", f"give a finite value != 0 in {unit}"
+        )
+    require_range(field, value)
+
+
+@dataclass(frozen=True, repr=False)
+class Fix(Compact):
+    """Velocity components held at zero on a part of the boundary.
+
+    Attributes:
+        body: name of the body.
+        where: see `lacore.bodies.continuum.boundaries.boundary_facets`; of a frame its nodes, see
+        `Frame.find`.
+        components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes
+            of a frame also ``rotation``, and ``clamped`` for all three, but no normal.
+    """
+
+    body: str
+    where: Where
+    components: str = "xy"
+
+    def __post_init__(self) -> None:
+        require_known("Fix.components", self.components, COMPONENTS)
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{self.components} of {self.body}.{where_name(self.where)}"
+
+
+@dataclass(frozen=True, repr=False)
+class Traction(Compact):
+    """Uniform traction `vector` [Pa] on a part of the boundary.
+
+    On a frame `where` names a member, and the vector is a force per length of it.
+    """
+
+    body: str
+    where: Where
+    vector: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_vector("Traction.vector", self.vector, "Pa")
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{short(self.vector)} Pa on {self.body}.{where_name(self.where)}"
+
+
+@dataclass(frozen=True, repr=False)
+class Pressure(Compact):
+    """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary."""
+
+    body: str
+    where: Where
+    value: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_size("Pressure.value", self.value, "Pa")
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"pressure {short(self.value)} Pa on {self.body}.{where_name(self.where)}"
+
+
+@dataclass(frozen=True, repr=False)
+class BodyForce(Compact):
+    """Uniform force per volume [N/m^3].
+
+    Attributes:
+        body: name of the body.
+        vector: N/m^3.
+        where: the block (or blocks) of an assembly that it acts on; None: on all of the body.
+    """
+
+    body: str
+    vector: tuple[float, float]
+    where: str | tuple[str, ...] | None = None
+
+    def __post_init__(self) -> None:
+        _check_vector("BodyForce.vector", self.vector, "N/m^3")
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        part = "" if self.where is None else f".{where_name(self.where)}"
+        return f"{short(self.vector)} N/m^3 in {self.body}{part}"
+
+
+@dataclass(frozen=True, repr=False)
+class PointForce(Compact):
+    """A single force.
+
+    Attributes:
+        body: name of the body. A continuum yields under it: mesh dependent.
+        at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
+            centroid) or of a node of a frame, or a place on a member of one: a node is put there.
+        vector: N/m; on an axisymmetric body the sum around the ring through `at`, N.
+        where: the block that carries it, where `at` lies on several.
+    """
+
+    body: str
+    at: tuple[float, float] | str
+    vector: tuple[float, float]
+    where: str | None = None
+
+    def __post_init__(self) -> None:
+        _check_vector("PointForce.vector", self.vector, "N/m")
+        if not (isinstance(self.at, str) or is_plane_vector(self.at)):
+            raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
+        if not isinstance(self.at, str):
+            require_place("PointForce.at", self.at)
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return f"{short(self.vector)} N/m at {short(self.at)} of {self.body}"
+
+
+@dataclass(frozen=True, repr=False)
+class RigidFooting(Compact):
+    """A rigid footing that moves along `direction` without rotating, and loads what it touches.
+
+    The load is a force of mean pressure `pressure` [Pa] along `direction`, so that the load factor
+    is the mean footing pressure in units of `pressure`.
+
+    Attributes:
+        body, where: the part of the boundary under the footing; its ends fall on vertices.
+        direction: of motion and force; normalised.
+        pressure: mean pressure, force over the area of `where` (of the whole ring or disc, where
+            the body is axisymmetric; then it moves along z).
+        rough: the body sticks to the footing; else it slides along it without friction. Either
+            way it does not lift off.
+    """
+
+    body: str
+    where: Where
+    direction: tuple[float, float]
+    pressure: float = 1.0
+    rough: bool = True
+
+    def __post_init__(self) -> None:
+        _check_vector("RigidFooting.direction", self.direction, "any unit")
+        _check_size("RigidFooting.pressure", self.pressure, "Pa")
+        # Footings are told apart by value, so a direction given as a list has to be hashable.
+        length = hypot(*self.direction)
+        object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
+
+    @property
+    def name(self) -> str:
+        """For messages: ``soil: footing``."""
+        return f"{self.body}: {where_name(self.where)}"
+
+    @property
+    def told(self) -> str:
+        """In a few words."""
+        return (
+            f"footing on {self.body}.{where_name(self.where)} along {short(self.direction)},"
+            f" {short(self.pressure)} Pa"
+        )
+
+
+Load = Traction | Pressure | BodyForce | PointForce | RigidFooting

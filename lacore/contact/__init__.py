@@ -1,0 +1,1 @@
+"""Where bodies touch, as rows of the program."""

@@ -1,0 +1,208 @@
+"""Where the two sides of an interface touch: geometry only, no unknowns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies.any_body import AnyBody, boundary_edges, tolerance
+from lacore.bodies.blocks.corners import loose_corners
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames.frame import Frame
+from lacore.bodies.touching import Edges, near_misses, touching
+from lacore.conditions.where import where_name
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.errors import InputError
+from lacore.meshes.curved import edge_curves
+from lacore.showing import Compact
+
+_SAME_FACE = 1 - 1e-9  # cosine between the normals of faces on one line
+
+
+@dataclass(frozen=True, repr=False)
+class Segments(Compact):
+    """Straight parts along which one edge of the slave touches one of the master.
+
+    Attributes:
+        slave, master: facets of a continuum, outline edges of an assembly, or nodes of a frame,
+            shape (k,); an obstacle has the edges -1.
+        start, end: shape (2, k).
+        normal: unit vectors from the master into the slave, shape (2, k).
+    """
+
+    slave: Ints
+    master: Ints
+    start: Floats
+    end: Floats
+    normal: Floats
+
+
+def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Segments:
+    """The segments of an interface; those at nodes of a frame are points.
+
+    Raises:
+        InputError: the two sides do not touch, touch up to a small gap, or somewhere with a corner
+            only; a node at a corner, or against an obstacle without a normal.
+    """
+    slave = bodies[interface.slave[0]]
+    numbers, edges = boundary_edges(slave, interface.slave[1], f"{field}.slave")
+    if isinstance(interface.master, RigidObstacle):
+        _check_obstacle(slave, numbers, edges, interface, field)
+        nothing = np.full(numbers.size, -1)
+        normal = -edges.normal
+        if isinstance(slave, Frame):
+            normal = np.tile(_obstacle_normal(interface, field)[:, None], numbers.size)
+        return Segments(numbers, nothing, edges.start, edges.end, normal)
+    master = bodies[interface.master[0]]
+    others, facing = boundary_edges(master, interface.master[1], f"{field}.master")
+    allowed = max(tolerance(slave), tolerance(master))
+    if isinstance(slave, Frame) and isinstance(master, Frame):
+        raise InputError(
+            field,
+            interface.name,
+            "nodes of two frames: there is no face whose normal they could slide across",
+            "join the frames, or let one of them stand on a body",
+        )
+    if isinstance(slave, Frame):
+        face, normal = _faces(slave, numbers, facing, allowed, interface, field)
+        return Segments(numbers, others[face], edges.start, edges.end, normal)
+    if isinstance(master, Frame):
+        face, normal = _faces(master, others, edges, allowed, interface, field)
+        return Segments(numbers[face], others, facing.start, facing.end, -normal)
+    shared = touching(edges, facing, allowed)
+    for gap in near_misses(edges, facing, allowed).gap[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides are {gap:.3g} m apart",
+            "move one body so that they touch",
+        )
+    if not shared.first.size:
+        raise InputError(
+            field,
+            interface.name,
+            f"does not touch {interface.master[0]}.{where_name(interface.master[1])}",
+            "give two boundaries that lie on each other",
+        )
+    corners = loose_corners(edges, facing, shared, allowed)
+    if corners.size:
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides touch with a corner only at {corners[:, 0]} (such places:"
+            f" {corners.shape[1]}), where contact has no normal or no length",
+            "cut the corner off, so that edges touch there, or leave the edge out of the interface",
+        )
+    segments = Segments(
+        slave=numbers[shared.first],
+        master=others[shared.second],
+        start=shared.start,
+        end=shared.end,
+        normal=-edges.normal[:, shared.first],
+    )
+    _check_curves(slave, master, segments, allowed, interface, field)
+    return segments
+
+
+def _check_curves(
+    slave: AnyBody,
+    master: AnyBody,
+    segments: Segments,
+    allowed: float,
+    interface: Interface,
+    field: str,
+) -> None:
+    """Edges whose chords touch touch all along, also in the middle."""
+    middle = (segments.start + segments.end) / 2
+    places = []
+    for body, edges in ((slave, segments.slave), (master, segments.master)):
+        if isinstance(body, Body):
+            curves = edge_curves(body.mesh, edges)
+            places.append(curves.at(curves.parameter(middle)))
+        else:
+            places.append(middle)
+    gap = np.linalg.norm(places[0] - places[1], axis=0)
+    for worst in np.flatnonzero(gap > allowed)[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides are curved, and {gap[worst]:.3g} m apart at {middle[:, worst]}",
+            "give both the same vertices and midside nodes there, or straight edges",
+        )
+
+
+def _check_obstacle(
+    body: AnyBody, numbers: Ints, edges: Edges, interface: Interface, field: str
+) -> None:
+    obstacle = interface.master
+    assert isinstance(obstacle, RigidObstacle)
+    if obstacle.point is None or obstacle.normal is None:
+        return
+    normal = np.array(obstacle.normal) / np.linalg.norm(obstacle.normal)
+    point = np.reshape(obstacle.point, (2, 1))
+    places = [edges.start, edges.end]
+    if isinstance(body, Body):
+        places.append(edge_curves(body.mesh, numbers).middle)
+    gap = np.concatenate([normal @ (x - point) for x in places])
+    worst = gap[np.argmax(np.abs(gap))]
+    if abs(worst) > tolerance(body):
+        raise InputError(
+            field,
+            interface.name,
+            f"does not touch its obstacle: a node lies {abs(worst):.3g} m "
+            f"{'above' if worst > 0 else 'inside'} it",
+            "move the body or RigidObstacle.point so that the two coincide",
+        )
+    if np.any(normal @ edges.normal > 0):
+        raise InputError(
+            field,
+            obstacle.normal,
+            "the obstacle's normal points out of the body",
+            "give the normal from the obstacle into the body",
+        )
+
+
+def _obstacle_normal(interface: Interface, field: str) -> Floats:
+    """Unit normal of the obstacle that a node touches."""
+    assert isinstance(interface.master, RigidObstacle)
+    if interface.master.normal is None:
+        raise InputError(
+            field,
+            interface.name,
+            "a node of a frame has no shape that an obstacle could follow",
+            "give RigidObstacle(point=(x, y), normal=(nx, ny))",
+        )
+    normal = np.array(interface.master.normal)
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def _faces(
+    frame: Frame, nodes: Ints, faces: Edges, allowed: float, interface: Interface, field: str
+) -> tuple[Ints, Floats]:
+    """The face that each node of a frame lies on: numbers (k,) and outward normals (2, k)."""
+    along = faces.end - faces.start
+    length = np.linalg.norm(along, axis=0)
+    away = frame.position[:, nodes, None] - faces.start[:, None, :]  # (2, nodes, faces)
+    share = np.clip(np.sum(away * along[:, None, :], axis=0) / length**2, 0.0, 1.0)
+    gap = np.linalg.norm(away - share * along[:, None, :], axis=0)
+    face = np.argmin(gap, axis=1)
+    normal = faces.normal[:, face]
+    least = gap[np.arange(nodes.size), face]
+    for node in np.flatnonzero(least > allowed)[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"the node {frame.names[nodes[node]]!r} is {least[node]:.3g} m from the other side",
+            "move one body so that they touch",
+        )
+    cosine = np.einsum("ik,ij->kj", normal, faces.normal)
+    for node in np.flatnonzero(((gap <= allowed) & (cosine < _SAME_FACE)).any(axis=1))[:1]:
+        raise InputError(
+            field,
+            interface.name,
+            f"the node {frame.names[nodes[node]]!r} stands on a corner, which has no normal",
+            "select the face that carries it, or move it off the corner",
+        )
+    return face, normal

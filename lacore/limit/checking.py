@@ -1,0 +1,221 @@
+"""A limit state checked anew, as it is or with parts of it replaced.
+
+What a state shows, velocities, stresses, reactions and moments in SI units, goes back into the
+unknowns of its program, and all residuals are recomputed. So anyone can plant an error in a state
+and see it refused.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from numbers import Real
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import spsolve
+
+from lacore.arrays import Floats
+from lacore.assembly.discretise import Discretisation
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.volume import volume_projector
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.certificate import Certificate, certify
+from lacore.errors import InputError, require_known
+from lacore.limit.conversion import point_in_program
+from lacore.program import (
+    ContactRows,
+    FrozenContact,
+    associated_contact,
+    dimensionless,
+    frictionless_contact,
+    stick_contact,
+)
+from lacore.state import ProgramState
+
+_LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
+    "associated": associated_contact,
+    "frictionless": frictionless_contact,
+    "stick": stick_contact,
+}
+"""What couplings are judged by that solve another problem; the others by the laws as stated."""
+_READ = ("t_n", "t_t")
+
+Table = pd.DataFrame | Mapping[str, ArrayLike]
+
+
+def laws_of(coupling: str, rows: ContactRows) -> FrozenContact | None:
+    """The contact that states of a coupling are judged by; None: the laws as they are stated."""
+    return _LAWS[coupling](rows) if coupling in _LAWS else None
+
+
+def recomputed(discretisation: Discretisation, point: ProgramState, coupling: str) -> Certificate:
+    """Residuals of a state of a problem, in SI units and all unknowns, by the laws of a coupling.
+
+    A velocity that supports, rigid footings or rigid members forbid counts as penetration.
+    """
+    program = dimensionless(discretisation.program, discretisation.natural)
+    laws = laws_of(coupling, program.contact)
+    inside = point_in_program(discretisation, point)
+    found = certify(program, inside, laws)
+    scale = discretisation.natural.velocity
+    forbidden = point.velocity / scale - discretisation.free_basis @ inside.velocity
+    largest = float(np.abs(point.velocity).max(initial=0.0)) / scale or 1.0
+    against = float(np.abs(forbidden).max(initial=0.0)) / largest
+    return replace(found, penetration=float(np.maximum(found.penetration, against)))
+
+
+def checked(
+    discretisation: Discretisation,
+    point: ProgramState,
+    coupling: str,
+    *,
+    load_factor: float | None = None,
+    velocity: Mapping[str, ArrayLike] | None = None,
+    stress: Mapping[str, ArrayLike] | None = None,
+    reactions: Table | None = None,
+    hinges: Table | None = None,
+) -> Certificate:
+    """Residuals of a state with parts replaced, see `lacore.LimitState.certify`.
+
+    Raises:
+        InputError: a name, a shape or a table that is not one of this state.
+    """
+    check_shapes(discretisation, point)
+    unlike = 0.0
+    if load_factor is not None:
+        if not isinstance(load_factor, Real):
+            raise InputError("load_factor", load_factor, "not a number", "give one")
+        point = replace(point, load_factor=float(load_factor))
+    if velocity is not None:
+        point = replace(point, velocity=_velocity(discretisation, point.velocity, velocity))
+    if stress is not None:
+        point, unlike = _with_stress(discretisation, point, stress)
+    if reactions is not None:
+        t_n, t_t = (
+            _column("reactions", reactions, name, discretisation.full.contact.count)
+            for name in _READ
+        )
+        point = replace(point, normal_reaction=t_n, tangential_reaction=t_t[:, None])
+    if hinges is not None:
+        point = _with_moments(discretisation, point, hinges)
+    found = recomputed(discretisation, point, coupling)
+    return replace(found, flow=float(np.maximum(found.flow, unlike)))
+
+
+def check_shapes(discretisation: Discretisation, point: ProgramState) -> None:
+    """Raise `InputError` unless a point has the shapes of all unknowns of a problem."""
+    program = discretisation.full
+    contact, groups = program.contact, program.groups
+    if not len(point.stress) == len(point.mean_stress) == len(groups):
+        raise InputError(
+            "point.stress",
+            len(point.stress),
+            f"the state has {len(groups)} groups of stresses",
+            "change the parts of `state.point` with dataclasses.replace",
+        )
+    shapes = {
+        "velocity": (point.velocity, (program.n,)),
+        "normal_reaction": (point.normal_reaction, (contact.count,)),
+        "tangential_reaction": (
+            point.tangential_reaction,
+            (contact.count, contact.tangent_dim),
+        ),
+    }
+    for number, (group, own, mean) in enumerate(
+        zip(groups, point.stress, point.mean_stress, strict=True)
+    ):
+        shapes[f"stress[{number}]"] = own, (group.weights.size, group.dim)
+        shapes[f"mean_stress[{number}]"] = mean, (group.weights.size,)
+    for name, (values, shape) in shapes.items():
+        _array(f"point.{name}", values, shape)
+
+
+def _array(field: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """As floats of a shape; NaN may be planted, too."""
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(field, type(values).__name__, "no numbers", "give an array") from None
+    if array.shape != shape:
+        raise InputError(field, array.shape, f"the state has shape {shape}", "keep its shape")
+    return array
+
+
+def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike]) -> Floats:
+    """All unknowns from velocities by body as `LimitState.velocity` shows them."""
+    u = stored.copy()
+    rigid: dict[str, RigidDofs | FrameDofs] = {**d.assemblies, **d.frames}
+    for name, values in given.items():
+        require_known("velocity", name, [*d.bodies, *rigid])
+        field = f"velocity[{name!r}]"
+        if name in d.bodies:
+            dofs = d.bodies[name].dofs
+            u[dofs] = _array(field, values, dofs.shape)
+        else:
+            part = rigid[name]
+            own = part.unknowns(_array(field, values, (3, part.count // 3)))
+            u[part.offset : part.offset + part.count] = own
+    if d.footings.size:  # their speeds follow from the nodes that they move
+        shown = np.setdiff1d(np.arange(u.size), d.footings)
+        basis = d.free_basis[shown]
+        free = spsolve(csc_matrix(basis.T @ basis), basis.T @ u[shown])
+        u[d.footings] = d.free_basis[d.footings] @ np.atleast_1d(free)
+    return u
+
+
+def _with_stress(
+    d: Discretisation, point: ProgramState, given: Mapping[str, ArrayLike]
+) -> tuple[ProgramState, float]:
+    """The state with stresses as `LimitState.stress` shows them, and how far they are from any.
+
+    That is, per largest stress, what no strain rate of the body feels: sigma_zz that plane strain
+    or plane stress does not leave free, mean stresses that the elements do not have.
+    """
+    stresses, means, unlike = list(point.stress), list(point.mean_stress), 0.0
+    for number, name in enumerate(d.bodies):  # their groups come first
+        if name not in given:
+            continue
+        dofs = d.bodies[name]
+        form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+        sigma = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4)).reshape(-1, 4)
+        parts = np.eye(form.rows.shape[0] + 1)
+        own = sigma @ np.linalg.pinv(form.stress(parts[:, :-1], parts[:, -1]))
+        stresses[number], means[number] = own[:, :-1], own[:, -1]
+        kept = form.stress(own[:, :-1], np.asarray(volume_projector(dofs) @ own[:, -1]))
+        largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
+        off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
+        unlike = float(np.maximum(unlike, off))
+    for name in given:
+        require_known("stress", name, d.bodies)
+    return replace(point, stress=tuple(stresses), mean_stress=tuple(means)), unlike
+
+
+def _with_moments(d: Discretisation, point: ProgramState, hinges: Table) -> ProgramState:
+    """The state with moments of hinges as `LimitState.hinges` shows them."""
+    mine = [number for number, group in enumerate(d.full.groups) if group.name in d.frames]
+    sizes = [d.full.groups[number].weights.size for number in mine]
+    moments = np.split(_column("hinges", hinges, "moment", sum(sizes)), np.cumsum(sizes)[:-1])
+    stresses = list(point.stress)
+    for number, moment in zip(mine, moments, strict=True):
+        stresses[number] = (moment / d.full.groups[number].weights)[:, None]
+    return replace(point, stress=tuple(stresses))
+
+
+def _column(field: str, table: Table, name: str, count: int) -> Floats:
+    """A column of a table, its rows in the order of their index where it has one."""
+    if not isinstance(table, pd.DataFrame | Mapping) or name not in table:
+        raise InputError(
+            field, type(table).__name__, f"has no column {name!r}", f"give a copy of state.{field}"
+        )
+    values = table[name]
+    if isinstance(values, pd.Series):
+        values = values.sort_index()
+        if not values.index.equals(pd.RangeIndex(count)):
+            raise InputError(
+                f"{field}[{name!r}]",
+                len(values),
+                f"its rows are not the {count} of the state",
+                f"give a copy of state.{field}",
+            )
+    return _array(f"{field}[{name!r}]", values, (count,))

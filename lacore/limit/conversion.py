@@ -1,0 +1,35 @@
+"""States between the unknowns and units of a program and those of its problem."""
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import spsolve
+
+from lacore.assembly.discretise import Discretisation
+from lacore.state import ProgramState
+
+
+def point_in_si(discretisation: Discretisation, point: ProgramState) -> ProgramState:
+    """All unknowns and SI units, from the free unknowns in natural units."""
+    scales = discretisation.natural
+    return ProgramState(
+        velocity=np.asarray(discretisation.free_basis @ point.velocity) * scales.velocity,
+        load_factor=point.load_factor * scales.load_factor,
+        stress=tuple(stress * scales.stress for stress in point.stress),
+        mean_stress=tuple(mean * scales.stress for mean in point.mean_stress),
+        normal_reaction=point.normal_reaction * scales.stress,
+        tangential_reaction=point.tangential_reaction * scales.stress,
+    )
+
+
+def point_in_program(discretisation: Discretisation, point: ProgramState) -> ProgramState:
+    """The inverse of `point_in_si`, to round-off."""
+    scales, basis = discretisation.natural, discretisation.free_basis
+    free = spsolve(csc_matrix(basis.T @ basis), basis.T @ point.velocity)
+    return ProgramState(
+        velocity=np.atleast_1d(free) / scales.velocity,
+        load_factor=point.load_factor / scales.load_factor,
+        stress=tuple(stress / scales.stress for stress in point.stress),
+        mean_stress=tuple(mean / scales.stress for mean in point.mean_stress),
+        normal_reaction=point.normal_reaction / scales.stress,
+        tangential_reaction=point.tangential_reaction / scales.stress,
+    )

@@ -1,0 +1,50 @@
+"""Nodes where the moments of members under loads along them peak: there hinges form.
+
+Hinges form at nodes only. Between the places where it is joined or held, a member under a load
+along it has one node midway at first, so that it can break; then nodes where the moments of a state
+exceed the plastic moment, until they nowhere do. Each such state is an upper bound, and its load
+over the largest excess a lower one. With the node off the peak by e the load factor is off by
+O(e^2), and so is the next node: a few rounds give all digits, as Newton's method would.
+"""
+
+import numpy as np
+
+from lacore.assembly.span_nodes import places_on, with_nodes
+from lacore.bodies.frames.frame import Frame
+from lacore.limit.span_moments import span_excess, span_moments
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+
+ROUNDS = 12
+_APART = 0.1  # of a piece: nodes of earlier rounds nearer than this give way to the next ones
+
+
+def excess(state: LimitState) -> float:
+    """How far moments inside members exceed the plastic moment, relative; at least 0."""
+    assert state.point is not None
+    return span_excess(state.discretisation, state.point)
+
+
+def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
+    """The problem of a state with nodes where its moments exceed the plastic moment most.
+
+    Args:
+        state: with a point.
+        given: the problem before any round: its nodes stay.
+        tolerance: excess that is none, relative.
+    """
+    problem, places = state.discretisation.problem, {}
+    assert state.point is not None
+    for name, dofs in state.discretisation.frames.items():
+        moments, frame = span_moments(state.discretisation, state.point, name), dofs.body
+        beyond = moments.inside > (1 + tolerance) * frame.pieces.plastic_moment
+        chosen = np.flatnonzero(beyond)
+        new = places_on(frame, chosen, moments.peaks[chosen])
+        first = given.bodies[name]
+        assert isinstance(first, Frame)
+        old = frame.position[:, ~np.isin(frame.names, first.names)]
+        near = _APART * moments.length[chosen]
+        away = np.linalg.norm(old[:, :, None] - new[:, None, :], axis=0)
+        kept = old[:, np.all(away > near, axis=1)]
+        places[name] = np.concatenate([kept, new], axis=1)
+    return with_nodes(given, problem, places)

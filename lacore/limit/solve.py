@@ -1,0 +1,359 @@
+"""`solve`: from a problem to its limit state."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.assembly.discretise import Discretisation, discretise
+from lacore.backend import Backend, check_capable, find_backend, read_options
+from lacore.bodies.continuum.spaces import SPACES
+from lacore.certificate import certify
+from lacore.claims.judged import CLAIMED, judged_claim
+from lacore.coupling.bounds import kinematic_load_factor
+from lacore.coupling.certified import certified_loop
+from lacore.coupling.fixed_point import (
+    Coupling,
+    associated,
+    frictionless,
+    kappa_loop,
+    reaction_loop,
+    shift_loop,
+    stick,
+)
+from lacore.coupling.names import COUPLINGS
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate
+from lacore.errors import InputError, SolveError, require_known
+from lacore.inner.preparing import JUDGE, preparing
+from lacore.inner.rescaling import good_for
+from lacore.limit.conversion import point_in_si
+from lacore.limit.driven_corners import driven_corners
+from lacore.limit.hinging import ROUNDS, excess, hinged
+from lacore.limit.stability import warning
+from lacore.limit.state import LimitState
+from lacore.meshes.polygonal import POLYGON
+from lacore.problem.problem import Problem
+from lacore.process.isolation import SolverProcess
+from lacore.program import (
+    KinematicProgram,
+    Scales,
+    associated_contact,
+    dimensionless,
+    frictionless_contact,
+)
+from lacore.regularization import RegularisedValues
+from lacore.status import Rigor, Status
+
+_LOOPS: tuple[Coupling, ...] = (
+    certified_loop,
+    reaction_loop,
+    shift_loop,
+    kappa_loop,
+    associated,
+    frictionless,
+    stick,
+)
+_LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
+_ALTERNATING = ("certified", "shift", "kappa")
+"""Couplings whose states are read off programs with shifts, exactly or not at all."""
+_UPPER = ("associated", "stick")
+_HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
+_MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
+
+
+def solve(
+    problem: Problem | Discretisation,
+    backend: str = "clarabel",
+    coupling: str | None = None,
+    *,
+    start: str = "associated",
+    damping: float = 0.7,
+    anderson: int = 10,
+    tolerance: float = 1e-6,
+    max_iterations: int = 100,
+    kappa: float = 0.5,
+    options: Mapping[str, Any] | None = None,
+    on_iterate: Callable[[Iterate], None] | None = None,
+    throw: bool = False,
+    process: SolverProcess | None = None,
+) -> LimitState:
+    """Collapse load and mechanism of a problem.
+
+    Args:
+        problem: the problem, or its discretisation where several backends share it.
+        backend: a name from `lacore.backend_names()`.
+        coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (of
+            the paper, T9; the default and only one of regularised backends), ``shift`` (T10) or
+            ``kappa`` (T11); or one solve of another problem: ``associated``, friction made
+            associated, or ``stick``, no slip, both upper bounds of every Coulomb load factor, or
+            ``frictionless``, a lower one (T14); of those of the discrete problem, where bodies
+            deform.
+        start, damping, anderson, kappa: of ``reaction``, ``shift`` and ``kappa``, see
+            `CouplingOptions`.
+        tolerance, max_iterations: of all loops.
+        options: of the backend, by name.
+        on_iterate: called after each inner solve, for progress.
+        throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
+            status.
+        process: let the backend work in this process, which survives neither hanging nor crashing
+            of it, but everything else does. Without it, a backend that asks for isolation gets a
+            process for this one solve, and any other works here.
+
+    Raises:
+        InputError: an unknown name or an option out of range, before any solve.
+        CapabilityError: the backend is missing, or cannot take the problem.
+        SolveError: see `throw`.
+    """
+    coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa)
+    given = problem.problem if isinstance(problem, Discretisation) else problem
+    state = _solved(problem, backend, coupling, coupling_options, options, on_iterate, process)
+    bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
+    for _ in range(ROUNDS):
+        if state.status is not Status.SOLVED or excess(state) <= bar:
+            break
+        last, finer = state, hinged(state, given, bar)
+        state = _solved(finer, backend, coupling, coupling_options, options, on_iterate, process)
+        built, spent = last.build_time + state.build_time, last.solve_time + state.solve_time
+        state = replace(state, build_time=built, solve_time=spent)
+    if state.status is Status.SOLVED and excess(state) > bar:
+        state = replace(
+            state,
+            status=Status.NOT_CERTIFIED,
+            load_factor=np.nan,
+            rigor=Rigor.NOT_CERTIFIED,
+            message=f"{Status.NOT_CERTIFIED.label}: moments inside members exceed the plastic"
+            f" moment by {excess(state):.1e}: put nodes where they peak",
+        )
+    if throw and state.status is not Status.SOLVED:
+        raise SolveError(state.message, state)
+    return state
+
+
+def _solved(
+    problem: Problem | Discretisation,
+    backend: str,
+    coupling: str | None,
+    coupling_options: CouplingOptions,
+    options: Mapping[str, Any] | None,
+    on_iterate: Callable[[Iterate], None] | None,
+    process: SolverProcess | None,
+) -> LimitState:
+    """The state with hinges at the nodes that there are."""
+    engine, coupling, engine_options = engine_for(backend, coupling, options or {})
+    tolerance = coupling_options.tolerance
+    begin = time.perf_counter()
+    if not isinstance(problem, Discretisation):
+        problem = discretise(problem)
+    program = dimensionless(problem.program, problem.natural)
+    built = time.perf_counter()
+    build_time = built - begin
+    check_capable(engine, program)
+    regularised = engine.capabilities.regularised
+    with ExitStack() as stack:
+        if process is None and engine.capabilities.isolated:
+            process = stack.enter_context(SolverProcess())
+        if process is not None:
+            built += process.load(engine)  # no part of the solve
+        good = good_for(tolerance)
+        prepare = stack.enter_context(preparing(engine, engine_options, process, good))
+        solver = prepare(program)
+        stack.callback(solver.close)
+        couple = _LOOP_OF[coupling]
+        if couple is certified_loop and process is None:
+            couple = partial(certified_loop, prepare=prepare)
+        coupled = couple(
+            program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
+        )
+    if coupled.status in CLAIMED:
+        judge = find_backend(JUDGE) if regularised else engine
+        settings = read_options(judge, {}) if regularised else engine_options
+        with preparing(judge, settings) as prepare:
+            status, why = judged_claim(
+                coupled.status,
+                program,
+                coupled.laws or frictionless_contact(program.contact),
+                coupled.laws or associated_contact(program.contact),
+                prepare,
+                tolerance,
+            )
+        coupled = replace(coupled, status=status, note=why)
+    state = limit_state(
+        problem,
+        program,
+        coupled,
+        backend=backend,
+        coupling=coupling,
+        regularised=regularised,
+        build_time=build_time,
+        options=options or {},
+        tolerance=tolerance,
+    )
+    if state.status is Status.UNSAFE and program.homogeneous:
+        state = _falling(state)
+    return replace(state, solve_time=time.perf_counter() - built)
+
+
+def _falling(state: LimitState) -> LimitState:
+    """An unsafe state with the mechanism that falls, unless it drives corners together."""
+    state = replace(state, point=state.stability.point)
+    moved = None if state.point is None else state.point.velocity
+    corners = driven_corners(state.discretisation, moved, state.tolerance)
+    if not corners:
+        return state
+    status = Status.NOT_CERTIFIED
+    return replace(state, status=status, message=f"{status.label}: {state.message}; but {corners}")
+
+
+def engine_for(
+    backend: str, coupling: str | None, options: Mapping[str, Any]
+) -> tuple[Backend, str, Any]:
+    """A backend, the coupling that it is asked for or its default, and its options.
+
+    Raises:
+        InputError: an unknown name, an option out of range, or a coupling that it cannot do.
+        CapabilityError: it is missing.
+    """
+    if coupling is not None:
+        require_known("coupling", coupling, COUPLINGS)
+    engine = find_backend(backend)
+    return engine, coupling_for(engine, coupling), read_options(engine, options)
+
+
+def coupling_for(backend: Backend, coupling: str | None) -> str:
+    """The coupling asked for, or the default of a backend.
+
+    Raises:
+        InputError: the backend is regularised, and the coupling needs exact multipliers.
+    """
+    if not backend.capabilities.regularised:
+        return coupling or "certified"
+    if coupling in _ALTERNATING:
+        raise InputError(
+            "coupling",
+            coupling,
+            f"needs exact solves, and backend {backend.name!r} is regularised",
+            "take 'reaction', or an exact backend such as 'clarabel'",
+        )
+    return coupling or "reaction"
+
+
+def limit_state(
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    coupled: Coupled,
+    *,
+    backend: str,
+    coupling: str,
+    regularised: bool,
+    build_time: float,
+    options: Mapping[str, Any],
+    tolerance: float,
+) -> LimitState:
+    """The end of a loop on a dimensionless program as a state of its problem, in SI units.
+
+    Its `solve_time` is NaN: the solve has not ended yet.
+    """
+    final, scales = coupled.final, program.scales
+    inner, point, certificate = final.inner, final.state, final.certificate
+    corners = ""
+    if coupled.status in _MOVING:
+        moved = None if point is None else discretisation.free_basis @ point.velocity
+        corners = driven_corners(discretisation, moved, tolerance)
+    if corners:
+        coupled = replace(coupled, status=Status.NOT_CERTIFIED)
+    load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
+    bound = coupled.laws is not None or not program.contact.coulomb.any()
+    if bound and point is not None and certificate is not None and not regularised:
+        # Of a Coulomb state the static value is reported, with which equilibrium holds.
+        point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
+        # The gap stays that between the two values; everything else must hold for the reported one.
+        certificate = replace(certify(program, point, coupled.laws), gap=certificate.gap)
+    if point is not None and coupled.status is Status.SOLVED:
+        load_factor = point.load_factor * scales.load_factor
+    history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
+    history["load_factor"] *= scales.load_factor
+    message = f"{coupled.status.label}: {coupled.status.value}"
+    if coupled.status is Status.SOLVED and inner.status is not Status.SOLVED:
+        message += f"; the solver itself says {inner.native_status!r}, the residuals prove more"
+    bracket = None
+    if coupled.bracket is not None:
+        lower, upper = (end * scales.load_factor for end in coupled.bracket)
+        if driven_corners(discretisation, None, tolerance):  # contact there may carry more
+            upper = np.inf
+        bracket = (lower, upper)
+        of = discretisation.scope.phrase
+        message += f"; every Coulomb load factor{of} is in [{lower:.6g}, {upper:.6g}]"
+    rigor = _rigor(discretisation, coupled.status, coupling, regularised)
+    bodies = [dofs.body for dofs in discretisation.bodies.values()]
+    if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
+        message += f"; {POLYGON}"
+    if corners:
+        message += f"; {corners}"
+    if wary := warning(coupled, load_factor):
+        message += f"; {wary}"
+    if coupled.note:
+        message += f"; {coupled.note}"
+    if inner.message:
+        message += f" ({inner.message})"
+    if coupled.status is Status.LOCKED and discretisation.bodies:
+        message += (
+            "; of the discrete problem: a deformable body may have a motion that this mesh has not;"
+            " refine it, or ask lacore.lower_bound, which speaks of the continuum"
+        )
+    if coupled.status is Status.SOLVED and discretisation.shared_corners.any():
+        message += (
+            "; contact points with friction meet at a corner, where reactions, and with them the"
+            " load factor, may not be unique"
+        )
+    return LimitState(
+        status=coupled.status,
+        load_factor=float(load_factor),
+        rigor=rigor,
+        backend=backend,
+        coupling=coupling,
+        certificate=certificate,
+        contraction=coupled.contraction,
+        bracket=bracket,
+        regularised=_in_si(inner.regularised, scales),
+        history=history,
+        build_time=build_time,
+        solve_time=np.nan,
+        options=dict(options),
+        tolerance=tolerance,
+        message=message,
+        discretisation=discretisation,
+        point=None if point is None else point_in_si(discretisation, point),
+    )
+
+
+def _rigor(
+    discretisation: Discretisation, status: Status, coupling: str, regularised: bool
+) -> Rigor:
+    if status is not Status.SOLVED:
+        return Rigor.NOT_CERTIFIED
+    if regularised:
+        return Rigor.REGULARISED
+    normal = coupling in _UPPER or not discretisation.full.contact.coulomb.any()
+    return Rigor.UPPER if strict_bound(discretisation) and normal else Rigor.DISCRETE
+
+
+def strict_bound(discretisation: Discretisation) -> bool:
+    """Whether the dissipation is nowhere below that of the continuum; rigid blocks are exact."""
+    bodies = [dofs.body for dofs in discretisation.bodies.values()]
+    return all(SPACES[body.space].strict and body.geometry == "exact" for body in bodies)
+
+
+def _in_si(values: RegularisedValues | None, scales: Scales) -> RegularisedValues | None:
+    if values is None:
+        return None
+    return RegularisedValues(
+        *(
+            value * scales.load_factor
+            for value in (values.plastic, values.alpha_reg, values.load_factor, values.multiplier)
+        )
+    )

@@ -1,0 +1,74 @@
+"""Bending moments along the pieces of frames: parabolas under loads along members.
+
+With the moments `a`, `b` at the ends of a piece of length L and a load q across it,
+``m(s) = a (1 - s/L) + b s/L + q s (L - s)/2``: at most one peak inside, where ``m' = 0``, at
+``s = L/2 + (b - a)/(q L)``.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.assembly.discretise import Discretisation
+from lacore.state import ProgramState
+
+
+@dataclass(frozen=True)
+class SpanMoments:
+    """Moments of the pieces of a frame, positive with tension on the left, seen along the piece.
+
+    Attributes:
+        ends: at the start and the end, N, (P, 2).
+        load: across the piece, to the left, N/m per m, (P,).
+        length: m, (P,).
+    """
+
+    ends: Floats
+    load: Floats
+    length: Floats
+
+    def at(self, share: Floats) -> Floats:
+        """Moments at shares of the length, shape (P, k) or (k,): N, (P, k)."""
+        start, end = self.ends[:, :1], self.ends[:, 1:]
+        bow = (self.load * self.length**2)[:, None] * share * (1 - share) / 2
+        return np.asarray(start * (1 - share) + end * share + bow)
+
+    @property
+    def peaks(self) -> Floats:
+        """Where moments peak inside, as shares of the length; NaN where they do not, (P,)."""
+        bow, rise = self.load * self.length**2, self.ends[:, 1] - self.ends[:, 0]
+        curved = np.abs(rise) < np.abs(bow) / 2
+        share = np.full(bow.size, np.nan)
+        share[curved] = 0.5 + rise[curved] / bow[curved]
+        return share
+
+    @property
+    def inside(self) -> Floats:
+        """Magnitudes at the peaks, 0 where there is none, N, (P,)."""
+        return np.nan_to_num(np.abs(self.at(self.peaks[:, None])[:, 0]), nan=0.0)
+
+
+def span_moments(discretisation: Discretisation, point: ProgramState, name: str) -> SpanMoments:
+    """Of a frame, from a state in SI units."""
+    dofs, problem = discretisation.frames[name], discretisation.problem
+    pieces = dofs.body.pieces
+    ends = np.zeros(pieces.stiff.shape)
+    for group, stress in zip(discretisation.full.groups, point.stress, strict=True):
+        if group.name == name and group.weights.size:
+            ends[pieces.stiff] = group.weights * stress[:, 0]
+    # On the node, anticlockwise; tension is on the left where the start is turned anticlockwise by
+    # its node, or the end clockwise.
+    ends *= np.array([-1.0, 1.0])
+    loads = (problem.reference_loads, problem.dead_loads)
+    live, dead = (dofs.load_across([load for load in own if load.body == name]) for own in loads)
+    return SpanMoments(ends, point.load_factor * live + dead, pieces.length)
+
+
+def span_excess(discretisation: Discretisation, point: ProgramState) -> float:
+    """How far moments inside members exceed the plastic moment, relative; at least 0."""
+    ratios = [np.zeros(0)]
+    for name, dofs in discretisation.frames.items():
+        inside = span_moments(discretisation, point, name).inside
+        ratios.append(inside / dofs.body.pieces.plastic_moment)
+    return float(np.concatenate(ratios).max(initial=1.0)) - 1

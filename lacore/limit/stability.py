@@ -1,0 +1,235 @@
+"""Whether a structure stands without its reference load, and for which load factors it holds.
+
+A load factor is *carried* where stresses and reactions are in equilibrium with it and with the dead
+loads, within all strengths and friction cones. What is carried is convex: with two load factors all
+between them are. Outside nothing keeps equilibrium, whatever the friction does. With Coulomb
+friction, which is not associated, a load that is carried may still have mechanisms (T14b): that it
+stands means that it can, not that it must.
+"""
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from lacore.assembly.discretise import Discretisation
+from lacore.backend import checked_answer, find_backend, read_options
+from lacore.certificate import certify
+from lacore.claims.carrying import carrying
+from lacore.coupling.interval import Prepare
+from lacore.coupling.run import Coupled
+from lacore.inner.preparing import JUDGE, preparing
+from lacore.limit.checking import laws_of
+from lacore.limit.conversion import point_in_si
+from lacore.limit.driven_corners import driven_corners
+from lacore.limit.span_moments import span_excess
+from lacore.program import (
+    FrozenContact,
+    KinematicProgram,
+    associated_contact,
+    dimensionless,
+    require_homogeneous,
+)
+from lacore.showing import Facts, Shown
+from lacore.state import ProgramState
+from lacore.status import Status
+
+_INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
+_SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
+
+
+class Standing(Enum):
+    """What is proven of the dead loads alone."""
+
+    STANDS = "the dead loads alone are carried"
+    FALLS = "the dead loads alone are not carried: a mechanism of theirs proves it"
+    UNDECIDED = "neither equilibrium with the dead loads alone nor a mechanism of theirs is proven"
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, repr=False)
+class Stability(Shown):
+    """What is proven of a structure under its dead loads, and under loads that hold it.
+
+    Attributes:
+        standing: under the dead loads alone.
+        low, high: ends of the load factors that are proven to be carried; NaN where none is. Of a
+            structure that stands 0 is one end and the load factor of the state the other; of one
+            that falls there is proven to be none between 0 and these.
+        side: on which side of the load factor of the state loads are carried: ``below``, ``above``,
+            ``both``; empty where nothing is proven.
+        point: SI units: where it stands, stresses and reactions under the dead loads alone, without
+            a velocity; where it falls, the mechanism, at ``Fd.u = 1``. None where undecided.
+        residual: largest one of that proof; NaN where undecided.
+        why: what keeps it from being decided; empty where it is.
+    """
+
+    standing: Standing
+    low: float
+    high: float
+    side: str
+    point: ProgramState | None
+    residual: float
+    why: str = ""
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {"why": self.why} if self.why else {}
+        told["carried"] = f"load factors {self.low:.7g} to {self.high:.7g}"
+        if np.isnan(self.low):
+            told["carried"] = "no load factor is proven to be"
+        told["residual"] = f"largest {self.residual:.1e}"
+        return Facts(f"Stability: {self.standing.label}: {self.standing.value}", told)
+
+    def __str__(self) -> str:
+        text = f"{self.standing.label}: {self.standing.value}"
+        if self.why:
+            text += f" ({self.why})"
+        if np.isnan(self.low):
+            return text + ("; nor is any load factor" if self.standing is Standing.FALLS else "")
+        if self.low == self.high:
+            return text if self.low == 0 else f"{text}; the load factor {self.low:.6g} is"
+        ends = f"from {self.low:.6g} to {self.high:.6g}"
+        if self.standing is Standing.STANDS:
+            return f"{text}, and all load factors {ends}"
+        return f"{text}; load factors {ends} are carried"
+
+
+def stability_of(
+    discretisation: Discretisation,
+    backend: str,
+    options: Mapping[str, Any],
+    coupling: str,
+    tolerance: float,
+    load_factor: float,
+) -> Stability:
+    """What is proven of the problem that a state answers.
+
+    One conic program where the dead loads are carried, up to four where they are not.
+
+    Args:
+        discretisation: of the problem.
+        backend, options: of the state; a regularised backend is replaced by an exact one.
+        coupling: of the state: by its laws reactions are admissible.
+        tolerance: bar for all residuals.
+        load_factor: of the state, where its own stresses and reactions prove that it is carried;
+            +inf of a load that is locked; NaN of any other.
+
+    Raises:
+        InputError: a state within a step of a path: how fast it moves is given there.
+        CapabilityError: the exact backend is missing.
+    """
+    require_homogeneous(
+        discretisation.program,
+        "LimitState.stability",
+        "ask for the stability of a state of lacore.solve",
+    )
+    engine = find_backend(backend)
+    if engine.capabilities.regularised:
+        engine, options, load_factor = find_backend(JUDGE), {}, np.nan
+    program = dimensionless(discretisation.program, discretisation.natural)
+    rows, scale = program.contact, discretisation.natural.load_factor
+    laws = laws_of(coupling, rows) or associated_contact(rows)
+    known = [load_factor] if not np.isnan(load_factor) else []
+    with preparing(engine, read_options(engine, options)) as prepare:
+        found = carrying(program, laws, prepare, tolerance)
+        if found.carried is not None:
+            point = point_in_si(discretisation, found.carried)
+            if span_excess(discretisation, point) > tolerance:
+                return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
+            return _stability(Standing.STANDS, [0.0, *known], load_factor, point, found.residual)
+        if found.falling is None:
+            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
+        point = point_in_si(discretisation, found.falling)
+        point = replace(point, velocity=point.velocity / scale)
+        if corners := driven_corners(discretisation, point.velocity, tolerance):
+            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
+        known += _carried_ends(discretisation, program, laws, prepare, tolerance)
+    return _stability(Standing.FALLS, known, load_factor, point, found.residual)
+
+
+def warning(coupled: Coupled, load_factor: float) -> str:
+    """What a load factor alone would not tell, from what the loop has seen; empty of most."""
+    first = coupled.iterates[0]
+    if coupled.status is not Status.SOLVED:
+        return ""
+    if first.kind == "associated" and first.inner.status is Status.LOCKED:
+        return (
+            "equilibrium excludes no larger load (associated: +inf): it may hold above this load"
+            " factor and not below, `state.stability` says"
+        )
+    if load_factor < 0:
+        return (
+            "the load factor is negative: the dead loads alone may not be carried,"
+            " `state.stability` says"
+        )
+    return ""
+
+
+def _stability(
+    standing: Standing,
+    carried: list[float],
+    load_factor: float,
+    point: ProgramState | None,
+    residual: float,
+    why: str = "",
+) -> Stability:
+    low, high = min(carried, default=np.nan), max(carried, default=np.nan)
+    side = ""
+    if np.isfinite(load_factor):
+        slack = _SAME * max(abs(value) for value in (low, high, load_factor) if np.isfinite(value))
+        below, above = low < load_factor - slack, high > load_factor + slack
+        side = {(1, 0): "below", (0, 1): "above", (1, 1): "both"}.get((below, above), "")
+    return Stability(standing, low, high, side, point, residual, why)
+
+
+def _carried_ends(
+    discretisation: Discretisation,
+    program: KinematicProgram,
+    laws: FrozenContact,
+    prepare: Prepare,
+    tolerance: float,
+) -> list[float]:
+    """The largest and the smallest load factor that are carried, SI, as far as they are proven."""
+    ends = []
+    for sign in (1.0, -1.0):
+        driven = replace(program, reference_load=sign * program.reference_load)
+        with closing(prepare(driven)) as solver:
+            answer = checked_answer(driven, False, solver.solve(laws))
+        if answer.point is not None:
+            seen = certify(driven, answer.point, laws)
+            point = replace(answer.point, load_factor=sign * answer.point.load_factor)
+            point = point_in_si(discretisation, point)
+            worst = np.max([seen.equilibrium, seen.yield_violation, seen.cone])
+            if max(worst, span_excess(discretisation, point)) <= tolerance:
+                ends.append(point.load_factor)
+        elif answer.status is Status.LOCKED and _endless(program, laws, sign, prepare, tolerance):
+            ends.append(sign * np.inf)
+    return ends if any(np.isfinite(end) for end in ends) else []
+
+
+def _endless(
+    program: KinematicProgram,
+    laws: FrozenContact,
+    sign: float,
+    prepare: Prepare,
+    tolerance: float,
+) -> bool:
+    """Whether reactions carry the reference load alone, with no strength called on."""
+    rows = program.contact
+    unlimited = np.isinf(laws.bound)
+    bare = replace(
+        program,
+        groups=tuple(replace(g, bound=np.zeros(g.bound.size)) for g in program.groups),
+        contact=replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0)),
+        dead_load=sign * program.reference_load,
+    )
+    cones = replace(laws, bound=np.where(unlimited, laws.bound, 0.0))
+    return carrying(bare, cones, prepare, tolerance).carried is not None

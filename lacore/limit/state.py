@@ -1,0 +1,369 @@
+"""What a solve returns: the limit state, in SI units, with its proof."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from lacore import views
+from lacore.arrays import Floats
+from lacore.assembly.contact_sides import contact_sides
+from lacore.assembly.discretise import Discretisation
+from lacore.bodies.continuum.volume import volume_projector
+from lacore.certificate import Certificate
+from lacore.coupling.interval import Interval
+from lacore.limit.checking import Table, checked
+from lacore.limit.interval import interval_of_state
+from lacore.limit.stability import Stability, stability_of
+from lacore.regularization import RegularisedValues
+from lacore.showing import Facts, Picture, Shown, counted
+from lacore.state import ProgramState, out_of_balance
+from lacore.status import Rigor, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
+
+
+@dataclass(frozen=True, repr=False)
+class LimitState(Shown):
+    """A plastic collapse state, or the reason why there is none.
+
+    Attributes:
+        status: how the solve ended; its value says what to do.
+        load_factor: alpha. NaN unless `status` is SOLVED (then the residuals prove it) or LOCKED
+            (then +inf).
+        rigor: what the load factor proves.
+        backend, coupling: names.
+        certificate: recomputed residuals of the state; None where there is no state.
+        contraction: last ratio seen between a change of what the loop froze (reactions, slip
+            rates) and the change that it made: below 1 the plain iteration converges, at 1 it jams
+            (T11); NaN where two different ones were not seen.
+        bracket: load factors that enclose every Coulomb one (T14), where a loop found none that it
+            could certify; -inf and +inf where nothing is known. None elsewhere. Where bodies
+            deform, those of the discrete problem: the lower end may lie above the load factors of
+            the continuum, which `lacore.bracket` encloses.
+        regularised: the values of T19 (regularised backends), as load factors.
+        history: one row an inner solve: load factor, residuals, statuses, times.
+        build_time, solve_time: s, wall clock: assembly, and everything after it.
+        options: of the backend, as they were given.
+        tolerance: bar for the residuals.
+        message: the status in words, with what the backend added.
+        discretisation: the assembled problem.
+        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa); None
+            where there is no state. For a status other than SOLVED it is the last iterate, for
+            inspection only; for UNSAFE the mechanism by which the dead loads fall, at
+            ``Fd.u = 1``, with stresses and reactions that carry the largest share of them.
+    """
+
+    status: Status
+    load_factor: float
+    rigor: Rigor
+    backend: str
+    coupling: str
+    certificate: Certificate | None
+    contraction: float
+    bracket: tuple[float, float] | None
+    regularised: RegularisedValues | None
+    history: pd.DataFrame
+    build_time: float
+    solve_time: float
+    options: Mapping[str, Any]
+    tolerance: float
+    message: str
+    discretisation: Discretisation
+    point: ProgramState | None
+
+    def _point(self) -> ProgramState:
+        if self.point is None:
+            raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
+        return self.point
+
+    @property
+    def outer_iterations(self) -> int:
+        """Inner solves of the coupling loop."""
+        return len(self.history)
+
+    @property
+    def peak_memory(self) -> float:
+        """Largest resident memory of the backend's process, MB; NaN where it had none."""
+        return float(self.history["peak_memory"].max())
+
+    @property
+    def velocity(self) -> dict[str, Floats]:
+        """Velocity by body, at ``F0.u = 1`` (UNSAFE: ``Fd.u = 1``): only its shape has a meaning.
+
+        Of a continuum at its nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Of
+        rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
+        shape (3, blocks). Of a frame the same of its nodes, shape (3, nodes).
+        """
+        u = self._point().velocity
+        nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
+        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.assemblies.items()}
+        frames = {name: dofs.motion(u) for name, dofs in self.discretisation.frames.items()}
+        return nodal | blocks | frames
+
+    @property
+    def stress(self) -> dict[str, Floats]:
+        """Stress (xx, yy, zz, xy) at the strain points of continua, (elements, q, 4), Pa.
+
+        Of axisymmetric bodies (rr, zz, tt, rz), t the hoop. Tension is positive.
+        """
+        point = self._point()
+        result = {}
+        # Jumps and hinges come after the continua.
+        for (name, dofs), s, p in zip(
+            self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
+        ):
+            form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+            mean = volume_projector(dofs) @ p
+            result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
+        return result
+
+    @property
+    def dissipation(self) -> dict[str, Floats]:
+        """Plastic power of elements per volume by continuum, shape (elements,), at F0.u = 1.
+
+        W/m^3 where the load is in N, that is of axisymmetric bodies; W/m^2 per unit thickness.
+        Within a step of a path bodies harden, and it is that of the yield stress by then.
+
+        That of a velocity jump goes to both elements, half each; past supports and footings all of
+        it to the one there is.
+        """
+        u, d = self._point().velocity, self.discretisation
+        power = {
+            name: group.hardened(u).dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
+            for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=False)
+        }
+        for name, jumps in d.jumps.items():
+            halves = jumps.group.dissipation(u) / 2
+            for side in jumps.elements:
+                np.add.at(power[name], side, halves)
+        return {name: value / d.bodies[name].volumes for name, value in power.items()}
+
+    @property
+    def hinges(self) -> pd.DataFrame:
+        """Potential plastic hinges of frames: place, moment and M_p (N), rotation rate (rad/s).
+
+        One row an end of a rigid piece that carries moment, two where a member goes through a
+        node. The moment is that of the member on its node, the rotation rate (at ``F0.u = 1``) that
+        of the member against its node, both anticlockwise: a hinge dissipates their product. Where
+        equal members meet, any split of the rotation between their ends is as good. `state` is
+        ``turns`` or ``rests``.
+        """
+        point, frames = self._point(), self.discretisation.frames
+        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+        tables = []
+        for group, stress in zip(self.discretisation.full.groups, point.stress, strict=True):
+            if group.name in frames:
+                dofs = frames[group.name]
+                rate = group.cone_vectors(point.velocity)[:, 0]
+                table = dofs.hinges(rate, stress[:, 0])
+                turns = np.abs(rate) * dofs.body.size > rest
+                table["state"] = np.where(turns, "turns", "rests")
+                table.insert(0, "frame", group.name)
+                tables.append(table)
+        return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
+
+        `slave` and `master` are the names of what touches: of assemblies that of the block, of
+        other bodies their own, or "obstacle"; the normal points from the master into the slave.
+        `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that
+        of the surface, m^2: times tractions it makes forces.
+        Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
+        the step does not close is open, though it may approach (``u_n < 0``).
+        ``t_n >= 0`` is compression; the tangent is the normal turned by +90 degrees. Pressures
+        oscillate from point to point; sums and averages are what to trust.
+        """
+        point, rows = self._point(), self.discretisation.full.contact
+        where = self.discretisation.points
+        u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
+        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+        names = where.names
+        slave, master = contact_sides(self.discretisation)
+        parting = u_n + rows.lead
+        table = pd.DataFrame(
+            {
+                "interface": np.array(names, dtype=object)[rows.interface],
+                "slave": slave,
+                "master": master,
+                "x": where.position[:, 0],
+                "y": where.position[:, 1],
+                "n_x": where.normal[:, 0],
+                "n_y": where.normal[:, 1],
+                "length": rows.weights,
+                "t_n": point.normal_reaction,
+                "t_t": point.tangential_reaction[:, 0],
+                "u_n": u_n,
+                "u_t": u_t,
+                "state": np.select([parting > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
+            }
+        )
+        if where.gap is not None:
+            table.insert(list(table).index("t_n"), "gap", where.gap)
+        return table
+
+    def certify(
+        self,
+        *,
+        load_factor: float | None = None,
+        velocity: Mapping[str, ArrayLike] | None = None,
+        stress: Mapping[str, ArrayLike] | None = None,
+        reactions: Table | None = None,
+        hinges: Table | None = None,
+        point: ProgramState | None = None,
+    ) -> Certificate:
+        """Residuals, recomputed from the state as it is stored, or with parts of it replaced.
+
+        No solver is asked. ``state.certify(load_factor=1.01 * state.load_factor)`` shows how an
+        error is seen; ``.holds(state.tolerance)`` judges. By the laws of the coupling:
+        ``associated``, ``frictionless`` and ``stick`` answer other problems than the one stated.
+
+        Args:
+            load_factor: in place of `load_factor`.
+            velocity: in place of that of some bodies, as `velocity` shows it. Footings move with
+                their nodes; what supports or rigid members forbid counts as penetration.
+            stress: in place of that of some continua, as `stress` shows it. What no
+                strain rate of the body feels counts as flow that is not normal.
+            reactions: a copy of `reactions` with other `t_n` and `t_t`; nothing else is read.
+            hinges: a copy of `hinges` with another `moment`; nothing else is read.
+            point: in place of `point`, with a load factor of its own: all unknowns, SI units.
+
+        Raises:
+            InputError: a name, a shape or a table that is not one of this state.
+            ValueError: there is no state.
+        """
+        stored = self._point()
+        if np.isfinite(self.load_factor):
+            stored = replace(stored, load_factor=self.load_factor)
+        return checked(
+            self.discretisation,
+            point or stored,
+            self.coupling,
+            load_factor=load_factor,
+            velocity=velocity,
+            stress=stress,
+            reactions=reactions,
+            hinges=hinges,
+        )
+
+    @cached_property
+    def interval(self) -> Interval:
+        """All load factors that this mechanism can carry, from two more solves (T14b a).
+
+        In SI units; each end with its own reactions and certificate. Computed when first asked for,
+        by the backend of this state.
+        """
+        return interval_of_state(
+            self.discretisation, self._point(), self.backend, self.options, self.tolerance
+        )
+
+    @cached_property
+    def stability(self) -> Stability:
+        """Whether the dead loads alone are carried, and which load factors are.
+
+        One conic program more where they are, a few where they are not; none without dead loads.
+        Computed when first asked for, by the backend of this state, whatever its status.
+        """
+        known = self.load_factor if self.status in (Status.SOLVED, Status.LOCKED) else np.nan
+        return stability_of(
+            self.discretisation, self.backend, self.options, self.coupling, self.tolerance, known
+        )
+
+    def facts(self) -> Facts:
+        """What is known: nothing is computed for it."""
+        told = {"status": self.status.said(self.message)}
+        if self.certificate is not None:
+            told["residual"] = self.certificate.summary
+        if self.bracket is not None:
+            lower, upper = self.bracket
+            of = self.discretisation.scope.phrase
+            told["bracket"] = f"every Coulomb load factor{of} is in [{lower:.7g}, {upper:.7g}]"
+        elif self.regularised is not None:
+            values = self.regularised
+            told["energies"] = f"alpha_reg {values.alpha_reg:.7g}, plastic {values.plastic:.7g}"
+        solves = counted(self.outer_iterations, "inner solve")
+        told["solved by"] = (
+            f"{self.backend}, {self.coupling} coupling: {solves} in {self.solve_time:.3g} s,"
+            f" after {self.build_time:.3g} s of assembly"
+        )
+        told["size"] = self.discretisation.contents
+        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+
+    def picture(self) -> Picture:
+        """The mechanism, or where there is none the problem."""
+        if self.point is None:
+            return Picture(self.discretisation.problem.plot(), "the problem: there is no mechanism")
+        return Picture(self.plot())
+
+    def __str__(self) -> str:
+        """What was found, what it is worth, and `stability`, which is computed for it."""
+        named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
+        lines = [f"load factor {self.load_factor:.6g} ({self.rigor.value}; {named})"]
+        if self.certificate is not None:
+            residual, size = self.certificate.worst
+            lines.append(f"largest residual {size:.1e} ({residual})")
+        if self.status is not Status.SOLVED:
+            lines.append(self.message)
+        if self.discretisation.program.homogeneous:
+            lines.append(str(self.stability))
+        return "\n".join(lines)
+
+    @cached_property
+    def support_reactions(self) -> pd.DataFrame:
+        """Forces of supports and rigid footings on what they hold or move, N/m, and moments, N.
+
+        Of axisymmetric bodies forces around the whole ring, N.
+        On the nodes of continua and of frames, and at the centroids of rigid blocks. A frame that
+        is held twice along a member gets the least of the forces that its supports may exert.
+        """
+        point = self._point()
+        force = out_of_balance(self.discretisation.full, point)
+        jumps = self.discretisation.jumps.values()
+        after = point.stress[len(self.discretisation.bodies) :]
+        for jump, stress in zip(jumps, after, strict=False):
+            force -= jump.held_force(stress)  # what the body slips past pulls it back
+        frames = []
+        for name, dofs in self.discretisation.bodies.items():
+            held = self.discretisation.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
+            frames.append(
+                pd.DataFrame(
+                    {
+                        "body": name,
+                        "x": dofs.nodes[0, held],
+                        "y": dofs.nodes[1, held],
+                        "force_x": force[dofs.dofs[0, held]],
+                        "force_y": force[dofs.dofs[1, held]],
+                        "moment": 0.0,
+                    }
+                )
+            )
+        supports = self.discretisation.problem.supports
+        for rigid in (self.discretisation.assemblies, self.discretisation.frames):
+            for name, part in rigid.items():
+                place, exerted = part.support_forces(
+                    force[part.offset : part.offset + part.count],
+                    [support for support in supports if support.body == name],
+                )
+                columns = dict(
+                    zip(("x", "y", "force_x", "force_y", "moment"), (*place, *exerted), strict=True)
+                )
+                frames.append(pd.DataFrame({"body": name, **columns}))
+        return pd.concat(frames, ignore_index=True)
+
+    def plot(self) -> "Figure":
+        """Mechanism and forces: see `lacore.pictures.mechanism.plot_mechanism`."""
+        return views.picture(self)
+
+    def to_vtu(self, path: str | PathLike[str]) -> None:
+        """A file for ParaView: see `lacore.files.vtu.write_state`."""
+        views.files(self, path)

@@ -1,0 +1,5 @@
+"""What flow and slip cost: yield criteria, hardening laws, friction laws. No mesh, no solver."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submodules={"hardening"})

@@ -1,0 +1,104 @@
+"""Yield criteria (T1): what a strain rate costs, as rows of a cone. They know no solver."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from lacore.errors import InputError, is_number, require_known, require_range
+from lacore.materials.conic_form import KINEMATICS, ConicForm
+from lacore.materials.hardening import HardeningLaw, Perfect, require_hardening_law
+from lacore.showing import Compact
+
+
+@dataclass(frozen=True, repr=False)
+class VonMises(Compact):
+    """von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
+
+    Give one of the two, or a law of `lacore.hardening`, of which a limit load takes the initial
+    yield stress. Source: T1, T29; Bousshine & Chaaba 2007, eq. (5).
+
+    Raises:
+        InputError: none or several given, not a positive finite number, not a law or one that
+            softens.
+    """
+
+    shear_strength: float | None = None
+    yield_stress: float | None = None
+    hardening: HardeningLaw | None = None
+
+    def __post_init__(self) -> None:
+        given = {
+            name: value
+            for name, value in (
+                ("shear_strength", self.shear_strength),
+                ("yield_stress", self.yield_stress),
+                ("hardening", self.hardening),
+            )
+            if value is not None
+        }
+        if len(given) != 1:
+            raise InputError(
+                "VonMises",
+                sorted(given),
+                "needs exactly one of shear_strength, yield_stress and hardening",
+                "give VonMises(shear_strength=k) or VonMises(yield_stress=sqrt(3)*k), in Pa,"
+                " or a law as VonMises(hardening=...)",
+            )
+        if self.hardening is not None:
+            require_hardening_law("VonMises.hardening", self.hardening)
+            return
+        for name in given:
+            value = getattr(self, name)
+            if not (is_number(value) and value > 0):
+                raise InputError(
+                    f"VonMises.{name}", value, "not a positive number", "give a strength > 0 in Pa"
+                )
+            require_range(f"VonMises.{name}", value)
+
+    @property
+    def k(self) -> float:
+        """Yield stress in shear, initial where it hardens, Pa."""
+        if self.shear_strength is not None:
+            return self.shear_strength
+        return float(self.law.stress(np.zeros(1))[0]) / sqrt(3)
+
+    @property
+    def law(self) -> HardeningLaw:
+        """Yield stress in tension over the equivalent plastic strain."""
+        if self.hardening is not None:
+            return self.hardening
+        if self.yield_stress is not None:
+            return Perfect(self.yield_stress)
+        return Perfect(sqrt(3) * self.k)
+
+    def conic_form(self, kinematics: str) -> ConicForm:
+        """Cone of the dissipation (T1).
+
+        Plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0; plane stress
+        ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume;
+        axisymmetric ``k ||(eps_rr - eps_zz, (eps_rr + eps_zz - 2 eps_tt)/sqrt(3), gamma)||``,
+        theta = 0.
+        """
+        require_known("Body.kinematics", kinematics, KINEMATICS)
+        if kinematics == "axisymmetric":
+            share = 1 / sqrt(3)
+            return ConicForm(
+                rows=np.array([[1, -1, 0, 0], [share, share, -2 * share, 0], [0, 0, 0, 1]]),
+                volumetric=np.array([1.0, 1.0, 1.0, 0.0]),
+                bound=self.k,
+                volumetric_factor=0.0,  # the rows have no part of theta
+            )
+        if kinematics == "plane_stress":
+            return ConicForm(
+                rows=np.array([[2.0, 1.0, 0.0], [0.0, sqrt(3), 0.0], [0.0, 0.0, 1.0]]),
+                volumetric=np.zeros(3),
+                bound=self.k,
+                volumetric_factor=0.0,
+            )
+        return ConicForm(
+            rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),
+            volumetric=np.array([1.0, 1.0, 0.0]),
+            bound=self.k,
+            volumetric_factor=1 / sqrt(3),
+        )

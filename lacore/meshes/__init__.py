@@ -1,0 +1,5 @@
+"""Meshes: made, read, checked, refined. The names of `la.meshes` are those of `__init__.pyi`."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

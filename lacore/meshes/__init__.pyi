@@ -1,0 +1,12 @@
+"""Names of `la.meshes`: where each is found, for `__init__` and for type checkers."""
+
+from .checks import quality as quality
+from .curved import isoparametric as isoparametric
+from .outline import remeshed as remeshed
+from .reading import read as read
+from .structured import fan as fan
+from .structured import graded as graded
+from .structured import quadrilaterals as quadrilaterals
+from .structured import quarter_ring as quarter_ring
+from .structured import rectangle as rectangle
+from .structured import split as split

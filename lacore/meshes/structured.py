@@ -1,0 +1,304 @@
+"""Mesh helpers on scikit-fem: rectangles, graded or turning, rings, curved meshes, files.
+
+Any `skfem.MeshTri` with named boundaries serves as well.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import exp, isfinite, log1p, pi
+from typing import Any
+
+import numpy as np
+from skfem import MeshQuad, MeshTri
+
+from lacore.arrays import Floats
+from lacore.errors import InputError, is_number, require_range
+from lacore.meshes.polygonal import geometry_of, labelled
+
+
+def graded(
+    start: float, stop: float, cells: int, grade: tuple[float, float] | None = None
+) -> Floats:
+    """Coordinates of a graded row of cells, shape (cells + 1,), in the unit of `start`.
+
+    Args:
+        start, stop: ends of the row, ``start < stop``.
+        cells: number of cells.
+        grade: ``(at, ratio)``: cells shrink towards `at`, which becomes a vertex; the largest
+            cell is about `ratio` times the smallest. Cell size grows linearly with distance.
+
+    Raises:
+        InputError: an empty row, no cells, a point outside the row, a ratio below 1.
+    """
+    if not (is_number(start) and is_number(stop) and start < stop):
+        raise InputError(
+            "extent", (start, stop), "not an interval", "give (start, stop), start<stop"
+        )
+    require_range("extent", (start, stop))
+    if not (isinstance(cells, (int, np.integer)) and cells >= 1):
+        raise InputError("cells", cells, "not a positive whole number", "give at least one cell")
+    if grade is None:
+        return np.linspace(start, stop, cells + 1)
+    at, ratio = grade
+    if not start <= at <= stop:
+        raise InputError(
+            "grade", grade, f"the point lies outside [{start}, {stop}]", "move it inside"
+        )
+    if not (isfinite(ratio) and ratio >= 1):
+        raise InputError(
+            "grade", grade, "the ratio of largest to smallest cell is below 1", "give ratio >= 1"
+        )
+    reach = max(at - start, stop - at)
+    growth = ratio - 1
+
+    def one_side(length: float, count: int) -> Floats:
+        share = np.linspace(0, 1, count + 1)
+        if growth * length < 1e-9 * reach:
+            return length * share
+        return reach / growth * np.expm1(share * log1p(growth * length / reach))
+
+    def depth(length: float) -> float:
+        return log1p(growth * length / reach) if growth * length >= 1e-9 * reach else length / reach
+
+    left, right = at - start, stop - at
+    count = round(cells * depth(left) / (depth(left) + depth(right)))
+    count = min(max(count, 1 if left > 0 else 0), cells - 1 if right > 0 else cells)
+    if left > 0 and right > 0 and cells < 2:
+        raise InputError(
+            "cells", cells, f"one cell cannot have a vertex at {at}", "give at least two"
+        )
+    row = np.concatenate(
+        [at - one_side(left, count)[:0:-1], [at], at + one_side(right, cells - count)[1:]]
+    )
+    row[0], row[-1] = start, stop
+    return row
+
+
+def rectangle(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    nx: int,
+    ny: int,
+    crossed: bool = True,
+    grade_x: tuple[float, float] | None = None,
+    grade_y: tuple[float, float] | None = None,
+) -> MeshTri:
+    """Triangle mesh of a rectangle with boundaries `left`, `right`, `bottom`, `top`.
+
+    Args:
+        x, y: extents.
+        nx, ny: cells in each direction.
+        crossed: four triangles a cell around its centre (the better choice for limit analysis);
+            else two.
+        grade_x, grade_y: ``(at, ratio)``, see `graded`.
+
+    Raises:
+        InputError: see `graded`.
+    """
+    cells = _cells(x, y, nx, ny, grade_x, grade_y)
+    return _named(cells.to_meshtri(style="x" if crossed else None))
+
+
+def quadrilaterals(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    nx: int,
+    ny: int,
+    grade_x: tuple[float, float] | None = None,
+    grade_y: tuple[float, float] | None = None,
+) -> MeshQuad:
+    """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries."""
+    return _named(_cells(x, y, nx, ny, grade_x, grade_y))
+
+
+def _named(mesh: Any) -> Any:
+    """A mesh of a rectangle with its sides named."""
+    # By exact coordinates: the default names of scikit-fem go by `numpy.isclose` and take in facets
+    # beside the boundary where cells are long and thin or far from the origin.
+    left, bottom = mesh.p.min(axis=1)
+    right, top = mesh.p.max(axis=1)
+    return mesh.with_boundaries(
+        {
+            "left": lambda middle: middle[0] == left,
+            "right": lambda middle: middle[0] == right,
+            "bottom": lambda middle: middle[1] == bottom,
+            "top": lambda middle: middle[1] == top,
+        }
+    )
+
+
+def fan(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    at: tuple[float, float],
+    sectors: int,
+    rings: int,
+    grade: float | None = None,
+    crossed: bool = True,
+) -> MeshTri:
+    """Triangle mesh of a rectangle that turns around a point; boundaries as in `rectangle`.
+
+    Where a stress fan ends in a point, a lower bound needs many elements there, and refinement
+    does not halve their angles: with n sectors in the 90 degrees of a footing's fan it stays at
+    about ``(2 + 2 n sin(pi/(2 n)))/(2 + pi)`` of the load.
+
+    Args:
+        x, y: extents.
+        at: the point: inside, on a side or at a corner.
+        sectors: in 180 degrees, an even number; equal at the point, where rays are straight. The
+            ray next to a corner of the rectangle bends towards it.
+        rings: of cells around the point; those of the first one are triangles.
+        grade: ratio of the outermost cell to the innermost; None: cells as long as wide.
+        crossed: see `rectangle`.
+
+    Raises:
+        InputError: see `graded`; a point outside, sectors that are too few for the corners.
+    """
+    if not (x[0] <= at[0] <= x[1] and y[0] <= at[1] <= y[1]):
+        raise InputError("at", at, "outside the rectangle", "give one of its points")
+    if not (isinstance(sectors, (int, np.integer)) and sectors >= 4 and sectors % 2 == 0):
+        raise InputError("sectors", sectors, "not an even number from 4 on", "give 8, 16, 24, ...")
+    angle = pi / sectors
+    share = graded(0.0, 1.0, rings, (0.0, exp(rings * angle) if grade is None else grade))[1:]
+    straight, ends, closed = _rays(np.array([x, y]), np.array(at), sectors)
+    bend, centre = ends - straight, np.reshape(at, (2, 1, 1))
+    towards = (straight - centre[:, 0])[:, None]
+    rows = centre + towards * share[:, None] + bend[:, None] * share[:, None] ** 2
+    rows[:, -1] = ends
+    rays = ends.shape[1]
+    number = 1 + np.arange(rows[0].size).reshape(rings, rays)
+    number = np.append(number, number[:, :1], axis=1) if closed else number
+    inner, outer = number[:-1], number[1:]
+    points = np.concatenate([centre[:, :, 0], rows.reshape(2, -1)], axis=1)
+    a, b, c, d = (
+        part.ravel() for part in (inner[:, :-1], outer[:, :-1], outer[:, 1:], inner[:, 1:])
+    )
+    triangles = [np.stack([np.zeros_like(number[0, 1:]), number[0, :-1], number[0, 1:]])]
+    if crossed:
+        middle = points.shape[1] + np.arange(a.size)
+        points = np.append(points, _crossing(*(points[:, part] for part in (a, c, b, d))), axis=1)
+        triangles += [np.stack([p, q, middle]) for p, q in ((a, b), (b, c), (c, d), (d, a))]
+    else:
+        triangles += [np.stack([a, b, c]), np.stack([a, c, d])]
+    turning: MeshTri = _named(MeshTri(points, np.concatenate(triangles, axis=1)))
+    return turning
+
+
+def _rays(box: Floats, at: Floats, sectors: int) -> tuple[Floats, Floats, bool]:
+    """Where rays from a point meet the sides of a box, and where they end; whether they close.
+
+    Two arrays of shape (2, rays): the second has the corners of the box in place of the nearest.
+    """
+    low, high = at == box[:, 0], at == box[:, 1]
+    on = int(np.sum(low | high))
+    # Quarter turns to the first direction, anticlockwise, that stays in the box.
+    sides = {(0, 0): 0, (0, 1): 0, (-1, 0): 1, (0, -1): 2, (1, 0): 3}
+    corners = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
+    start = (sides | corners)[int(low[0]) - int(high[0]), int(low[1]) - int(high[1])]
+    count = {0: 2 * sectors, 1: sectors + 1, 2: sectors // 2 + 1}[on]
+    angles = start * pi / 2 + np.arange(count) * pi / sectors
+    direction = np.stack([np.cos(angles), np.sin(angles)])
+    direction[np.abs(direction) < 1e-12] = 0.0
+    side = np.where(direction > 0, box[:, 1:], box[:, :1])
+    reach = np.full(direction.shape, np.inf)
+    np.divide(side - at[:, None], direction, out=reach, where=np.abs(direction) > 0)
+    first, every = np.argmin(reach, axis=0), np.arange(count)
+    straight = at[:, None] + direction * reach[first, every]
+    straight[first, every] = side[first, every]  # without round-off
+    ends, taken = straight.copy(), set()
+    for corner in np.array(np.meshgrid(*box)).reshape(2, 4).T:
+        if np.array_equal(corner, at):
+            continue
+        along = (corner - at) / np.linalg.norm(corner - at)
+        nearest = int(np.argmax(along @ direction))
+        if nearest in taken:
+            raise InputError(
+                "sectors", sectors, "too few for the corners of the rectangle", "give more"
+            )
+        taken.add(nearest)
+        ends[:, nearest] = corner
+    return straight, ends, on == 0
+
+
+def _crossing(a: Floats, c: Floats, b: Floats, d: Floats) -> Floats:
+    """Where the diagonals a-c and b-d of quadrilaterals cross, shape (2, n)."""
+    u, v, w = c - a, d - b, b - a
+    share = (w[0] * v[1] - w[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])
+    return np.asarray(a + share * u)
+
+
+def quarter_ring(
+    inner: float,
+    outer: float,
+    n_radial: int,
+    n_angular: int,
+    crossed: bool = True,
+    grade: float = 1.0,
+) -> MeshTri:
+    """Quarter ring in x, y >= 0 with boundaries `bore`, `outside`, `x_axis`, `y_axis`.
+
+    The circles are polygons with straight edges: a body of it is ``geometry="approximated"``.
+
+    Args:
+        inner, outer: radii.
+        n_radial, n_angular: cells along the radius and around the quarter.
+        crossed: see `rectangle`.
+        grade: ratio of the outermost cell to the innermost.
+
+    Raises:
+        InputError: see `graded`; an inner radius that is not positive.
+    """
+    if not inner > 0:
+        raise InputError("inner", inner, "not a positive radius", "give inner > 0")
+    cells = _cells((inner, outer), (0, pi / 2), n_radial, n_angular, grade_x=(inner, grade))
+    r, angle = cells.p
+    points = np.stack([r * np.cos(angle), r * np.sin(angle)])
+    points[0, angle == pi / 2] = 0.0
+    # Crossed when bent: the centre of a flat cell would land beyond the chord of a thin one.
+    bent = replace(cells, doflocs=points).to_meshtri(style="x" if crossed else None)
+    flat = rectangle((inner, outer), (0, pi / 2), n_radial, n_angular, crossed, (inner, grade))
+    names = {"left": "bore", "right": "outside", "bottom": "x_axis", "top": "y_axis"}
+    ring: MeshTri = labelled(
+        bent.with_boundaries({names[name]: facets for name, facets in flat.boundaries.items()}),
+        "approximated",
+    )
+    return ring
+
+
+def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
+    """The mesh with elements split in three about their centroids; boundaries keep their names.
+
+    For corners that one element fills, where linear stresses cannot follow tractions on both sides
+    (`lacore.lower_bound`).
+    """
+    chosen = np.unique(np.asarray(elements, dtype=np.int64))
+    if chosen.size and not (chosen[0] >= 0 and chosen[-1] < mesh.nelements):
+        raise InputError(
+            "elements", chosen.tolist(), "not elements of the mesh", f"0 to {mesh.nelements - 1}"
+        )
+    a, b, c = mesh.t[:, chosen]
+    centre = mesh.p.shape[1] + np.arange(chosen.size)
+    corners = [np.stack(three) for three in ((a, b, centre), (b, c, centre), (a, c, centre))]
+    finer = MeshTri(
+        np.concatenate([mesh.p, mesh.p[:, mesh.t[:, chosen]].mean(axis=1)], axis=1),
+        np.concatenate([np.delete(mesh.t, chosen, axis=1), *corners], axis=1),
+    )
+    number = {ends: facet for facet, ends in enumerate(map(tuple, finer.facets.T.tolist()))}
+    named: MeshTri = finer.with_boundaries(
+        {
+            name: np.array([number[tuple(ends)] for ends in mesh.facets[:, facets].T.tolist()])
+            for name, facets in (mesh.boundaries or {}).items()
+        }
+    )
+    return labelled(named, geometry_of(mesh))
+
+
+def _cells(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    nx: int,
+    ny: int,
+    grade_x: tuple[float, float] | None = None,
+    grade_y: tuple[float, float] | None = None,
+) -> MeshQuad:
+    return MeshQuad.init_tensor(graded(x[0], x[1], nx, grade_x), graded(y[0], y[1], ny, grade_y))

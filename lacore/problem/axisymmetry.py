@@ -1,0 +1,94 @@
+"""What bodies of revolution cannot have (T27): x is the radius r >= 0, y the axis z."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from lacore.bodies.continuum.body import Body, on_axis
+from lacore.bodies.continuum.boundaries import boundary_facets
+from lacore.conditions.loads import BodyForce, Fix, Load, PointForce, RigidFooting
+from lacore.conditions.where import Where
+from lacore.contact.interfaces import Interface
+from lacore.errors import InputError
+
+_ROUND_OFF = 1e-12  # of a direction of length 1
+
+
+def check_axisymmetry(
+    bodies: Mapping[str, object],
+    loads: Mapping[str, Load],
+    supports: Sequence[Fix],
+    interfaces: Sequence[Interface],
+) -> None:
+    """Refuse what has no meaning where a body is axisymmetric; nothing where none is.
+
+    Args:
+        bodies: of a problem.
+        loads: by the field that they were given in.
+        supports, interfaces: of the problem.
+
+    Raises:
+        InputError: bodies of other kinematics beside it, a footing or a force on the axis that
+            moves across it, loads, supports of u_z and interfaces along the axis.
+    """
+    round_ones = {n: b for n, b in bodies.items() if isinstance(b, Body) and b.axisymmetric}
+    if not round_ones:
+        return
+    for name, body in bodies.items():
+        if name not in round_ones:
+            raise InputError(
+                f"Problem.bodies[{name!r}]",
+                body.kinematics if isinstance(body, Body) else type(body).__name__,
+                "plane, beside an axisymmetric body",
+                "make it a Body(kinematics='axisymmetric') too, or a RigidObstacle",
+            )
+    for field, load in loads.items():
+        _check_load(field, load, round_ones[load.body])
+    for index, support in enumerate(supports):
+        if support.components not in ("x", "normal"):
+            field = f"Problem.supports[{index}].where"
+            _check_off_axis(round_ones[support.body], support.where, field)
+    for index, interface in enumerate(interfaces):
+        for side, part in (("slave", interface.slave), ("master", interface.master)):
+            if isinstance(part, tuple):
+                field = f"Problem.interfaces[{index}].{side}"
+                _check_off_axis(round_ones[part[0]], part[1], field)
+
+
+def _check_load(field: str, load: Load, body: Body) -> None:
+    if isinstance(load, BodyForce):
+        return
+    if isinstance(load, PointForce):
+        _check_point(field, load, body)
+        return
+    if isinstance(load, RigidFooting) and abs(load.direction[0]) > _ROUND_OFF:
+        raise InputError(
+            f"{field}.direction",
+            load.direction,
+            "a rigid ring cannot move along r",
+            "give (0, 1) or (0, -1), along the axis z; along r a Pressure or a Traction",
+        )
+    _check_off_axis(body, load.where, f"{field}.where")
+
+
+def _check_point(field: str, load: PointForce, body: Body) -> None:
+    assert not isinstance(load.at, str)  # a continuum has no named points
+    if load.vector[0] and on_axis(body, np.reshape(load.at, (2, 1)))[0]:
+        raise InputError(
+            f"{field}.vector",
+            load.vector,
+            "a force across the axis, on the axis, where nothing moves along r",
+            "give a vector along z, or another point",
+        )
+
+
+def _check_off_axis(body: Body, where: Where, field: str) -> None:
+    facets = boundary_facets(body, where, field)
+    ends = body.mesh.p[:, body.mesh.facets[:, facets]]
+    if np.any(on_axis(body, ends).all(axis=0)):
+        raise InputError(
+            field,
+            None if callable(where) else where,
+            "has edges on the axis r = 0, which is no boundary of the body",
+            "leave it out: u_r = 0 there by itself",
+        )
