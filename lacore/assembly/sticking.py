@@ -26,7 +26,7 @@ def yielding(
 ) -> tuple[Interface, ...]:
     """The interfaces of a problem, those that stick against what moves otherwise as Tresca's.
 
-    Of straight triangles in the plane, as in `lacore.slips.slips`.
+    Of straight triangles in the plane, as in `lacore.assembly.slips`.
     """
     found = list(problem.interfaces)
     touched = [contact_facets(problem, index) for index in range(len(found))]
