@@ -8,16 +8,17 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from verification.catalogue import catalogue
-from verification.compare import plan, run_all
+from verification.campaigns.comparison import plan
+from verification.campaigns.run_all import run_all
+from verification.campaigns.sweep import plan as plan_sweep
+from verification.catalogue.catalogue import catalogue
 from verification.report.blocks import Report
 from verification.report.drawing import Drawn, Subject, draw
 from verification.report.files import write
 from verification.report.page import compared, subjects
-from verification.results import load_outcomes
-from verification.run import Run
-from verification.store import NAME, sessions
-from verification.sweep import plan as plan_sweep
+from verification.runs.run import Run
+from verification.store.results import load_outcomes
+from verification.store.store import NAME, sessions
 
 FOLDER = Path(__file__).parent.parent / "reports" / "reference"
 TITLE = "Reference report of lacore"

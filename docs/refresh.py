@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import lacore as la
-from verification.catalogue import find
-from verification.compare import plan, run_all
-from verification.judging import PASS
-from verification.run import Outcome
+from verification.campaigns.comparison import plan
+from verification.campaigns.run_all import run_all
+from verification.catalogue.catalogue import find
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import PASS
 
 ROOT = Path(__file__).parent.parent
 SHOWN = ["prandtl-punch:smooth", "deformable-block:crushing"]

@@ -11,7 +11,11 @@ from dataclasses import dataclass
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 
-PACKAGES = {"lacore": "problem.py", "backends": "clarabel_socp.py", "verification": "case.py"}
+PACKAGES = {
+    "lacore": "certificate.py",
+    "backends": "clarabel_socp.py",
+    "verification": "defaults.py",
+}
 """Our packages, each with a file that tells it from others of that name."""
 
 

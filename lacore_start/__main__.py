@@ -13,7 +13,7 @@ def main() -> None:
         if told := hidden("lacore", "verification"):
             sys.stderr.write(f"Error: {told}\n")
             sys.exit(BAD_INPUT)
-        from verification.cli import main as commands
+        from verification.commands.cli import main as commands
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     commands(prog_name="lacore")

@@ -13,7 +13,7 @@ import pytest
 import lacore as la
 from lacore_start import PACKAGES, hidden, place
 from lacore_start.__main__ import main
-from verification import doctor
+from verification.commands import doctor
 
 ROOT = Path(__file__).parents[1]
 SOLVE = """

@@ -135,7 +135,12 @@ def test_a_case_knows_no_backend(path):
 def test_the_start_knows_the_standard_library_only():
     """It speaks of our packages where they cannot be imported, and opens the command line."""
     names = {name for path in (ROOT / "lacore_start").glob("*.py") for name in imports(path)}
-    ours = {"lacore_start", "lacore_start.hidden", "verification.cli", "verification.cli.main"}
+    ours = {
+        "lacore_start",
+        "lacore_start.hidden",
+        "verification.commands.cli",
+        "verification.commands.cli.main",
+    }
     assert not {name.partition(".")[0] for name in names - ours} - sys.stdlib_module_names
 
 
@@ -179,11 +184,11 @@ def test_names_load_what_they_need_only(code, more):
 def test_help_and_slips_of_the_keyboard_load_nothing_that_solves_or_draws(arguments):
     call = f"""
 try:
-    from verification.cli import main
+    from verification.commands.cli import main
     main({arguments!r})
 except SystemExit:
     pass"""
-    banned = [*HEAVY, "backends", "lacore.limit.solve", "verification.execution"]
+    banned = [*HEAVY, "backends", "lacore.limit.solve", "verification.perform.processes"]
     assert loaded_of(call, [*banned, "verification.cases.prandtl_punch"]) == []
 
 

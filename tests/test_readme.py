@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-from verification import cli
+from verification.commands import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 FIRST, FILE, BOUNDS, PATH, WALL, MORE, RESULTS = re.findall(

@@ -1,5 +1,6 @@
 """What commands and their help say before anything is loaded that solves."""
 
+import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,3 +19,11 @@ RAW: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     **{f"{name}-raw": (name, _RAW) for name in ("reaction", "shift", "kappa")},
 }
 """Loops without damping and acceleration by name; ``paper`` starts from zero reactions, too."""
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not everywhere
+        return os.cpu_count() or 1

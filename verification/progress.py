@@ -22,8 +22,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from verification.judging import FAIL
-from verification.run import Outcome, Run
+from verification.runs.outcome import Outcome
+from verification.runs.run import Run
+from verification.verdicts.load_factor import FAIL
 
 EVERY = 10.0
 """s between lines without a terminal."""

@@ -10,12 +10,12 @@ from functools import partial
 
 import pytest
 
-from verification.compare import run_all
-from verification.execution import execute
-from verification.judging import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.options import cores
-from verification.plugins import gather
-from verification.store import NAME
+from verification.campaigns.run_all import run_all
+from verification.catalogue.plugins import gather
+from verification.defaults import cores
+from verification.perform.processes import execute
+from verification.store.store import NAME
+from verification.verdicts.load_factor import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify import Finished, Question, answer, ask, finish, runs_of
 
 KNOWN = gather()

@@ -15,7 +15,7 @@ from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
 from tests.backends.variants import VARIANTS
-from verification.catalogue import catalogue
+from verification.catalogue.catalogue import catalogue
 
 SLOW = pytest.mark.slow
 # Interior points leave a gap of 1e-10 and rows out by 1e-10: 1e-7 is three digits of margin for

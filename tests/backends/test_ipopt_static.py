@@ -40,7 +40,7 @@ from tests.backends.test_clarabel import (
 from tests.backends.test_regularised import NAMED
 from tests.backends.variants import VARIANTS
 from tests.lacore.models import deformable_block, punch
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 # IPOPT's 1e-10 on numbers of order one to ten, as for Clarabel.
 BAR = 1e-8

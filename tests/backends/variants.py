@@ -2,7 +2,7 @@
 
 import pytest
 
-from verification.catalogue import catalogue
+from verification.catalogue.catalogue import catalogue
 
 VARIANTS = [
     pytest.param(

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from lacore.backend import backend_names, load_backend
 from lacore.numerics.symmetric import symmetric_solver
 from tests.benchmarks.measuring import Model, punch
-from verification.provenance import describe
+from verification.store.provenance import describe
 
 THREADS = ("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 

@@ -16,7 +16,7 @@ import lacore as la
 from lacore.adaptive.bracket import width
 from lacore.numerics.symmetric import symmetric_solver
 from tests.benchmarks.measuring import Model, elastic_seconds, punch
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 SOIL = la.VonMises(shear_strength=1.0)
 PRANDTL = 2 + np.pi

@@ -9,7 +9,7 @@ from lacore.coupling.fixed_point import reaction_loop
 from lacore.coupling.run import CouplingOptions
 from lacore.program import dimensionless
 from tests.benchmarks.measuring import Clocked
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 MESHES = {
     "deformable-block:sliding": {"n": 18},

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import lacore as la
 from tests.lacore.test_random_walls import random_wall
 from tests.rigid_problems import PROBLEMS, incline, wedge
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 BAR = 1e-6
 PLAIN = {"damping": 1.0, "anderson": 0}

@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 from lacore.paths.ending import Ending
 from tests.lacore.path_billets import PLATEN, billet, pressed
-from verification.exact_paths import strip_force
+from verification.cases.shared.exact_paths import strip_force
 
 
 def side(friction=0.2):

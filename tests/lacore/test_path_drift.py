@@ -10,7 +10,7 @@ from lacore.paths import drift
 from lacore.paths.ending import Ending
 from lacore.paths.selection import least_norm
 from tests.lacore.path_billets import billet, pressed
-from verification.exact_paths import cylinder, pressure
+from verification.cases.shared.exact_paths import cylinder, pressure
 
 LAWS = {
     "perfect": la.hardening.Perfect(1.0),

@@ -8,8 +8,8 @@ import pytest
 from matplotlib.patches import FancyArrowPatch
 
 import lacore as la
-from verification.catalogue import catalogue
-from verification.sketches import sketch_of
+from verification.case.sketches import sketch_of
+from verification.catalogue.catalogue import catalogue
 
 CASES = [  # each fourth in the fast tests
     pytest.param(case, id=case.id, marks=[pytest.mark.slow] if number % 4 else [])

@@ -9,7 +9,7 @@ import lacore as la
 from lacore.paths import flow as flow_module
 from lacore.paths.ending import Ending
 from tests.shares import one_in
-from verification.exact_paths import strip_force
+from verification.cases.shared.exact_paths import strip_force
 
 LAWS = {
     "perfect": la.hardening.Perfect(1.0),

@@ -15,7 +15,7 @@ from verification.analysis import (
     regularisation_slopes,
     with_exact,
 )
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 ERRORS = ["error_alpha_reg", "error_lambda"]
 R = [{"r": r} for r in DECADES]

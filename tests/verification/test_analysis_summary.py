@@ -6,10 +6,12 @@ from math import inf, isnan, nan
 import pytest
 
 from verification.analysis.summary import CONTINUUM, DISCRETE, summaries
-from verification.bracket_judging import STRICT
-from verification.catalogue import find
-from verification.compare import planned
-from verification.judging import (
+from verification.campaigns.comparison import planned
+from verification.catalogue.catalogue import find
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.verdicts.bracket import STRICT
+from verification.verdicts.load_factor import (
     FAIL,
     NO_REFERENCE,
     NO_RESULT,
@@ -19,7 +21,6 @@ from verification.judging import (
     distance,
     judge,
 )
-from verification.run import Outcome, Row
 
 
 def made(name, value, backend="clarabel", mesh="coarse", coupling="certified", **more):

@@ -13,22 +13,22 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.plugins as plugins
+import verification.catalogue.plugins as plugins
 from lacore.adaptive.refine import width
 from lacore.meshes.checks import quality
 from verification.analysis import fit_slope
-from verification.bracket_evidence import packed_shares, unpacked_shares
-from verification.bracket_judging import between
-from verification.bracketing import BRACKET, Bracketing
 from verification.case import UNKNOWN, Reference
-from verification.catalogue import Catalogue, catalogue, find
-from verification.cli import main
-from verification.harness import execute
-from verification.irregular import irregular
-from verification.judging import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.case.bracketing import BRACKET, Bracketing
+from verification.catalogue.catalogue import Catalogue, catalogue, find
+from verification.commands.cli import main
+from verification.evidence.bracket import packed_shares, unpacked_shares
+from verification.perform.irregular import irregular
+from verification.perform.one_run import execute
 from verification.report.brackets import drawn_bracket, widths, widths_chart
 from verification.report.drawing import brackets, painted
-from verification.results import load_results
+from verification.store.results import load_results
+from verification.verdicts.bracket import between
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.verify import Finished, answer, ask, finish, runs_of
 
 STRIP = find("opposed-punches:h-1")[0]  # exact: 2, without friction

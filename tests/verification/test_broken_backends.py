@@ -12,11 +12,11 @@ import pytest
 
 from tests.broken_backends import BACKENDS, UNUSABLE, plant
 from tests.processes import alive, hear_ctrl_c, marked, wait_for
-from verification.compare import plan
-from verification.execution import execute
-from verification.judging import FAIL, PASS, SKIPPED
-from verification.results import load_results
-from verification.store import NAME
+from verification.campaigns.comparison import plan
+from verification.perform.processes import execute
+from verification.store.results import load_results
+from verification.store.store import NAME
+from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 ROOT = Path(__file__).parents[2]

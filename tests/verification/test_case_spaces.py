@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.bodies.continuum.spaces import SPACES
-from verification.catalogue import catalogue
+from verification.catalogue.catalogue import catalogue
 
 STRICT = [name for name, space in SPACES.items() if space.strict]
 EXACT = 1e-5  # as `exact_patch`: what is left is solving

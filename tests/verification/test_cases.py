@@ -9,11 +9,11 @@ import pytest
 
 import lacore as la
 from lacore.state import contact_force
-from verification.allowed import Allowed, allowed_values
-from verification.bracketing import BRACKET
-from verification.catalogue import catalogue, find
-from verification.harness import execute
-from verification.judging import NO_REFERENCE, PASS
+from verification.case.bracketing import BRACKET
+from verification.catalogue.catalogue import catalogue, find
+from verification.perform.one_run import execute
+from verification.verdicts.allowed import Allowed, allowed_values
+from verification.verdicts.load_factor import NO_REFERENCE, PASS
 from verification.verify import answer, ask, finish, runs_of
 
 CASES = list(catalogue().values())

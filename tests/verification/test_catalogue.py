@@ -11,14 +11,14 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.plugins as plugins
+import verification.catalogue.plugins as plugins
 from tests.conftest import ROOT
+from verification.campaigns.comparison import plan
 from verification.case import KINDS
-from verification.catalogue import Catalogue, catalogue, find, tagged
-from verification.checks import check
-from verification.cli import main
-from verification.compare import plan
-from verification.plugins import gather
+from verification.catalogue.catalogue import Catalogue, catalogue, find, tagged
+from verification.catalogue.checks import check
+from verification.catalogue.plugins import gather
+from verification.commands.cli import main
 
 CASES = list(catalogue().values())
 EXAMPLES = ROOT / "examples" / "cases"
@@ -294,7 +294,7 @@ def test_bad_files_get_one_sentence(planted, replacements, message):
 def test_a_bracket_says_what_it_must(planted, stated, message):
     imported = (
         "import lacore as la\n",
-        "import lacore as la\nfrom verification.bracketing import Bracketing\n",
+        "import lacore as la\nfrom verification.case.bracketing import Bracketing\n",
     )
     folder = planted(imported, ("build=build", f"build=build,\n    bracket={stated}"))
     done = run("cases", "--cases", folder)

@@ -7,13 +7,14 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.cli as cli
+import verification.commands.cli as cli
 from tests.verification.test_harness import VARIANT, wrong_case
-from verification import conformance, doctor
-from verification.catalogue import catalogue
-from verification.compare import plan
-from verification.options import strict
-from verification.run import Run
+from verification import conformance
+from verification.campaigns.comparison import plan
+from verification.catalogue.catalogue import catalogue
+from verification.commands import doctor
+from verification.commands.options import strict
+from verification.runs.run import Run
 
 # A case of each kind: runs and pictures take time, and that every case runs is tested with cases.
 SHOWN = [
@@ -105,7 +106,7 @@ def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
     case = wrong_case()
     object.__setattr__(case, "title", "<script>planted</script>")
     runs = [Run(case, VARIANT, "coarse", "clarabel")]
-    monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
+    monkeypatch.setattr("verification.campaigns.comparison.plan", lambda *_: runs)
     assert run("compare", "--all", "--out", str(tmp_path)).exit_code == 1
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "<script>planted" not in page
@@ -114,7 +115,7 @@ def test_page_escapes_what_it_shows(tmp_path, monkeypatch):
 
 def test_wrong_result_is_exit_code_1(tmp_path, monkeypatch):
     runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
-    monkeypatch.setattr("verification.compare.plan", lambda *_: runs)
+    monkeypatch.setattr("verification.campaigns.comparison.plan", lambda *_: runs)
     result = run("compare", "--all", "--out", str(tmp_path))
     assert result.exit_code == 1
     assert "1 FAIL" in result.stdout

@@ -5,10 +5,10 @@ import pytest
 
 import lacore as la
 from verification.case import Variant
-from verification.catalogue import catalogue
-from verification.harness import execute
-from verification.judging import PASS
-from verification.run import Run
+from verification.catalogue.catalogue import catalogue
+from verification.perform.one_run import execute
+from verification.runs.run import Run
+from verification.verdicts.load_factor import PASS
 
 BLOCK = {"W": (0.2, 5.0), "b": (0.5, 5.0), "h": (0.3, 3.0)}
 FRAME = {"Mp": (0.2, 5.0), "h": (0.5, 4.0), "L": (1.0, 8.0)}

@@ -12,7 +12,8 @@ from lacore.backend import load_backend
 from lacore.certificate import certify
 from lacore.state import ProgramState, contact_force, internal_force
 from lacore.status import Status
-from verification import conformance, doctor
+from verification import conformance
+from verification.commands import doctor
 from verification.conformance.hardening_programs import HARDENING
 from verification.conformance.judge import AMPLIFIED
 from verification.conformance.programs import WORKED

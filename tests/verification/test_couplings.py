@@ -9,13 +9,15 @@ import pytest
 
 import lacore as la
 from tests.shares import one_in
-from verification.assemblies import ASSEMBLIES, FRICTIONS
-from verification.catalogue import catalogue, find
-from verification.compare import efforts, plan, run_all
+from verification.campaigns.comparison import plan
+from verification.campaigns.run_all import run_all
+from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
+from verification.catalogue.catalogue import catalogue, find
 from verification.defaults import RAW
-from verification.execution import execute
-from verification.judging import FAIL, NO_RESULT, PASS, SKIPPED
-from verification.store import NAME
+from verification.perform.processes import execute
+from verification.store.store import NAME
+from verification.verdicts.efforts import efforts
+from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
 
 CLAIMS = {
     la.Status.LOCKED: np.inf,

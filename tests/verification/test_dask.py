@@ -13,18 +13,18 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-import verification.cli as cli
+import verification.commands.cli as cli
 from lacore.errors import InputError
 from tests.broken_backends import plant
 from tests.processes import alive, marked, wait_for
 from tests.verification.results_tables import lasting
-from verification.compare import run_all
-from verification.results import load_results
-from verification.store import NAME
-from verification.sweep import plan
+from verification.campaigns.run_all import run_all
+from verification.campaigns.sweep import plan
+from verification.store.results import load_results
+from verification.store.store import NAME
 
 pytest.importorskip("distributed")
-dask_execution = pytest.importorskip("verification.dask_execution")
+dask_execution = pytest.importorskip("verification.perform.dask")
 
 # Its event loop leaves sockets of the other side to the garbage collector when a worker is killed.
 pytestmark = [
@@ -217,8 +217,8 @@ def test_a_cluster_of_nobody(tmp_path, monkeypatch):
 
 
 def test_a_missing_package(tmp_path, monkeypatch):
-    monkeypatch.delitem(sys.modules, "verification.dask_execution")
-    monkeypatch.delattr("verification.dask_execution")
+    monkeypatch.delitem(sys.modules, "verification.perform.dask")
+    monkeypatch.delattr("verification.perform.dask")
     monkeypatch.setitem(sys.modules, "distributed", None)
     result = command(*BLOCK, "--out", str(tmp_path / "out"), "--dask")
     assert result.exit_code == 2

@@ -7,7 +7,7 @@ import pytest
 import lacore as la
 from backends.clarabel_socp import Clarabel
 from lacore.backend import load_backend
-from verification import doctor
+from verification.commands import doctor
 
 
 class Hanging(Clarabel):

@@ -8,16 +8,17 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-from verification.cli import main
+from verification.campaigns.shrinking import candidates, shrunk
+from verification.commands.cli import main
 from verification.fuzz import campaign
-from verification.fuzz.cases import case_of, recipe_of, run_of, runs_of
-from verification.fuzz.classes import CLASSES, draw, random_of
-from verification.fuzz.copies import COPIES, with_law
+from verification.fuzz.drawn.cases import case_of, recipe_of, run_of, runs_of
+from verification.fuzz.drawn.classes import CLASSES, draw, random_of
+from verification.fuzz.drawn.copies import COPIES, with_law
+from verification.fuzz.drawn.recipe import as_text, build
 from verification.fuzz.examine import examine
-from verification.fuzz.recipe import as_text, build
-from verification.fuzz.shrink import candidates, shrunk
-from verification.judging import FAIL, PASS
-from verification.run import Outcome, Row
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.verdicts.load_factor import FAIL, PASS
 
 FEW, MANY = 4, 34  # of each class, 36 and 300 of all: fast ones, and with the slow ones
 KINDS = list(CLASSES)

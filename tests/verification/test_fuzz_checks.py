@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
-from verification.fuzz.classes import draw, random_of
-from verification.fuzz.recipe import build
-from verification.fuzz.state_checks import check_state
+from verification.fuzz.checks.state_checks import check_state
+from verification.fuzz.drawn.classes import draw, random_of
+from verification.fuzz.drawn.recipe import build
 
 # How many of each class: the first that are certified, with shear in their contacts, or without.
 SHEARED = {"blocks": 3, "mixtures": 3, "two-bodies": 3, "frames": 1}

@@ -6,14 +6,19 @@ from math import inf, isnan, nan
 import pytest
 
 import lacore as la
-import verification.harness as harness
+import verification.perform.one_run as harness
 from lacore.regularization import RegularisedValues
+from verification.campaigns.comparison import LINEAR, plan
+from verification.campaigns.run_all import run_all
 from verification.case import Band, Reference, Variant
-from verification.catalogue import find
-from verification.compare import LINEAR, plan, run_all, tally
+from verification.catalogue.catalogue import find
 from verification.defaults import ON_DEMAND
-from verification.harness import execute, lost
-from verification.judging import (
+from verification.perform.one_run import execute, lost
+from verification.runs.outcome import NO_EVIDENCE
+from verification.runs.run import Run
+from verification.store.results import load_results
+from verification.store.store import NAME
+from verification.verdicts.load_factor import (
     FAIL,
     NO_REFERENCE,
     NO_RESULT,
@@ -22,9 +27,7 @@ from verification.judging import (
     judge,
     refutation,
 )
-from verification.results import load_results
-from verification.run import NO_EVIDENCE, Run
-from verification.store import NAME
+from verification.verdicts.tally import tally
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.shares import one_in
-from verification.cli import main
+from verification.commands.cli import main
 
 HOSTILE = '''"""A block on a floor."""
 

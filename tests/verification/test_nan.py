@@ -9,22 +9,25 @@ import pytest
 
 import lacore as la
 from verification import conformance
-from verification.allowed import Allowed
 from verification.analysis import rates
-from verification.bracket_evidence import Shares, packed_shares
-from verification.bracket_judging import STRICT, judge_bracket
-from verification.bracketing import Bracketing
+from verification.campaigns.comparison import plan
 from verification.case import UNKNOWN_KINDS, Band, Order, Reference
-from verification.catalogue import Catalogue, find
-from verification.checks import check
-from verification.compare import efforts, plan, tally
+from verification.case.bracketing import Bracketing
+from verification.case.following import Following, Reading
+from verification.catalogue.catalogue import Catalogue, find
+from verification.catalogue.checks import check
 from verification.conformance.judge import measured
-from verification.evidence import Proof
-from verification.following import Following, Reading
-from verification.harness import execute
-from verification.judging import FAIL, NO_REFERENCE, PASS, judge
-from verification.path_run import judge_path, largest_error
-from verification.run import Evidence, Outcome, Row
+from verification.evidence.bracket import Shares, packed_shares
+from verification.evidence.state import Proof
+from verification.perform.one_run import execute
+from verification.runs.outcome import Evidence, Outcome
+from verification.runs.row import Row
+from verification.verdicts.allowed import Allowed
+from verification.verdicts.bracket import STRICT, judge_bracket
+from verification.verdicts.efforts import efforts
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, PASS, judge
+from verification.verdicts.path import judge_path, largest_error
+from verification.verdicts.tally import tally
 from verification.verify import answer, ask, finish
 from verification.verify.brackets import gap
 from verification.verify.residuals import residuals

@@ -7,15 +7,17 @@ import pytest
 from rich.console import Console
 
 import lacore as la
-from verification import progress, screen
+from verification import progress
 from verification.analysis.summary import summaries
-from verification.catalogue import catalogue
-from verification.compare import is_regularised, plan
+from verification.campaigns.comparison import is_regularised, plan
+from verification.campaigns.overview import overview
+from verification.catalogue.catalogue import catalogue
+from verification.commands import screen
 from verification.defaults import DENSE, ON_DEMAND
-from verification.harness import lost
-from verification.judging import FAIL, NO_RESULT, PASS
-from verification.overview import overview
-from verification.run import Outcome, Row
+from verification.perform.one_run import lost
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS
 
 FIRST = overview()
 DEFAULT = [case for case in catalogue().values() if not case.on_demand]

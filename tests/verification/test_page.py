@@ -25,9 +25,9 @@ from verification.report.blocks import (
     Table,
     slug,
 )
-from verification.report.charts import ERROR, FACTOR, Axis
-from verification.report.svg import Chart, inline
-from verification.report.theme import VARIABLES
+from verification.report.charts.axes import ERROR, FACTOR, Axis
+from verification.report.charts.svg import Chart, inline
+from verification.report.charts.theme import VARIABLES
 
 SWEEP = pd.DataFrame(
     [

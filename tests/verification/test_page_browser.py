@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from tests.verification.browser import WIDTHS
 from tests.verification.test_page import FITS, SWEEP, R
-from verification.catalogue import find
-from verification.cli import main
+from verification.catalogue.catalogue import find
+from verification.commands.cli import main
 from verification.report import charts, files
 from verification.report.blocks import (
     Anchor,
@@ -39,9 +39,9 @@ from verification.report.blocks import (
     Text,
     slug,
 )
-from verification.report.charts import ERROR
+from verification.report.charts.axes import ERROR
+from verification.report.charts.figures import png
 from verification.report.description import description, lead
-from verification.report.figures import png
 from verification.report.tables import certificates_table, reasons_table, results_table
 
 HOSTILE = (

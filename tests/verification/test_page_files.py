@@ -20,7 +20,7 @@ from verification.report.blocks import (
     Section,
     Table,
 )
-from verification.report.figures import png
+from verification.report.charts.figures import png
 from verification.report.files import case_files, markdown, pictures
 
 

@@ -8,8 +8,8 @@ import pytest
 from tests.shares import one_in
 from tests.verification.test_page import HOSTILE, Parsed, rendered
 from verification.report.blocks import Details, Document, Gallery, Section
+from verification.report.charts.lines import with_lines
 from verification.report.convergence import refinement_section, regularisation_section
-from verification.report.lines import with_lines
 from verification.report.solvers import effort_section, solvers_section
 from verification.report.tables import certificates_table, reasons_table, results_table
 

@@ -11,21 +11,21 @@ from lacore.arrays import Floats
 from lacore.materials.hardening import HardeningLaw, Linear, Perfect, Voce
 from lacore.paths.ending import Ending
 from verification.analysis import step_orders
+from verification.campaigns.comparison import plan
+from verification.campaigns.sweep import plan as sweep
 from verification.case import Band, Reference
-from verification.catalogue import find
-from verification.checks import check
-from verification.compare import plan
-from verification.exact_paths import cylinder, peak, pressure
-from verification.following import Following
-from verification.harness import execute
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS
-from verification.path_run import judge_path
+from verification.case.following import Following
+from verification.cases.shared.exact_paths import cylinder, peak, pressure
+from verification.catalogue.catalogue import find
+from verification.catalogue.checks import check
+from verification.perform.one_run import execute
 from verification.report.blocks import Gallery
 from verification.report.convergence import steps_section
 from verification.report.page import compared, results_frame
 from verification.report.paths import path_chart
-from verification.run import Row
-from verification.sweep import plan as sweep
+from verification.runs.row import Row
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS
+from verification.verdicts.path import judge_path
 
 LAWS = {
     "perfect": Perfect(1.0),

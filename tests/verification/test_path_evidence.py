@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from lacore.arrays import Floats
+from verification.campaigns.comparison import plan
 from verification.case import SOLVER
-from verification.compare import plan
-from verification.harness import execute
-from verification.judging import FAIL, PASS
-from verification.run import Outcome
+from verification.perform.one_run import execute
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL, PASS
 from verification.verify.answers import answer, finish
 from verification.verify.finding import Finding
 from verification.verify.questions import ask

@@ -8,7 +8,7 @@ import pytest
 
 import lacore as la
 from verification.cases.plate_hole import RADIUS
-from verification.catalogue import find
+from verification.catalogue.catalogue import find
 
 
 @pytest.mark.slow

@@ -8,13 +8,13 @@ import pandas as pd
 import pytest
 
 from tests.conftest import ROOT
-from verification.compare import run_all
-from verification.execution import execute
-from verification.provenance import describe
+from verification.campaigns.run_all import run_all
+from verification.perform.processes import execute
 from verification.report.blocks import Picture
 from verification.report.files import file_names, write
-from verification.results import load_results
-from verification.store import NAME, sessions
+from verification.store.provenance import describe
+from verification.store.results import load_results
+from verification.store.store import NAME, sessions
 
 REPORT = ROOT / "reports" / "reference"
 SAME = ["case", "variant", "backend", "coupling", "mesh", "n_elements", "n_dofs", "expected"]

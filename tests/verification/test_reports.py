@@ -7,8 +7,8 @@ import sqlite3
 import pytest
 from click.testing import CliRunner
 
-from verification import cli
-from verification.store import NAME
+from verification.commands import cli
+from verification.store.store import NAME
 
 CASES = ["shear-patch", "deformable-block:crushing", "wedge-extraction:rough"]
 LINK = re.compile(r"""(?:src|href)\s*=\s*["']([^"']*)""")

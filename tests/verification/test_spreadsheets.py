@@ -8,8 +8,8 @@ import pytest
 
 from verification.report.blocks import Column, Table
 from verification.report.files import markdown
-from verification.results import export
-from verification.spreadsheets import as_text, as_written, quoted, unquoted
+from verification.store.results import export
+from verification.store.spreadsheets import as_text, as_written, quoted, unquoted
 
 FORMULAS = [
     "=HYPERLINK(1)", "+HYPERLINK(1)", "-HYPERLINK(1)", "@SUM(1)", "\t=1", "\n=1", "=2", "=",

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from verification.catalogue import catalogue
-from verification.compare import plan
-from verification.harness import execute
+from verification.campaigns.comparison import plan
+from verification.catalogue.catalogue import catalogue
+from verification.commands.tables import show_results
+from verification.perform.one_run import execute
 from verification.report.page import results_frame
 from verification.report.tables import results_table
-from verification.results import as_table
-from verification.terminal import show_results
+from verification.store.results import as_table
 
 HELD = "block-incline-vertical:rough-pulled"
 STANDS = "block-incline:up-mu-0.5"

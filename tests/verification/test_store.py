@@ -14,11 +14,11 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.compare import run_all
-from verification.results import load_results
-from verification.run import canonical
-from verification.store import _APPLICATION, NAME, SCHEMA, Store, entries, sessions
-from verification.sweep import plan
+from verification.campaigns.run_all import run_all
+from verification.campaigns.sweep import plan
+from verification.runs.run import canonical
+from verification.store.results import load_results
+from verification.store.store import _APPLICATION, NAME, SCHEMA, Store, entries, sessions
 
 ROOT = Path(__file__).parents[2]
 ABOUT = {"date": "a day"}
@@ -182,7 +182,7 @@ LIMITED = """
 import resource, sys
 limit = int(sys.argv[1])
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-from verification.cli import main
+from verification.commands.cli import main
 main(sys.argv[2:])
 """
 
@@ -284,7 +284,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 HOLDS = """
 import sys, time
 from pathlib import Path
-from verification.store import Store
+from verification.store.store import Store
 with Store(Path(sys.argv[1]), {}):
     print("open", flush=True)
     time.sleep(3600)

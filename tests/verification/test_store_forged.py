@@ -16,15 +16,15 @@ import pytest
 
 import lacore as la
 from tests.conftest import ROOT
+from verification.campaigns.run_all import run_all
+from verification.campaigns.sweep import plan
 from verification.case import Variant
-from verification.compare import run_all
-from verification.evidence import packed, unpacked
-from verification.plugins import gather
-from verification.results import load_outcomes, load_results
-from verification.run import canonical
-from verification.store import _COLUMNS, NAME, SCHEMA, Store, _checksum, entries, sessions
-from verification.stored_rows import TEXTS, seal_of
-from verification.sweep import plan
+from verification.catalogue.plugins import gather
+from verification.evidence.state import packed, unpacked
+from verification.runs.run import canonical
+from verification.store.results import load_outcomes, load_results
+from verification.store.store import _COLUMNS, NAME, SCHEMA, Store, _checksum, entries, sessions
+from verification.store.stored_rows import TEXTS, seal_of
 
 ODD = [
     nan, inf, -inf, -1.0, 1e308, 10**400, 0.5, 7, True, None, "", "solved", "x" * 5000, "\x00",

@@ -7,13 +7,13 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.cli as cli
+import verification.commands.cli as cli
+from verification.campaigns.sweep import plan
 from verification.case import Case, Variant
-from verification.catalogue import Catalogue, find
-from verification.execution import execute
-from verification.results import load_results
-from verification.store import NAME
-from verification.sweep import plan
+from verification.catalogue.catalogue import Catalogue, find
+from verification.perform.processes import execute
+from verification.store.results import load_results
+from verification.store.store import NAME
 
 BLOCK = "deformable-block"
 
@@ -161,7 +161,7 @@ def test_resume_is_the_default(swept, monkeypatch):
         assert not runs
         yield from ()
 
-    monkeypatch.setattr("verification.execution.execute", nobody)
+    monkeypatch.setattr("verification.perform.processes.execute", nobody)
     result = command(*words, "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -177,7 +177,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
         yield from finished
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("verification.execution.execute", interrupted)
+    monkeypatch.setattr("verification.perform.processes.execute", interrupted)
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130
@@ -219,6 +219,6 @@ def test_missing_backends_are_rows(monkeypatch):
     def missing(name):
         raise la.CapabilityError("not here")
 
-    monkeypatch.setattr("verification.varied.load_backend", missing)
+    monkeypatch.setattr("verification.campaigns.varied.load_backend", missing)
     runs = plan([BLOCK], ["mu=0.5"], ["newton"], ["coarse"])
     assert [run.backend for run in runs] == ["newton"]

@@ -16,9 +16,9 @@ import pytest
 from lacore.errors import InputError
 from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from tests.verification.results_tables import lasting
-from verification.results import load_results
-from verification.store import NAME, sessions
-from verification.sweep import plan
+from verification.campaigns.sweep import plan
+from verification.store.results import load_results
+from verification.store.store import NAME, sessions
 
 pytestmark = [
     pytest.mark.slow,

@@ -14,15 +14,15 @@ from math import nan
 import pytest
 from click.testing import CliRunner
 
-import verification.plugins as plugins
+import verification.catalogue.plugins as plugins
 from tests.conftest import ROOT
 from verification.case import Band, Reference
-from verification.catalogue import Catalogue, catalogue, find
-from verification.cli import main
-from verification.evidence import packed, unpacked
-from verification.harness import execute
-from verification.judging import FAIL, PASS, SKIPPED
-from verification.store import _checksum
+from verification.catalogue.catalogue import Catalogue, catalogue, find
+from verification.commands.cli import main
+from verification.evidence.state import packed, unpacked
+from verification.perform.one_run import execute
+from verification.store.store import _checksum
+from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
 from verification.verify import Finished, answer, as_table, ask, finish, runs_of, tally
 
 PATCH = find("shear-patch:yielding")[0]
@@ -444,7 +444,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
     def stopped(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("verification.compare.run_all", stopped)
+    monkeypatch.setattr("verification.campaigns.run_all.run_all", stopped)
     result = run("shear-patch", "--out", tmp_path)
     assert result.exit_code == 130
     assert "give the same command again" in result.stderr

@@ -4,7 +4,7 @@ import pandas as pd
 
 from verification.analysis.columns import SOLVED, says, table
 from verification.analysis.slopes import BAR, SLOPE_COLUMNS, other_columns, slopes
-from verification.following import ORDERS
+from verification.case.following import ORDERS
 
 STEPS = "param_steps"
 """Column of the number of steps."""

@@ -13,12 +13,20 @@ import numpy as np
 
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
-from verification.allowed import allowed_values
-from verification.bracket_judging import STRICT
-from verification.bracketing import BRACKET
 from verification.case import SOLVER
-from verification.judging import FAIL, FINDS_NONE, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.run import Outcome, Row
+from verification.case.bracketing import BRACKET
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.verdicts.allowed import allowed_values
+from verification.verdicts.bracket import STRICT
+from verification.verdicts.load_factor import (
+    FAIL,
+    FINDS_NONE,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+)
 
 CONTINUUM, DISCRETE = "continuum", "discrete"
 _SOLVED = la.Status.SOLVED.label

@@ -1,1 +1,1 @@
-"""Verification cases, one file each; `verification.catalogue` finds them."""
+"""Verification cases, one file each; `verification.catalogue.catalogue` finds them."""

@@ -16,9 +16,9 @@ enough hardening it rises to a peak first.
 
 import lacore as la
 from verification.case import SOLVER, Band, Case, Reference, Variant
-from verification.exact_paths import cylinder, peak, pressure
-from verification.following import Following, last_load
-from verification.hardening_laws import LAWS
+from verification.case.following import Following, last_load
+from verification.cases.shared.exact_paths import cylinder, peak, pressure
+from verification.cases.shared.hardening_laws import LAWS
 
 INNER, OUTER, HEIGHT, TRAVEL = 1.0, 2.0, 0.25, 0.5
 _MESH = 3e-3  # relative, times n^-4

@@ -23,10 +23,10 @@ from dataclasses import replace
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
+from verification.case.following import Following, last_load
 from verification.cases import thick_sphere
-from verification.exact_paths import peak, pressure, sphere
-from verification.following import Following, last_load
-from verification.hardening_laws import LAWS
+from verification.cases.shared.exact_paths import peak, pressure, sphere
+from verification.cases.shared.hardening_laws import LAWS
 
 _STEPS = {
     "leapfrog": (0.043, 2),

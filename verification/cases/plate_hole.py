@@ -27,8 +27,8 @@ from skfem import MeshQuad, MeshTri
 
 import lacore as la
 from lacore.meshes.structured import graded
-from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case.bracketing import Bracketing
 
 RADIUS = 0.2  # half the side is 1
 _MESHES: dict[str, dict[str, Any]] = {

@@ -28,8 +28,8 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case.bracketing import Bracketing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,9 +24,9 @@ from math import nan
 import lacore as la
 from lacore.paths.ending import Ending
 from verification.case import Band, Case, Reference, Variant
+from verification.case.following import Following
 from verification.cases import prandtl_punch
-from verification.following import Following
-from verification.hardening_laws import LAWS
+from verification.cases.shared.hardening_laws import LAWS
 
 _TRAVEL = 1.0
 

@@ -23,9 +23,9 @@ import numpy as np
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
-from verification.exact_paths import bar_force
-from verification.following import Following, Reading, last_load
-from verification.hardening_laws import LAWS
+from verification.case.following import Following, Reading, last_load
+from verification.cases.shared.exact_paths import bar_force
+from verification.cases.shared.hardening_laws import LAWS
 
 BORE, OUTSIDE, HEIGHT, TRAVEL = 1.5, 3.0, 1.0, 0.5  # height and travel of the half
 _PLATEN = la.RigidObstacle((0, HEIGHT), (0, -1))

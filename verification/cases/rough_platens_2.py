@@ -16,8 +16,8 @@ has the same block with friction instead.
 """
 
 import lacore as la
-from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case.bracketing import Bracketing
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
 _ERROR = Convergence(0.862, 0.715, "32 to 4640 elements: 7.74, 2.22, 0.86, 0.42, 0.23 % above")

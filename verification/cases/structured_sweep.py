@@ -15,8 +15,8 @@ its table says how many load factors each coupling certified, and in how many in
 """
 
 import lacore as la
-from verification.assemblies import ASSEMBLIES, FRICTIONS
 from verification.case import Band, Case, Reference, Variant
+from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
 
 
 def build(assembly: str, mu: float) -> la.Problem:

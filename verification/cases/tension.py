@@ -19,9 +19,9 @@ import numpy as np
 import lacore as la
 from lacore.paths.ending import Ending
 from verification.case import SOLVER, Band, Case, Reference, Variant
-from verification.exact_paths import strip_force
-from verification.following import Following, Reading, last_load
-from verification.hardening_laws import LAWS
+from verification.case.following import Following, Reading, last_load
+from verification.cases.shared.exact_paths import strip_force
+from verification.cases.shared.hardening_laws import LAWS
 
 LENGTH, HEIGHT, TRAVEL = 2.0, 0.5, 1.0
 _UNIFORM = 1e-4

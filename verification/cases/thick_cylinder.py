@@ -18,8 +18,8 @@ boundaries. The mesh replaces both circles by polygons, so its value is not a bo
 from math import cos, log, pi, sqrt
 
 import lacore as la
-from verification.bracketing import Bracketing
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case.bracketing import Bracketing
 
 INNER, OUTER = 1.0, 2.0
 _MESHES = {

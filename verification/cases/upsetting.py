@@ -20,10 +20,10 @@ from math import inf, log, nan, sqrt
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
+from verification.case.following import Following, Reading, last_load
+from verification.cases.shared.exact_paths import strip_force
+from verification.cases.shared.hardening_laws import LAWS
 from verification.cases.tension import spread
-from verification.exact_paths import strip_force
-from verification.following import Following, Reading, last_load
-from verification.hardening_laws import LAWS
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
 ROUGH = -1.0  # stands for platens that stick

@@ -19,7 +19,7 @@ carry other loads, none of them above the associated one.
 
 import lacore as la
 from verification.case import Case, Reference, Variant
-from verification.walls import HAND, HYPERSTATIC, MU, WALL_1, band, listed, wall
+from verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_1, band, listed, wall
 
 LOW, HIGH, ASSOCIATED = 0.638982, 0.642859, 0.642859
 

@@ -25,7 +25,7 @@ carry other loads, none of them above the associated one.
 
 import lacore as la
 from verification.case import Case, Reference, Variant
-from verification.walls import HAND, HYPERSTATIC, MU, WALL_3, band, listed, wall
+from verification.cases.shared.walls import HAND, HYPERSTATIC, MU, WALL_3, band, listed, wall
 
 LOW, HIGH, ASSOCIATED = 0.355817, 0.379385, 0.403694
 

@@ -6,15 +6,15 @@ from math import inf, isfinite, isnan, nan
 from typing import Any
 
 import lacore as la
-from verification.fuzz.block_program import Known, known_of
-from verification.fuzz.copies import COPIES, has_coulomb, strengthened, with_law
-from verification.fuzz.draw import Rng
-from verification.fuzz.existence import carries
-from verification.fuzz.paths import examine_path
-from verification.fuzz.recipe import Recipe
-from verification.fuzz.rigid_motions import refuted_words
+from verification.fuzz.checks.block_program import Known, known_of
+from verification.fuzz.checks.existence import carries
+from verification.fuzz.checks.rigid_motions import refuted_words
+from verification.fuzz.checks.verdict import BAR, Wrong
+from verification.fuzz.drawn.copies import COPIES, has_coulomb, strengthened, with_law
+from verification.fuzz.drawn.draw import Rng
+from verification.fuzz.drawn.paths import examine_path
+from verification.fuzz.drawn.recipe import Recipe
 from verification.fuzz.solving import FREE, Answer, Asked, answer, told
-from verification.fuzz.verdict import BAR, Wrong
 
 _LINEAR = ("blocks", "frame")
 _LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"

@@ -7,9 +7,9 @@ from typing import Any
 
 import lacore as la
 from lacore.errors import LacoreError
-from verification.fuzz.recipe import Recipe, build
-from verification.fuzz.state_checks import NO_SCALE, Scale, check_state, scale_of
-from verification.fuzz.verdict import Wrong, first
+from verification.fuzz.checks.state_checks import NO_SCALE, Scale, check_state, scale_of
+from verification.fuzz.checks.verdict import Wrong, first
+from verification.fuzz.drawn.recipe import Recipe, build
 
 SOLVED, FREE = la.Status.SOLVED, la.Status.FREE
 WORDS = (la.Status.LOCKED, la.Status.UNSAFE, FREE)

@@ -13,7 +13,7 @@ from typing import Any, SupportsFloat, TypeGuard
 import pandas as pd
 from markupsafe import Markup
 
-from verification.report.svg import Chart
+from verification.report.charts.svg import Chart
 
 
 def slug(name: object) -> str:

@@ -12,12 +12,12 @@ from lacore.adaptive.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
 from lacore.status import Rigor
 from verification.analysis import fit_slope
-from verification.bracket_evidence import unpacked_shares
-from verification.bracketing import BRACKET
+from verification.case.bracketing import BRACKET
+from verification.evidence.bracket import unpacked_shares
 from verification.report.blocks import Column, Drawing, Table
-from verification.report.charts import ELEMENTS, Axis, fitted
+from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
-from verification.run import Outcome
+from verification.runs.outcome import Outcome
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
 _CLOSE = 0.05  # widths above it say nothing of the order yet

@@ -13,7 +13,6 @@ from verification.analysis import (
 )
 from verification.analysis.columns import groups, problem_columns, solver_columns
 from verification.analysis.stepping import STEPS
-from verification.report import charts
 from verification.report.blocks import (
     Block,
     Column,
@@ -24,9 +23,10 @@ from verification.report.blocks import (
     Table,
     Text,
 )
-from verification.report.charts import Axis
-from verification.report.lines import LINE, with_lines
-from verification.report.svg import Chart
+from verification.report.charts import axes
+from verification.report.charts.axes import Axis
+from verification.report.charts.lines import LINE, with_lines
+from verification.report.charts.svg import Chart
 
 _ERRORS = {"error_alpha_reg": "α* − α_reg", "error_lambda": "α* − λ"}
 _PARAMETERS = {
@@ -159,7 +159,7 @@ def steps_section(results: pd.DataFrame) -> Section | None:
     for values, own in groups(fits, names):
         points = _rows(results[results["path_error"].notna()], values)
         title = ", ".join(str(value) for value in values.values() if not pd.isna(value))
-        chart = charts.fitted(
+        chart = axes.fitted(
             with_lines(points, lines, fits),
             with_lines(own, lines, fits),
             Axis(STEPS, "steps"),
@@ -185,8 +185,8 @@ def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawi
     """Error against elements, and against time."""
     columns = _solvers(fits, "")
     lines = with_lines(points, columns, fits)
-    error = _fitted(points, fits, charts.ELEMENTS, charts.ERROR, tip=["mesh"])
-    cost = charts.cost(lines, by=LINE)
+    error = _fitted(points, fits, axes.ELEMENTS, axes.ERROR, tip=["mesh"])
+    cost = axes.cost(lines, by=LINE)
     return [
         Drawing(f"{title}-refinement", f"{title}: error under refinement", error),
         Drawing(f"{title}-cost", f"{title}: what accuracy costs", cost),
@@ -197,7 +197,7 @@ def _fitted(
     points: pd.DataFrame, fits: pd.DataFrame, x: Axis, y: Axis, tip: Sequence[str] = ()
 ) -> Chart:
     columns = _solvers(fits, x.column)
-    return charts.fitted(
+    return axes.fitted(
         with_lines(points, columns, fits), with_lines(fits, columns, fits), x, y, by=LINE, tip=tip
     )
 

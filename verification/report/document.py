@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from verification.report.blocks import Block, Document, Picture
-from verification.report.svg import Chart, inline
+from verification.report.charts.svg import Chart, inline
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,17 @@ from queue import SimpleQueue
 from matplotlib.figure import Figure
 
 from lacore.process.child_process import ChildProcess
-from verification.bracketing import BRACKET
 from verification.case import Case, is_of_lacore
-from verification.checks import said
-from verification.evidence import restored
-from verification.execution import ONE_THREAD
-from verification.judging import FAIL
+from verification.case.bracketing import BRACKET
+from verification.case.sketches import sketch_of
+from verification.catalogue.checks import said
+from verification.evidence.state import restored
+from verification.perform.processes import ONE_THREAD
 from verification.report.blocks import Picture, Text, slug
 from verification.report.brackets import drawn_bracket
-from verification.report.figures import finest_exact, png
-from verification.run import Outcome
-from verification.sketches import sketch_of
+from verification.report.charts.figures import finest_exact, png
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL
 
 MOST = 4
 """Mechanisms of a case, and brackets, that a report of a few cases shows."""

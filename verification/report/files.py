@@ -21,7 +21,7 @@ from verification.report.blocks import (
     Table,
 )
 from verification.report.document import Place, render
-from verification.spreadsheets import as_text, quoted
+from verification.store.spreadsheets import as_text, quoted
 
 INDEX = "index.html"
 """The page that is opened first."""

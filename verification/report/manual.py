@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 
 from verification.case import KINDS, Case, Variant
-from verification.compare import tally
 from verification.report.blocks import (
     Block,
     Column,
@@ -29,7 +28,8 @@ from verification.report.files import INDEX, case_files
 from verification.report.overview import answers, cards
 from verification.report.page import explained, results_frame, results_of
 from verification.report.tables import VERDICTS
-from verification.run import Outcome
+from verification.runs.outcome import Outcome
+from verification.verdicts.tally import tally
 
 _NO_KIND = "others"
 _UP = Page("All cases", INDEX)

@@ -7,14 +7,14 @@ from typing import Any
 import pandas as pd
 
 from verification.analysis.summary import VariantSummary, summaries
-from verification.bracketing import BRACKET
 from verification.case import Case
-from verification.judging import FAIL, PASS
+from verification.case.bracketing import BRACKET
 from verification.report.blocks import Card, Cards, Column, Page, Picture, Table
 from verification.report.description import lead
 from verification.report.drawing import Drawn
 from verification.report.tables import CERTIFICATE, VERDICTS
-from verification.run import Outcome
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL, PASS
 
 _COLUMNS = (
     Column("variant"),

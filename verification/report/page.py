@@ -6,11 +6,8 @@ from math import isfinite
 
 import pandas as pd
 
-from verification.bracketing import BRACKET
 from verification.case import EXACT, SOLVER, Case
-from verification.compare import Tally as Verdicts
-from verification.compare import efforts, tally
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, STRONG
+from verification.case.bracketing import BRACKET
 from verification.report import document
 from verification.report.blocks import (
     Block,
@@ -35,9 +32,9 @@ from verification.report.blocks import (
     Text,
 )
 from verification.report.brackets import brackets_table, widths_chart
+from verification.report.charts.figures import sweep_chart
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
-from verification.report.figures import sweep_chart
 from verification.report.files import INDEX, case_files
 from verification.report.overview import answers, cards, first_picture
 from verification.report.paths import path_chart, paths_table
@@ -48,8 +45,12 @@ from verification.report.tables import (
     reasons_table,
     results_table,
 )
-from verification.results import as_table
-from verification.run import Outcome
+from verification.runs.outcome import Outcome
+from verification.store.results import as_table
+from verification.verdicts.efforts import efforts
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, STRONG
+from verification.verdicts.tally import Tally as Verdicts
+from verification.verdicts.tally import tally
 
 _SHOWN = 8
 """Lines of a list that are seen at once; more are folded away."""

@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 
 from verification.case import Case
-from verification.path_run import exact_loads
 from verification.report.blocks import Column, Drawing, Table
-from verification.report.charts import figure_axes, labelled, legend
-from verification.report.svg import Chart, Tip
+from verification.report.charts.axes import figure_axes, labelled, legend
+from verification.report.charts.svg import Chart, Tip
+from verification.report.charts.theme import INK, MARKERS, SERIES, styled
 from verification.report.tables import RUN, VERDICTS
-from verification.report.theme import INK, MARKERS, SERIES, styled
-from verification.run import Outcome
+from verification.runs.outcome import Outcome
+from verification.verdicts.path import exact_loads
 
 _POINTS = 101  # of an exact curve
 

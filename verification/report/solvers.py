@@ -11,8 +11,8 @@ from verification.analysis import (
     rates,
     shifted_geometric_means,
 )
-from verification.report import charts
 from verification.report.blocks import Anchor, Column, Columns, Drawing, Section, Table, Text
+from verification.report.charts import axes
 from verification.report.tables import RUN
 
 SHIFT = 0.1  # s: solves that take much less count alike
@@ -40,7 +40,7 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
     )
     if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # charts would be empty
         return Section("solvers", _TITLE, [Text("None of the runs is solved.")])
-    chart = charts.profile(performance_profile(found), charts.FACTOR)
+    chart = axes.profile(performance_profile(found), axes.FACTOR)
     caption = "Share of problems solved within a factor of the fastest solver"
     means = _means_table(shifted_geometric_means(found, SHIFT, limit))
     profile = Drawing("profile", caption, chart, filters)

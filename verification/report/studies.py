@@ -7,7 +7,6 @@ import pandas as pd
 
 from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
-from verification.judging import FINDS_NONE, SKIPPED
 from verification.report.blocks import Block, Column, Details, Section, Table, Text
 from verification.report.convergence import (
     refinement_section,
@@ -15,6 +14,7 @@ from verification.report.convergence import (
     steps_section,
 )
 from verification.report.solvers import effort_section, rates_table, solvers_section
+from verification.verdicts.load_factor import FINDS_NONE, SKIPPED
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
 _COMPARABLE = (

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 import lacore as la
-from verification.bracketing import BRACKET
-from verification.evidence import recheck
-from verification.judging import SKIPPED
-from verification.path_evidence import recheck_step
-from verification.run import Outcome, Row, Run
+from verification.case.bracketing import BRACKET
+from verification.evidence.path import recheck_step
+from verification.evidence.state import recheck
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.runs.run import Run
+from verification.verdicts.load_factor import SKIPPED
 from verification.verify.brackets import bracket, gap
 from verification.verify.finding import Answer, Finding
 from verification.verify.order import order

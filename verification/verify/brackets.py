@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from math import inf, isclose, isfinite, nan
 
 import lacore as la
-from verification.bracket_evidence import Shares, unpacked_shares
-from verification.bracket_judging import judge_bracket
-from verification.bracketing import Bracketing
 from verification.case import Reference
-from verification.judging import FAIL, PASS, SKIPPED
-from verification.run import Outcome
+from verification.case.bracketing import Bracketing
+from verification.evidence.bracket import Shares, unpacked_shares
+from verification.runs.outcome import Outcome
+from verification.verdicts.bracket import judge_bracket
+from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
 from verification.verify.finding import Answer
 
 DEFECT = 1e-5

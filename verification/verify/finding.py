@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.spreadsheets import unquoted
+from verification.store.spreadsheets import unquoted
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 FILE = "checks.csv"
 """Of findings, in the folder of their results."""

@@ -7,10 +7,10 @@ import numpy as np
 
 import lacore as la
 from verification.case import SOLVER
-from verification.following import ORDER_TOLERANCE, ORDERS
-from verification.judging import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
-from verification.path_run import judge_path
-from verification.run import Outcome
+from verification.case.following import ORDER_TOLERANCE, ORDERS
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.path import judge_path
 from verification.verify.finding import Answer
 from verification.verify.questions import Question
 from verification.verify.values import lost_verdict

@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import lacore as la
-from verification.bracket_judging import between
-from verification.bracketing import BRACKET
+from verification.campaigns.comparison import is_regularised, plan
 from verification.case import Case, Reference, Variant
-from verification.catalogue import Catalogue
-from verification.compare import is_regularised, plan
-from verification.run import Run
+from verification.case.bracketing import BRACKET
+from verification.catalogue.catalogue import Catalogue
+from verification.runs.run import Run
+from verification.verdicts.bracket import between
 from verification.verify.nature import nature_of
 
 CHECKS: Mapping[str, str] = {

@@ -8,9 +8,9 @@ import numpy as np
 
 import lacore as la
 from verification.case import SOLVER
-from verification.evidence import Proof
-from verification.judging import FAIL, PASS, REGULARISED, SKIPPED
-from verification.run import Outcome
+from verification.evidence.state import Proof
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL, PASS, REGULARISED, SKIPPED
 from verification.verify.finding import Answer
 
 Rechecked = Proof | str

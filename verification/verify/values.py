@@ -10,7 +10,9 @@ import numpy as np
 import lacore as la
 from lacore.regularization import RegularisedValues
 from verification.case import SOLVER, Band, Reference
-from verification.judging import (
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.verdicts.load_factor import (
     FAIL,
     NO_REFERENCE,
     NO_RESULT,
@@ -20,7 +22,6 @@ from verification.judging import (
     judge,
     refutation,
 )
-from verification.run import Outcome, Row
 from verification.verify.finding import Answer
 
 _SOLVED = la.Status.SOLVED.label

@@ -1,0 +1,1 @@
+"""Which runs there are, and all of them: comparisons, sweeps, random problems."""

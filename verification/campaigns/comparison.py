@@ -1,0 +1,146 @@
+"""Compare backends on cases: plan the runs, run them, keep every row."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+import lacore as la
+from lacore.backend import load_backend
+from lacore.coupling.names import COUPLINGS
+from lacore.errors import require_known
+from lacore.limit.solve import coupling_for
+from verification.case import Case, Variant
+from verification.case.bracketing import BRACKET
+from verification.catalogue.catalogue import Catalogue, catalogue, find
+from verification.defaults import ON_DEMAND, RAW
+from verification.runs.run import Run
+
+PATHS = ("clarabel", "newton")
+"""Backends that paths are compared with, each of them tens of solves; only the first where the
+exact loads are not known, and of implicit schemes, which take several solves a step."""
+
+LINEAR = ("highs",)
+"""Those of them that rigid bodies are compared with."""
+
+
+def plan(
+    names: Sequence[str] = (),
+    backends: Sequence[str] = (),
+    meshes: Sequence[str] = (),
+    couplings: Sequence[str] = (),
+    known: Catalogue | None = None,
+) -> list[Run]:
+    """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
+
+    Cases are looked for in `known`; without it, among those of lacore itself.
+    Without `names` all cases but those on demand. Without `backends` all registered ones but those
+    `ON_DEMAND`, of rigid bodies those of linear programs too, and without those
+    that cannot do a variant; ``all`` is every one of them, and variants of a family are named as
+    ``cvxpy:SCS``. Without `meshes` the default levels of each variant. Without `couplings` the
+    default one of each backend, and with exact ones ``associated`` where that is known to differ.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    known = catalogue() if known is None else known
+    if list(backends) == ["all"]:
+        backends = la.backend_names()
+    check_names(backends, couplings, meshes, known)
+    return [
+        planned(case, variant, mesh, backend, coupling)
+        for case, variants in pick(names, known)
+        for variant in variants
+        for mesh in case.levels(variant, meshes)
+        for backend in dict.fromkeys(backends or default_backends(case, variant))
+        for coupling in dict.fromkeys(couplings or default_couplings(case, variant, backend))
+    ]
+
+
+def check_names(
+    backends: Sequence[str], couplings: Sequence[str], meshes: Sequence[str], known: Catalogue
+) -> None:
+    """Raise `InputError` on an unknown name; of a missing backend the rows say so.
+
+    Rigid bodies have no meshes, and run whatever level is asked for; one that no case at all has is
+    a slip of the keyboard.
+    """
+    if meshes:
+        cases = (*catalogue().values(), *known.values())
+        levels = {level for case in cases for level in case.meshes}
+        for name in meshes:
+            require_known("mesh", name, levels)
+    for name in backends:
+        with suppress(la.CapabilityError):
+            load_backend(name)
+    for name in couplings:
+        require_known("coupling", name, [*COUPLINGS, *RAW, BRACKET])
+
+
+def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Variant]]]:
+    """Cases with those of their variants that are named; without names, as `plan`.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    picked: dict[str, list[str]] = {}
+    for name in names or (case.id for case in known.values() if not case.on_demand):
+        case, variants = find(name, known)
+        picked.setdefault(case.id, []).extend(variant.name for variant in variants)
+    return [
+        (known[case_id], [one for one in known[case_id].variants if one.name in chosen])
+        for case_id, chosen in picked.items()
+    ]
+
+
+def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
+    """A run, skipped where it is known that the backend cannot do it."""
+    known = False
+    if coupling == "associated":
+        with suppress(Exception):  # of others, at parameters of others: the row says so
+            known = case.reference_of(variant).associated is not None
+    skip, insist = _unfit(variant, backend), coupling is None or known
+    # Penalties and smooth laws may be beyond a solver, which says so: only exact ones must answer.
+    with suppress(la.CapabilityError):  # of a missing backend the row says so
+        engine = load_backend(backend)
+        insist |= coupling == coupling_for(engine, None)
+        insist &= not engine.capabilities.regularised
+        try:
+            coupling_for(engine, RAW.get(coupling or "", (coupling, {}))[0])
+        except la.InputError as error:
+            skip = str(error)
+    return Run(case, variant, mesh, backend, coupling, insist, skip)
+
+
+def default_backends(case: Case, variant: Variant) -> list[str]:
+    """Backends that a comparison runs when none is named."""
+    linear = () if case.meshed else LINEAR
+    names = la.backend_names() if case.path is None else _path_backends(case, variant)
+    return [
+        name
+        for name in names
+        if (name not in ON_DEMAND or name in linear) and not _unfit(variant, name)
+    ]
+
+
+def _path_backends(case: Case, variant: Variant) -> Sequence[str]:
+    stated = case.following_of(variant)
+    dear = stated.exact is None or stated.scheme.startswith("implicit")
+    return PATHS[:1] if dear else PATHS
+
+
+def default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
+    """Couplings that a comparison runs when none is named."""
+    telling = case.reference_of(variant).associated_differs
+    return [None, "associated"] if telling and not is_regularised(backend) else [None]
+
+
+def _unfit(variant: Variant, backend: str) -> str:
+    """Why a backend cannot do a variant; empty where it can."""
+    family = "regularised" if is_regularised(backend) else "exact"
+    return variant.unfit.get(backend, variant.unfit.get(family, ""))
+
+
+def is_regularised(backend: str) -> bool:
+    """Whether a backend is known to be regularised; not of one that is missing."""
+    with suppress(la.CapabilityError):
+        return load_backend(backend).capabilities.regularised
+    return False

@@ -1,0 +1,44 @@
+"""All runs of a plan: each is in the store as soon as it is finished."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+
+from verification.defaults import TIME_LIMIT
+from verification.perform.processes import Executor, execute
+from verification.runs.outcome import Outcome
+from verification.runs.run import Run
+from verification.store.provenance import code_of, describe
+from verification.store.store import Store
+
+
+def run_all(
+    runs: Sequence[Run],
+    path: Path,
+    on_start: Callable[[Run], None] = lambda _: None,
+    on_finish: Callable[[Outcome], None] = lambda _: None,
+    executor: Executor = execute,
+    time_limit: float = TIME_LIMIT,
+    fresh: bool = False,
+) -> list[Outcome]:
+    """Outcomes of runs, in their order; each is in the store at `path` as soon as it is finished.
+
+    Those that are there already, by the same code, are not run again, unless all is to be `fresh`.
+    `executor` runs them; `time_limit`: s, of a run; one that takes longer, or whose process dies,
+    costs its own row.
+
+    Raises:
+        InputError: the store cannot be used.
+    """
+    codes = {run.key: code_of(run) for run in runs}
+    with Store(path, describe()) as store:
+        found = {} if fresh else store.settled((run, codes[run.key]) for run in runs)
+        for outcome in found.values():
+            on_finish(outcome)
+        due = list({run.key: run for run in runs if run.key not in found}.values())
+        with closing(executor(due, time_limit=time_limit, on_start=on_start)) as outcomes:
+            for outcome in outcomes:
+                store.append(outcome, codes[outcome.run.key])
+                found[outcome.run.key] = outcome
+                on_finish(outcome)
+    return [found[run.key] for run in runs]

@@ -1,0 +1,33 @@
+"""What a verification case says: a problem, its reference, and how far a result may lie from it.
+
+Files of cases import all names from here.
+"""
+
+from verification.case.band import EXACT, SOLVER, Band, Convergence, Order, exact_patch, rigid
+from verification.case.bracketing import BRACKET, Bracketing
+from verification.case.case import BLOCKS, CLAMPED, JAM, KINDS, Case, Variant, is_of_lacore
+from verification.case.following import Following
+from verification.case.reference import UNKNOWN, UNKNOWN_KINDS, Reference
+
+__all__ = [
+    "BLOCKS",
+    "BRACKET",
+    "CLAMPED",
+    "EXACT",
+    "JAM",
+    "KINDS",
+    "SOLVER",
+    "UNKNOWN",
+    "UNKNOWN_KINDS",
+    "Band",
+    "Bracketing",
+    "Case",
+    "Convergence",
+    "Following",
+    "Order",
+    "Reference",
+    "Variant",
+    "exact_patch",
+    "is_of_lacore",
+    "rigid",
+]

@@ -1,0 +1,162 @@
+"""What a verification case is: a problem, its reference, and how far a result may lie from it."""
+
+from __future__ import annotations  # not evaluated: names of lacore in them load nothing
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import lacore as la
+from lacore.errors import require_known
+from verification.case.band import Band, Order
+from verification.case.bracketing import Bracketing
+from verification.case.following import Following
+from verification.case.guard import guarded
+from verification.case.reference import UNKNOWN, Reference
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_OURS = ("verification.cases.", "verification.fuzz.")
+KINDS = ("continuum", "blocks", "frames", "contact", "hardening")
+"""Tags that say what a case is about; every case of lacore has one at least, and free ones."""
+
+
+JAM = {"regularised": "only the certified loop tells jamming; the reaction loop goes on and on"}
+CLAMPED = {"regularised": "penalties let go where nothing determines the clamping forces"}
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One setting of a case's parameters.
+
+    Attributes:
+        name: unique in the case.
+        parameters: keyword arguments of `Case.build`, `Case.reference` and `Case.band`.
+        meshes: levels that are run by default; none: the two coarsest, or the only one there is.
+        unfit: backends that cannot do it, or ``regularised`` for all that are, and why.
+    """
+
+    name: str
+    parameters: Mapping[str, float | bool | str]
+    meshes: tuple[str, ...] = ()
+    unfit: Mapping[str, str] = field(default_factory=dict)
+
+
+BLOCKS: Mapping[str, Mapping[str, Any]] = {"blocks": {}}
+"""The one level of a case without meshes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A verification case.
+
+    Attributes:
+        id: unique.
+        title: one line.
+        tags: for finding it: some of `KINDS`, and free ones.
+        unit: of the load factor.
+        explanation: paragraphs; indented ones are a sketch.
+        hand_calculation: how the reference is found with pencil and paper, line by line.
+        meshes: levels, coarse to fine: keyword arguments of `build`; rigid bodies have none.
+        build: the problem, from those of a mesh level and a variant.
+        reference: the reference of a variant.
+        band: allowed error from the number of elements and the parameters of a variant.
+        variants: settings, in the order of the report.
+        sweep: parameter against which a figure of the load factor is drawn; empty for none.
+        valid: whether the closed form holds at the parameters of a variant; its docstring says why.
+        on_demand: whether it is run only when it is named.
+        order: what refinement must show, from the parameters of a variant; None where no order is
+            expected, or known.
+        bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
+            have none in any case.
+        path: how a variant is followed through large deformation, from its parameters, which are
+            then to have those of `verification.case.following.STEPPING`; None: one limit problem.
+            `reference` and `band` are those of the last load, the band of all others, too.
+        sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
+            lines of a mechanism, say; called with the axes and the problem.
+    """
+
+    id: str
+    title: str
+    tags: tuple[str, ...]
+    unit: str
+    explanation: str
+    hand_calculation: str
+    meshes: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: BLOCKS)
+    build: Callable[..., la.Problem]
+    reference: Callable[..., Reference]
+    band: Callable[..., Band]
+    variants: tuple[Variant, ...]
+    sweep: str = ""
+    valid: Callable[..., bool] | None = None
+    on_demand: bool = False
+    order: Callable[..., Order | None] | None = None
+    bracket: Bracketing | None = field(default_factory=Bracketing)
+    path: Callable[..., Following] | None = None
+    sketch: Callable[[Axes, la.Problem], None] | None = None
+
+    @property
+    def meshed(self) -> bool:
+        """Whether there are meshes to choose from."""
+        return "blocks" not in self.meshes
+
+    def levels(self, variant: Variant, asked: Sequence[str] = ()) -> tuple[str, ...]:
+        """Mesh levels to run of a variant: those asked for, or its own.
+
+        Raises:
+            InputError: an unknown level, of a case that has meshes.
+        """
+        if not self.meshed:
+            return tuple(self.meshes)
+        for mesh in asked:
+            require_known(f"mesh of case {self.id!r}", mesh, self.meshes)
+        return tuple(dict.fromkeys(asked or variant.meshes or tuple(self.meshes)[:2]))
+
+    def problem(self, variant: Variant, mesh: str) -> la.Problem:
+        """The problem of a variant on a mesh level."""
+        return self.problem_of(self.meshes[mesh], variant.parameters)
+
+    def problem_of(self, size: Mapping[str, Any], parameters: Mapping[str, Any]) -> la.Problem:
+        """The problem of any size and parameters, keyword arguments of `build`."""
+        with guarded():
+            return self.build(**size, **parameters)
+
+    def reference_of(self, variant: Variant) -> Reference:
+        """The reference of a variant; of one that is not listed, where only a table is, unknown.
+
+        Raises:
+            LookupError: a variant of the case is not in its table.
+        """
+        try:
+            return self.reference(**variant.parameters)
+        except LookupError:
+            if variant in self.variants:
+                raise
+            return UNKNOWN
+
+    def band_of(self, variant: Variant, elements: int) -> Band:
+        """The band of a variant."""
+        return self.band(elements, **variant.parameters)
+
+    @property
+    def bracketed_from(self) -> str:
+        """Mesh level that a bracket starts from."""
+        named = "" if self.bracket is None else self.bracket.mesh
+        return named or next(iter(self.meshes))
+
+    def following_of(self, variant: Variant) -> Following:
+        """How a variant of a path is followed."""
+        assert self.path is not None
+        return self.path(**variant.parameters)
+
+    def order_of(self, variant: Variant) -> Order | None:
+        """What refinement must show of a variant; None where nothing is expected."""
+        return None if self.order is None else self.order(**variant.parameters)
+
+
+def is_of_lacore(case: Case) -> bool:
+    """Whether a case is known to be harmless; what others wrote may do anything."""
+    build = case.build.func if isinstance(case.build, partial) else case.build
+    return getattr(build, "__module__", "").startswith(_OURS)

@@ -1,0 +1,1 @@
+"""What several cases share: walls, exact paths, hardening laws, assemblies."""

@@ -1,0 +1,130 @@
+"""What several commands share: options, and how they print."""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import isfinite
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from verification.catalogue.catalogue import Catalogue, find
+from verification.catalogue.plugins import gather
+from verification.defaults import TIME_LIMIT, cores
+
+_STOPPED = 130  # as shells say of Ctrl-C
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+
+def name_list(ctx: click.Context, option: click.Parameter, value: str | None) -> list[str]:
+    """Names between commas: a callback of options."""
+    return [name.strip() for name in (value or "").split(",") if name.strip()]
+
+
+def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
+    """An option that takes names between commas."""
+    return click.option(name, callback=name_list, metavar="A,B", help=text)
+
+
+def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
+    """Gives a command its folder as the argument `out`."""
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path),
+        default=Path(default),
+        show_default=True,
+        metavar="DIR",
+        help=text,
+    )
+
+
+time_limit_option = click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Of a run; one that takes longer is stopped.",
+)
+
+fresh_option = click.option(
+    "--fresh", is_flag=True, help="Run again what the folder has results of."
+)
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
+)
+
+
+def _gathered(ctx: click.Context, option: click.Parameter, folders: tuple[Path, ...]) -> Catalogue:
+    known = gather(folders)
+    for error in known.broken.values():
+        click.echo(f"warning: left out: {error}", err=True)
+    return known
+
+
+cases_option = click.option(
+    "--cases",
+    "known",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    metavar="FOLDER",
+    callback=_gathered,
+    is_eager=True,  # names of cases are looked up in it
+    help="Folder with cases of your own: each NAME.py in it defines CASE or CASES. May be repeated."
+    " Those of installed packages (entry-point group lacore.cases) are found without it.",
+)
+"""Gives a command the `Catalogue` as its argument `known`."""
+
+
+def _existing(
+    ctx: click.Context, argument: click.Parameter, names: tuple[str, ...]
+) -> tuple[str, ...]:
+    for name in names:
+        find(name, ctx.params["known"])
+    return names
+
+
+def named_cases(metavar: str, required: bool = False) -> Callable[[_Command], _Command]:
+    """Gives a command with the `cases_option` the argument `cases`: names that exist."""
+    return click.argument("cases", nargs=-1, required=required, metavar=metavar, callback=_existing)
+
+
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=cores,
+    metavar="N",
+    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
+)
+
+
+def print_json(document: Any) -> None:
+    """One strict document on stdout."""
+    click.echo(json.dumps(strict(document), indent=1, allow_nan=False))
+
+
+def strict(value: Any) -> Any:
+    """JSON has no NaN (null here) and no infinity (a string here)."""
+    if isinstance(value, dict):
+        return {name: strict(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [strict(item) for item in value]
+    if isinstance(value, float) and not isfinite(value):
+        return None if value != value else str(value)
+    return value
+
+
+@contextmanager
+def resumable(store: Path) -> Iterator[None]:
+    """Of Ctrl-C say how to go on; exit code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo(
+            f"stopped: what was finished is kept in {store}; give the same command again to go on"
+            " from there",
+            err=True,
+        )
+        click.get_current_context().exit(_STOPPED)

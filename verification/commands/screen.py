@@ -1,0 +1,113 @@
+"""An answer on one screen: a line a case, what fell short and why, and where the rest is."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, isnan
+from textwrap import wrap
+
+from rich.console import Console
+
+from verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
+from verification.case import SOLVER
+from verification.commands.tables import print_line
+from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
+
+LINES = 60
+"""That an answer takes at most."""
+WIDTH = 120
+"""Characters of a line."""
+_VARIANTS = 46  # lines for cases; with more variants each case gets one
+_REASONS = 7  # lines for what fell short
+_NAME = 30
+_STYLES = {PASS: "", FAIL: "bold red"}
+_LINE = "{:30} {:20} {:19} {:>9} {:>10} {:6} {:>7} {}".format
+
+
+def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
+    """A line a variant, or of many variants the worst of each case; then what fell short."""
+    folded = len(found) > _VARIANTS
+    cases = _by_case(found) if folded else [[own] for own in found]
+    name = "case: worst of its variants" if folded else "case:variant"
+    head = (name, "reference", "proven, or found", "worst by", "allowed", "agree", "solve")
+    print_line(console, _LINE(*head, "verdict"), "bold")
+    for own in cases:
+        worst = max(own, key=_badness)
+        more = f" +{len(own) - 1}" if len(own) > 1 else ""
+        cells = (
+            _cut(worst.name, _NAME - len(more)) + more,
+            _cut(worst.expected, 20),
+            proven(worst),
+            *_errors(worst),
+            f"{worst.agreeing} of {worst.asked}",
+            f"{sum(one.seconds for one in own):.1f} s",
+        )
+        print_line(console, _LINE(*cells, worst.verdict), _STYLES.get(worst.verdict, "dim"))
+    show_shortfalls(console, [short for own in found for short in own.shortfalls])
+
+
+def proven(summary: VariantSummary) -> str:
+    """The bracket that is proven, or the bound, or else the value that was found."""
+    lower, upper, value = summary.lower, summary.upper, summary.value
+    straight = "~" if summary.bounded == DISCRETE else ""
+    if isfinite(lower) and isfinite(upper):
+        return f"{straight}[{lower:.6g}, {upper:.6g}]"
+    if isfinite(upper) and not (isfinite(value) and upper > value * (1 + SOLVER)):
+        return f"<= {upper:.7g}"
+    if isnan(value):
+        return summary.expected if summary.verdict == PASS else ""
+    return f"{value + 0.0:.7g}"
+
+
+def _errors(summary: VariantSummary) -> tuple[str, str]:
+    """The worst error and the one that is allowed, %."""
+    error, allowed = summary.error, summary.allowed
+    if isnan(error):
+        return "", ""
+    shown = "< 1e-4 %" if abs(error) < SOLVER else f"{100 * error:+.2g} %"
+    return shown, f"{100 * allowed:+.2g} %" if isfinite(allowed) else ""
+
+
+def _badness(summary: VariantSummary) -> tuple[bool, int, float]:
+    """What is wrong first, then who disagrees, then what is closest to its allowed error."""
+    share = abs(summary.error / summary.allowed) if summary.allowed else 0.0
+    disagreeing = summary.asked - summary.agreeing
+    return summary.verdict == FAIL, disagreeing, 0.0 if isnan(share) else share
+
+
+def _by_case(found: Sequence[VariantSummary]) -> list[list[VariantSummary]]:
+    cases: dict[str, list[VariantSummary]] = {}
+    for own in found:
+        cases.setdefault(own.case, []).append(own)
+    return [*cases.values()]
+
+
+def show_shortfalls(console: Console, shortfalls: Sequence[Shortfall]) -> None:
+    """What failed, gave no result or was skipped, and why: each reason once, in a few lines."""
+    grouped: dict[tuple[str, str, str], list[Shortfall]] = {}
+    for verdict in (FAIL, NO_RESULT, SKIPPED):
+        for short in (one for one in shortfalls if one.verdict == verdict):
+            grouped.setdefault((verdict, short.backend, short.why), []).append(short)
+    lines = []
+    for (verdict, backend, why), shorts in grouped.items():
+        what = shorts[0].label if len(shorts) == 1 else f"{backend}, {len(shorts)} times"
+        most = 2 if verdict == FAIL else 1
+        text = " ".join(f"{verdict}: {what}: {why}".split())
+        lines += [
+            (line, "red" if verdict == FAIL else "dim")
+            for line in wrap(text, WIDTH, subsequent_indent="  ", max_lines=most, placeholder="...")
+        ]
+    for text, style in lines[:_REASONS]:
+        print_line(console, text, style)
+    if len(lines) > _REASONS:
+        print_line(console, f"... and {len(lines) - _REASONS} more lines: see --full", "dim")
+
+
+def show_end(console: Console, count: str, places: Mapping[str, object], after: str) -> None:
+    """How many ended how, where the rest is, and what to ask next."""
+    print_line(console, count)
+    for name, place in places.items():
+        print_line(console, f"{name + ':':9}{place}")
+    print_line(console, f"{'Next:':9}{after}")
+
+
+def _cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: width - 3]}..."

@@ -1,0 +1,203 @@
+"""The command ``lacore sweep``."""
+
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lacore.coupling.names import COUPLINGS
+from lacore.errors import require_positive
+from verification.catalogue.catalogue import Catalogue
+from verification.commands.options import (
+    cases_option,
+    fresh_option,
+    jobs_option,
+    json_option,
+    named_cases,
+    names_option,
+    out_option,
+    print_json,
+    resumable,
+    time_limit_option,
+)
+from verification.defaults import ON_DEMAND, RAW
+from verification.perform.executors import dask_options, executor_of, require_one_place
+from verification.verdicts.load_factor import FAIL
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from verification.runs.outcome import Outcome
+
+PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
+"""Options whose errors have a theory (T19)."""
+
+
+@click.command()
+@named_cases("CASE...", required=True)
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="What to vary: START:STOP:N at equal distances, START:STOP:N:log at equal ratios, or"
+    " a,b,c. Several make a grid.",
+)
+@names_option(
+    "--backends",
+    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
+)
+@names_option(
+    "--meshes",
+    "Mesh levels; default: those of each variant, or the first where a size is varied.",
+)
+@names_option(
+    "--couplings",
+    f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
+)
+@jobs_option
+@dask_options
+@time_limit_option
+@out_option("reports/sweep", "Folder for the results.")
+@fresh_option
+@cases_option
+@json_option
+@click.pass_context
+def sweep(
+    ctx: click.Context,
+    cases: tuple[str, ...],
+    vary: tuple[str, ...],
+    backends: list[str],
+    meshes: list[str],
+    couplings: list[str],
+    jobs: int,
+    on_dask: bool,
+    scheduler: str | None,
+    time_limit: float,
+    out: Path,
+    fresh: bool,
+    known: Catalogue,
+    as_json: bool,
+) -> None:
+    """Run cases over grids of parameters, mesh sizes, settings of the loop and backend options.
+
+    CASE is the id of a case (see `lacore cases`) or id:variant. NAME is a parameter of the case
+    (mu; of a path also steps and scheme), a keyword of its mesh levels (n, nx), a setting of the
+    coupling loop (damping, anderson, kappa, start, tolerance, max_iterations), or a backend option
+    (r, eta, bulk, normal, tangential, ...; K_c, K_n, K_t are bulk, normal, tangential). Where a
+    name is several of these, write param.NAME, size.NAME, setting.NAME or option.NAME.
+
+    An option is given to the backends that have it; others, such as exact ones that know no r, run
+    once for all its values: their load factor is the exact one of the same mesh. A value that a
+    case or a backend refuses costs its own row.
+
+    Each result is kept in DIR the moment it is there. A sweep that was stopped, by Ctrl-C or in any
+    other way, goes on where it was when the same command is given again; by the same code, nothing
+    is run twice. `verification.load_results(DIR)` is the table of all that DIR has, as is
+    results.csv. Exit code 0 when the sweep is through and no result is wrong or failed, else 1; 130
+    after Ctrl-C.
+
+    \b
+    Examples:
+      lacore sweep prandtl-punch:smooth --vary r=1e-1:1e-5:9:log --backends newton,clarabel
+      lacore sweep deformable-block:sliding --vary mu=0.1:0.9:17 --meshes coarse --jobs 4
+      lacore sweep hardening-cylinder:voce --vary steps=5:40:4:log --vary scheme=leapfrog,explicit
+      lacore sweep wall-1 --vary damping=0.3,0.7,1 --vary anderson=0,5 --couplings reaction
+    """  # noqa: D301  # click reads the backspace
+    from verification import progress
+    from verification.campaigns.run_all import run_all
+    from verification.campaigns.sweep import plan
+    from verification.commands import tables
+    from verification.store.results import export, load_results
+    from verification.store.store import NAME
+
+    require_positive("--time-limit", time_limit)
+    runs = plan(cases, vary, backends, meshes, couplings, known)
+    require_one_place(on_dask, scheduler)
+    with (
+        resumable(out / NAME),
+        executor_of(jobs, on_dask, scheduler, _folders(known)) as executor,
+        progress.watching(len(runs)) as watch,
+    ):
+        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
+    export(load_results(out), out / "results.csv")
+    slopes, orders = _slopes(out, outcomes), _orders(out, outcomes)
+    if as_json:
+        print_json(_document(out, outcomes, slopes, orders))
+    else:
+        console = tables.table_console()
+        tables.show_sweep(console, outcomes)
+        if slopes:
+            tables.show_slopes(console, slopes)
+        if orders:
+            tables.show_step_orders(console, orders)
+        click.echo(f"\nStore: {out / NAME}\nTable: {out / 'results.csv'}")
+    ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
+
+
+def _folders(known: Catalogue) -> list[Path]:
+    """Where cases of users are."""
+    paths = [Path(source) for source in known.sources.values()]
+    return sorted({path.parent for path in paths if path.is_file()})
+
+
+def _document(
+    out: Path,
+    outcomes: Sequence[Outcome],
+    slopes: Sequence[dict[str, Any]],
+    orders: Sequence[dict[str, Any]],
+) -> dict[str, Any]:
+    from verification.store.provenance import describe
+    from verification.store.store import NAME
+
+    statuses = Counter(outcome.row.status for outcome in outcomes)
+    verdicts = Counter(outcome.row.verdict for outcome in outcomes)
+    return {
+        "summary": {"runs": len(outcomes), "statuses": dict(statuses), "verdicts": dict(verdicts)},
+        "slopes": list(slopes),
+        "step_orders": list(orders),
+        "store": str(out / NAME),
+        "machine": describe(),
+        "rows": [outcome.record() for outcome in outcomes],
+    }
+
+
+def _slopes(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """Slopes of the errors of T19 against each penalty that was varied."""
+    varied = [
+        f"option_{name}"
+        for name in PENALTIES
+        if len({run.options[name] for run in (o.run for o in outcomes) if name in run.options}) > 1
+    ]
+    if not varied:
+        return []
+    import pandas as pd
+
+    # Here, because it takes most of a second that other sweeps need not wait for.
+    from verification.analysis import regularisation_slopes, with_exact
+
+    joined = with_exact(_results(out, outcomes))
+    found = pd.concat([regularisation_slopes(joined, name) for name in varied])
+    return found.to_dict("records")  # type: ignore[return-value]  # columns are text
+
+
+def _orders(out: Path, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """How errors of paths fall with their steps, where these were varied."""
+    if len({o.run.parameters["steps"] for o in outcomes if o.run.case.path is not None}) < 2:
+        return []
+    # Here, because it takes most of a second that other sweeps need not wait for.
+    from verification.analysis import step_orders
+
+    return step_orders(_results(out, outcomes)).to_dict("records")  # type: ignore[return-value]
+
+
+def _results(out: Path, outcomes: Sequence[Outcome]) -> pd.DataFrame:
+    """Those of a sweep, of all that are in its folder."""
+    from verification.store.results import load_results
+
+    keys = {outcome.run.key for outcome in outcomes}
+    results = load_results(out)
+    return results[results["run"].isin(keys)]

@@ -1,0 +1,76 @@
+"""The last step of a path as bytes, and back: so that its load can be proven again.
+
+It needs the configuration on which that step was solved; the path that led there is not walked
+again.
+"""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+
+import lacore as la
+from lacore.arrays import Floats
+from lacore.paths.configuration import Configuration
+from lacore.paths.control import gauge_of
+from lacore.paths.flow import Moment, flow_of, limit_problem
+from lacore.paths.path import Snapshot
+from lacore.paths.stage import staged
+from verification.evidence.state import Proof, packed, recheck, restored_on, unpacked
+from verification.runs.outcome import Evidence
+from verification.runs.row import Row
+from verification.runs.run import Run
+
+_PLACES = ("begin", "at")
+_FIELDS = ("nodes", "strain")
+
+
+def packed_step(state: la.LimitState, snapshot: Snapshot) -> bytes:
+    """The state of a step, and the limit problem that it answers; empty without a state."""
+    moment = snapshot.moment
+    if state.point is None or moment is None:
+        return b""
+    arrays: dict[str, Floats] = {
+        f"{place}/{field}/{name}": values
+        for place in _PLACES
+        for field in _FIELDS
+        for name, values in getattr(getattr(moment, place), field).items()
+    }
+    times = np.array([moment.duration, moment.share, snapshot.duration])
+    return packed(state.point, times=times, **arrays)
+
+
+def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
+    """Residuals of the stored state of a path, computed afresh from the problem of its last step.
+
+    Raises:
+        ValueError: there is no state, or it is not one of this path.
+    """
+    stated = run.case.following_of(run.variant)
+    stage = staged(run.problem(), stated.approaching)
+    moment, duration = _unpacked(evidence.arrays, list(stage.bodies))
+    discretisation = limit_problem(stage, moment)
+    point = unpacked(evidence.arrays)
+    state = restored_on(discretisation, run, row, evidence)
+    state = replace(state, load_factor=point.load_factor)  # the row has that of the whole step
+    load = flow_of(state, moment).lasting(duration).load_factor
+    if stated.load == "force":
+        load /= gauge_of(stated.control, stage.problem)(discretisation, point.velocity)
+    return replace(recheck(discretisation, row, evidence), load_factor=load)
+
+
+def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:
+    """The moment of a step, and the duration for which its load is."""
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            arrays = dict(archive)
+        begin, at = (
+            Configuration(
+                *({name: arrays[f"{place}/{field}/{name}"] for name in bodies} for field in _FIELDS)
+            )
+            for place in _PLACES
+        )
+        own, share, duration = map(float, arrays["times"])
+    except Exception as error:  # zip, struct, key and value errors: the bytes are none of ours
+        raise ValueError(f"no step: {error}") from error
+    return Moment(begin, at, own, share), duration

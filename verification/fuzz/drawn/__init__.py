@@ -1,0 +1,1 @@
+"""Random problems: drawn, built from their recipes, and copied in ways that change nothing."""

@@ -1,0 +1,247 @@
+"""Copies of recipes whose load factor is known from the first: moved, rescaled, renamed, reordered.
+
+Each function returns a recipe of its own.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Floats
+from verification.fuzz.drawn.draw import Rng
+from verification.fuzz.drawn.recipe import Recipe, copied
+
+_SWAPPED = {"x": "y", "y": "x"}
+_AXES = ("x", "y")
+_ROUGHER = 3.0  # times a coefficient of friction
+
+
+def moved(recipe: Recipe, turn: Floats, shift: Floats, length: float = 1.0) -> Recipe:
+    """Every point at ``length (turn x + shift)``, every vector turned.
+
+    Stresses stay: forces per volume are divided by `length`, forces multiplied with it.
+    """
+    made = copied(recipe)
+
+    def point(place: Any) -> list[float]:
+        return [float(c) for c in length * (turn @ np.array(place) + shift)]
+
+    def vector(given: Any) -> list[float]:
+        return [float(c) for c in turn @ np.array(given)]
+
+    def line(where: Any) -> Any:
+        points = isinstance(where, list) and isinstance(where[0], list)
+        return [point(end) for end in where] if points else where
+
+    for body in made["bodies"].values():
+        if body["kind"] == "continuum":
+            mesh = body["mesh"]
+            mesh["shift"] = point(mesh["shift"])
+            mesh["map"] = (length * turn @ np.array(mesh["map"])).tolist()
+        elif body["kind"] == "blocks":
+            body["polygons"] = {n: [point(p) for p in ps] for n, ps in body["polygons"].items()}
+        else:
+            body["nodes"] = {name: point(place) for name, place in body["nodes"].items()}
+            body["plastic_moment"] = {
+                name: length**2 * moment for name, moment in body["plastic_moment"].items()
+            }
+    for load in (*made["reference"], *made["dead"]):
+        for name in ("vector", "direction"):
+            if name in load:
+                load[name] = vector(load[name])
+        if isinstance(load.get("at"), list):
+            load["at"] = point(load["at"])
+        if "where" in load:
+            load["where"] = line(load["where"])
+        factor = {"BodyForce": 1 / length, "PointForce": length}.get(load["load"], 1.0)
+        if factor != 1.0:
+            load["vector"] = [factor * part for part in load["vector"]]
+    quarter = abs(turn[0, 1]) > 0.5
+    for support in made["supports"]:
+        support["where"] = line(support["where"])
+        if quarter and support.get("components") in _AXES:
+            support["components"] = _SWAPPED[support["components"]]
+    for pair in made["interfaces"]:
+        foot = made["bodies"][pair["slave"][0]]["kind"] == "frame"
+        if foot and isinstance(pair["friction"], Mapping) and "tresca" in pair["friction"]:
+            pair["friction"] = {"tresca": length * pair["friction"]["tresca"]}  # on 1 m, a force
+        pair["slave"] = [pair["slave"][0], line(pair["slave"][1])]
+        if isinstance(pair["master"], list):
+            pair["master"] = [pair["master"][0], line(pair["master"][1])]
+        elif pair["master"]:
+            pair["master"] = {
+                "point": point(pair["master"]["point"]),
+                "normal": vector(pair["master"]["normal"]),
+            }
+    if "path" in made:
+        made["path"]["travel"] *= length
+    return made
+
+
+def round_one(recipe: Recipe) -> bool:
+    """Whether a body is one of revolution."""
+    return any(body.get("kinematics") == "axisymmetric" for body in recipe["bodies"].values())
+
+
+def turned(recipe: Recipe, rng: Rng) -> Recipe:
+    """By some angle about some point; by quarters where supports name axes."""
+    if round_one(recipe):
+        return moved(recipe, np.eye(2), np.array([0.0, rng.uniform(-10, 10)]))
+    named = any(support.get("components") in _AXES for support in recipe["supports"])
+    quarters = [(0, 1), (-1, 0), (0, -1)]
+    angle = rng.uniform(0, 2 * np.pi)
+    c, s = quarters[rng.integers(3)] if named else (np.cos(angle), np.sin(angle))
+    return moved(recipe, np.array([[c, -s], [s, c]], dtype=float), rng.uniform(-10, 10, 2))
+
+
+def mirrored(recipe: Recipe, rng: Rng) -> Recipe:
+    """Left and right exchanged; of bodies of revolution top and bottom."""
+    signs = np.diag([1.0, -1.0] if round_one(recipe) else [-1.0, 1.0])
+    return moved(recipe, signs, np.zeros(2))
+
+
+def resized(recipe: Recipe, rng: Rng) -> Recipe:
+    """Of another length, at the same stresses."""
+    return moved(recipe, np.eye(2), np.zeros(2), float(10.0 ** rng.uniform(-3, 3)))
+
+
+def renamed(recipe: Recipe, rng: Rng) -> Recipe:
+    """Bodies and blocks under other names, which sort the other way round."""
+    names = list(recipe["bodies"])
+    new = {name: f"z{len(names) - n}" for n, name in enumerate(names)}
+    blocks = {
+        (name, block): f"b{len(body['polygons']) - n}"
+        for name, body in recipe["bodies"].items()
+        if body["kind"] == "blocks"
+        for n, block in enumerate(body["polygons"])
+    }
+    made = copied(recipe)
+
+    def block(body: str, name: Any) -> Any:
+        return blocks.get((body, name), name) if isinstance(name, str) else name
+
+    for name, body in made["bodies"].items():
+        if body["kind"] == "blocks":
+            body["polygons"] = {block(name, b): p for b, p in body["polygons"].items()}
+            body["joints"] = [[block(name, a), block(name, b), law] for a, b, law in body["joints"]]
+    made["bodies"] = {new[name]: body for name, body in made["bodies"].items()}
+    for part in (*made["reference"], *made["dead"], *made["supports"]):
+        for key in ("where", "at"):
+            if key in part:
+                part[key] = block(part["body"], part[key])
+        part["body"] = new[part["body"]]
+    for pair in made["interfaces"]:
+        for side in ("slave", "master"):
+            if isinstance(pair[side], list):
+                pair[side] = [new[pair[side][0]], block(*pair[side])]
+    return made
+
+
+def reordered(recipe: Recipe, rng: Rng) -> Recipe:
+    """Bodies, blocks, loads and supports in reverse order; slaves are masters."""
+    made = copied(recipe)
+    for body in made["bodies"].values():
+        for key in ("polygons", "members", "nodes"):
+            if key in body:
+                body[key] = dict(reversed(body[key].items()))
+    made["bodies"] = dict(reversed(made["bodies"].items()))
+    for name in ("reference", "dead", "supports", "interfaces"):
+        made[name].reverse()
+    for pair in made["interfaces"]:
+        if isinstance(pair["master"], list):
+            pair["slave"], pair["master"] = pair["master"], pair["slave"]
+    return made
+
+
+def stronger(recipe: Recipe, factor: float) -> Recipe:
+    """Strengths, limits of friction and dead loads in other units."""
+    made = copied(recipe)
+    for body in made["bodies"].values():
+        if "strength" in body:
+            body["strength"] *= factor
+        if "plastic_moment" in body:
+            body["plastic_moment"] = {n: factor * m for n, m in body["plastic_moment"].items()}
+        if body["kind"] == "blocks":
+            body["friction"] = _law_times(body["friction"], factor)
+            body["joints"] = [[a, b, _law_times(law, factor)] for a, b, law in body["joints"]]
+    for pair in made["interfaces"]:
+        pair["friction"] = _law_times(pair["friction"], factor)
+    for load in made["dead"]:
+        _multiply(load, factor)
+    return made
+
+
+def _law_times(law: Any, factor: float) -> Any:
+    if isinstance(law, Mapping) and "tresca" in law:
+        return {"tresca": factor * law["tresca"]}
+    return law
+
+
+def _multiply(load: dict[str, Any], factor: float) -> None:
+    for name in ("value", "pressure"):
+        if name in load:
+            load[name] *= factor
+    if "vector" in load:
+        load["vector"] = [factor * part for part in load["vector"]]
+    if load["load"] == "RigidFooting" and "pressure" not in load:
+        load["pressure"] = factor
+
+
+def in_units(recipe: Recipe, rng: Rng) -> Recipe:
+    """Stresses, dead and reference loads in other units of pressure."""
+    factor = float(10.0 ** rng.uniform(-3, 6))
+    made = stronger(recipe, factor)
+    for load in made["reference"]:
+        _multiply(load, factor)
+    return made
+
+
+COPIES: Mapping[str, Callable[[Recipe, Rng], Recipe]] = {
+    "turned": turned,
+    "mirrored": mirrored,
+    "resized": resized,
+    "renamed": renamed,
+    "reordered": reordered,
+    "in other units": in_units,
+}
+"""Copies that have the same load factors."""
+
+
+def with_law(recipe: Recipe, kind: str) -> Recipe:
+    """Coulomb's law ``associated``, or so and ``rougher``, ``smooth`` or ``stick``."""
+    made = copied(recipe)
+
+    def other(law: Any) -> Any:
+        if isinstance(law, str | Mapping):
+            return law
+        factor = {"associated": 1.0, "rougher": _ROUGHER}.get(kind)
+        return kind if factor is None else {"associated": factor * law}
+
+    for body in made["bodies"].values():
+        if body["kind"] == "blocks":
+            body["friction"] = other(body["friction"])
+            body["joints"] = [[a, b, other(law)] for a, b, law in body["joints"]]
+    for pair in made["interfaces"]:
+        pair["friction"] = other(pair["friction"])
+    return made
+
+
+def has_coulomb(recipe: Recipe) -> bool:
+    """Whether Coulomb's law stands anywhere: else the load factor is one number."""
+    laws = [pair["friction"] for pair in recipe["interfaces"]]
+    for body in recipe["bodies"].values():
+        if body["kind"] == "blocks" and len(body["polygons"]) > 1:
+            laws += [body["friction"], *(law for _, _, law in body["joints"])]
+    return any(isinstance(law, float | int) for law in laws)
+
+
+def strengthened(recipe: Recipe) -> Recipe:
+    """Every strength half as much again, loads as they are: no load factor may fall."""
+    made = copied(recipe)
+    for body in made["bodies"].values():
+        if "strength" in body:
+            body["strength"] *= 1.5
+        if "plastic_moment" in body:
+            body["plastic_moment"] = {n: 1.5 * m for n, m in body["plastic_moment"].items()}
+    return made

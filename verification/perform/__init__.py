@@ -1,0 +1,1 @@
+"""One run: here, in a process of its own, or on a cluster."""

@@ -1,0 +1,143 @@
+"""Runs in interpreters of their own, several at a time: what hangs or dies costs its own row."""
+
+import threading
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import ExitStack, suppress
+from queue import SimpleQueue
+from typing import Protocol
+
+import lacore as la
+from lacore.backend import load_backend
+from lacore.process.child_process import (
+    GRACE,
+    LONGEST,
+    ChildProcess,
+    LostError,
+    forget_peak_memory,
+    peak_memory,
+)
+from verification.case import Case, is_of_lacore
+from verification.defaults import TIME_LIMIT
+from verification.perform.one_run import Assembled, assemble, lost, perform
+from verification.runs.outcome import Evidence, Outcome
+from verification.runs.row import Row
+from verification.runs.run import FUZZ, Run
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Environment of processes that share the cores."""
+_WORKER = "verification.perform.processes:Worker"
+_OURS = "backends."
+_ATTEMPTS = 2  # a process may have been killed by somebody else
+
+OnStart = Callable[[Run], None]
+
+
+class Executor(Protocol):
+    """What performs runs: `execute`, or the like on other machines."""
+
+    def __call__(
+        self, runs: Sequence[Run], *, time_limit: float, on_start: OnStart
+    ) -> Generator[Outcome, None, None]:
+        """Outcomes as they come; closing the generator stops what is at work."""
+
+
+class Worker:
+    """In the process: one run after the other; neighbours of one problem share its assembly."""
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] = ()
+        self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
+        self._solvers = la.SolverProcess()
+
+    def perform(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
+        """Row and evidence of a run; `time_limit`: s, of each inner solve."""
+        forget_peak_memory()
+        own: la.SolverProcess | None = None
+        with suppress(la.CapabilityError):  # the row says so; imports are no part of the solve
+            backend = load_backend(run.backend)
+            # What others wrote may leave anything behind: it gets a process for each solve.
+            if backend.capabilities.isolated and type(backend).__module__.startswith(_OURS):
+                own = self._solvers
+        if run.coupling != FUZZ and run.problem_key != self._key:
+            self._key, self._assembled = run.problem_key, assemble(run)
+        outcome = perform(run, self._assembled, time_limit, peak_memory, own)
+        return outcome.row, outcome.evidence
+
+
+class RunProcess(ChildProcess):
+    """A process that performs runs, on one thread.
+
+    A case that others wrote gets one of its own, and so does what comes after it: it may have left
+    any trace in an interpreter, from a path that is gone to settings that change numbers.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(_WORKER, ONE_THREAD)
+        self._case: Case | None = None
+
+    def perform(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
+        """As of `Worker`, within `limit` seconds; raises as `ask`."""
+        before, self._case = self._case or run.case, run.case
+        if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
+            self.close()
+        row, evidence = self.ask(limit, "perform", run, time_limit)
+        return row, evidence
+
+
+def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
+    """A run in a process; of one that died it is tried again, unless all is to stop."""
+    for tries_left in reversed(range(_ATTEMPTS)):
+        try:
+            limit = min(time_limit + GRACE, LONGEST)
+            row, evidence = child.perform(run, limit, time_limit)
+        except LostError as error:
+            if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
+                return lost(run, error.status, str(error))
+        except Exception as error:  # on the way there or back: the other runs go on
+            return lost(run, la.Status.FAILED, f"{type(error).__name__}: {error}")
+        else:
+            return Outcome(run, row, evidence)
+    raise AssertionError("each attempt returns, but for the last")
+
+
+def execute(
+    runs: Sequence[Run],
+    jobs: int = 1,
+    time_limit: float = TIME_LIMIT,
+    on_start: OnStart = lambda _: None,
+) -> Generator[Outcome, None, None]:
+    """Outcomes as they come, of `jobs` processes; `time_limit`: s, of a run.
+
+    A run that takes longer is stopped; closing the iterator stops all that are at work.
+    `on_start` is called by threads of its own.
+    """
+    stop = threading.Event()
+    children = [RunProcess() for _ in range(max(min(jobs, len(runs)), 1))]
+    idle: SimpleQueue[RunProcess] = SimpleQueue()
+    for child in children:
+        idle.put(child)
+
+    def task(run: Run) -> Outcome:
+        child = idle.get()
+        try:
+            on_start(run)
+            return attempt(child, run, time_limit, stop)
+        finally:
+            idle.put(child)
+
+    with ExitStack() as stack:
+        for child in children:
+            stack.callback(child.close)
+        pool = stack.enter_context(ThreadPoolExecutor(len(children)))
+
+        def abandon() -> None:
+            stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in children:
+                child.kill()
+
+        stack.callback(abandon)
+        futures: list[Future[Outcome]] = [pool.submit(task, run) for run in runs]
+        for future in as_completed(futures):
+            yield future.result()

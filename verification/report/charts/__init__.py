@@ -1,0 +1,1 @@
+"""Charts: axes, lines, colours, as SVG."""

@@ -1,0 +1,1 @@
+"""What is run, and what a run leaves: plain data."""

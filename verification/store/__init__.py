@@ -1,0 +1,1 @@
+"""Durable rows, what must hold before they are believed, and tables of them."""

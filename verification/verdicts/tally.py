@@ -1,0 +1,32 @@
+"""How many runs ended how."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from verification.runs.outcome import Outcome
+from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How many runs ended how."""
+
+    passed: int
+    failed: int
+    skipped: int
+    no_result: int
+    no_reference: int
+
+    @property
+    def text(self) -> str:
+        """One line."""
+        rare = {NO_RESULT: self.no_result, NO_REFERENCE: self.no_reference}
+        parts = [f"{self.passed} pass", f"{self.failed} FAIL", f"{self.skipped} skipped"]
+        return ", ".join(parts + [f"{count} {kind}" for kind, count in rare.items() if count])
+
+
+def tally(outcomes: Sequence[Outcome]) -> Tally:
+    """Count verdicts."""
+    verdicts = [outcome.row.verdict for outcome in outcomes]
+    kinds = (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE)
+    return Tally(*(verdicts.count(kind) for kind in kinds))
