@@ -23,6 +23,13 @@ LACORE = (
     *("limit", "bounds", "adaptive", "ranges", "paths", "files", "pictures", "doors"),
 )
 """Files and folders of lacore: each imports from those before it, and from its own."""
+VERIFICATION = (
+    *("defaults", "case", "cases", "catalogue", "runs", "verdicts", "evidence", "store", "fuzz"),
+    *("perform", "campaigns", "progress", "analysis", "verify", "report", "conformance"),
+    *("commands", "__main__", "test_catalogue"),
+)
+"""Those of verification, alike."""
+HOUSES = {"lacore": LACORE, "verification": VERIFICATION}
 SOLVER_WING = LACORE[LACORE.index("numerics") : LACORE.index("materials")]
 MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
@@ -64,21 +71,33 @@ def test_the_core_knows_no_solver_and_no_case(path):
     assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
 
 
-@pytest.mark.parametrize("path", files("lacore"))
+@pytest.mark.parametrize("path", [*files("lacore"), *files("verification")])
 def test_imports_run_one_way(path):
-    """Wherever in a file they stand. What knows no mesh and what knows no loop meet in `limit`."""
-    own = room(f"lacore.{'.'.join(path.relative_to(ROOT / 'lacore').with_suffix('').parts)}")
+    """Wherever in a file they stand; of `from verification import progress` the room is that."""
+    house, own = module_of(path).split(".")[:2]
     if own == "__init__":
         return  # the face
-    seen = {room(name) for name in imports(path) if within(name, "lacore") and name != "lacore"}
-    assert [name for name in seen if LACORE.index(name) > LACORE.index(own)] == []
+    order = HOUSES[house]
+    seen = rooms_seen(path, house)
+    assert [name for name in seen if order.index(name) > order.index(own)] == []
+
+
+@pytest.mark.parametrize("path", files("lacore"))
+def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit(path):
+    own, seen = module_of(path).split(".")[1], rooms_seen(path, "lacore")
     for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
         assert own not in wing or not seen & set(other)
 
 
-def room(name):
-    """The file or folder of lacore that a module is or lies in."""
-    return name.split(".")[1]
+@pytest.mark.parametrize("house", HOUSES)
+def test_every_room_has_its_place(house):
+    there = {module_of(path).split(".")[1] for path in (ROOT / house).rglob("*.py")}
+    assert there - {"__init__"} == set(HOUSES[house])
+
+
+def rooms_seen(path, house):
+    """The files and folders of a house that a file imports from."""
+    return {name.split(".")[1] for name in imports(path) if name.startswith(f"{house}.")}
 
 
 @pytest.mark.parametrize("house", ["lacore", "verification", "backends"])
@@ -102,7 +121,7 @@ def known(name, found):
     return next((n for n in (name, name.rpartition(".")[0]) if n in found), None)
 
 
-@pytest.mark.parametrize("house", ["lacore", "verification"])
+@pytest.mark.parametrize("house", HOUSES)
 def test_a_room_is_seen_at_a_glance(house):
     """Cases are as many as there are."""
     crowded, long = {}, {}
