@@ -18,7 +18,7 @@ from lacore.status import Status
 from tests.lacore.models import CRITERION, deformable_block
 from tests.lacore.random_programs import POINTS, random_step
 from verification.conformance.hardening_programs import hardening
-from verification.conformance.programs import frozen, nowhere, program
+from verification.conformance.worked import frozen, nowhere, program
 
 SEEDS = range(10)
 SLOW = pytest.mark.slow

@@ -14,10 +14,8 @@ from lacore.state import ProgramState, contact_force, internal_force
 from lacore.status import Status
 from verification import conformance
 from verification.commands import doctor
-from verification.conformance.hardening_programs import HARDENING
 from verification.conformance.judge import AMPLIFIED
 from verification.conformance.programs import WORKED
-from verification.conformance.rigid_programs import RIGID
 
 READY = [name for name, _, missing in doctor.all_backends() if not missing and ":" not in name]
 VARIANTS = [name for name, _, missing in doctor.all_backends() if not missing and ":" in name]
@@ -55,7 +53,7 @@ def test_variants_conform(backend):
 
 COMPLETE = [
     worked
-    for worked in (*WORKED, *RIGID, *HARDENING)
+    for worked in WORKED
     if worked.status is Status.SOLVED
     and (worked.tangential_reaction is not None or not worked.program.contact.count)
     and (worked.mean_stress or not any(group.volumetric.nnz for group in worked.program.groups))

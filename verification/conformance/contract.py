@@ -20,25 +20,20 @@ from lacore.backend import (
 from lacore.errors import InputError
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
-from verification.conformance.hardening_programs import (
-    HARDENING,
-    closing_and_hardening,
-    two_that_harden,
-)
+from verification.conformance.contact_programs import sequence
+from verification.conformance.hardening_programs import closing_and_hardening, two_that_harden
 from verification.conformance.judge import FAIL, SKIPPED, Finding, R, Subject, judge, said
-from verification.conformance.programs import (
+from verification.conformance.plastic_programs import many_cones
+from verification.conformance.programs import WORKED
+from verification.conformance.worked import (
     LENGTH,
-    WORKED,
     Worked,
     cones,
     frozen,
-    many_cones,
     nowhere,
     program,
-    sequence,
     slope,
 )
-from verification.conformance.rigid_programs import RIGID
 
 _PATIENCE = 10.0  # s that a solve of a program of a few unknowns may take before it is stopped
 _NO_HOPE = 1.0  # s for one that has no answer
@@ -303,7 +298,7 @@ def _equal(one: object, other: object) -> bool:
 _FRICTION = next(worked for worked in WORKED if worked.name == "friction")
 
 EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
-    **{worked.name: worked_exercise(worked) for worked in (*WORKED, *RIGID, *HARDENING)},
+    **{worked.name: worked_exercise(worked) for worked in WORKED},
     "hardening": hardening,
     "repeated solves": repeated_solves,
     "repeated solves that harden": repeated_steps,

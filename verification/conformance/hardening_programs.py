@@ -3,7 +3,7 @@
 A cone of weight w, bound c and modulus h costs ``w (c L + h L^2/2)`` at the length L of its strain
 rate, and its stress there is ``c + h L``. The load factor is a multiplier: what the cost rises by
 when ``F0.U = 1`` becomes a little more. Softened by a stiffness K, the cone takes ``L = p + s/K``,
-``s = c + h p``. Bodies on the plane as in `programs`, the plane below them.
+``s = c + h p``. Bodies on the plane as in `worked`, the plane below them.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, reaction_contact
 from lacore.regularization import Penalties
-from verification.conformance.programs import (
+from verification.conformance.worked import (
     LENGTH,
     NORMAL,
     UPWARD,

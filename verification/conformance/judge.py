@@ -27,7 +27,7 @@ from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import Penalties, RegularisedValues, evaluate, penalties
 from lacore.state import ProgramState
 from lacore.status import Status
-from verification.conformance.programs import Worked
+from verification.conformance.worked import Worked
 
 PASS, FAIL, SKIPPED = "pass", "FAIL", "skipped"
 EXACT = 1e-7

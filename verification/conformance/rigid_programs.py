@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
-from verification.conformance.programs import (
+from verification.conformance.worked import (
     W,
     Worked,
     cones,
