@@ -40,7 +40,7 @@ def _strength(bound: Any) -> "Figure":
     return plot_strength(bound)
 
 
-@views.picture.of("lacore.gap_identity.GapIdentity")
+@views.picture.of("lacore.bounds.gap_identity.GapIdentity")
 def _gap(identity: Any) -> "Figure":
     from lacore.pictures.mesh import plot_gap
 

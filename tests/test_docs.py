@@ -1,7 +1,12 @@
-"""Every code block of docs/backends.md runs as printed, or stands in the file that it is from."""
+"""Every code block of docs/backends.md runs as printed, or stands in the file that it is from.
+
+Links of all pages lead somewhere, and what pages and docstrings name exists.
+"""
 
 import re
 import shlex
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -56,9 +61,14 @@ def test_commands_run(with_example):
         assert "ecos" in ran.stdout
 
 
-@pytest.mark.parametrize(
-    "page", ["docs/backends.md", "docs/theory.md", "docs/benchmarks.md", "README.md"]
+PAGES = sorted(
+    str(page.relative_to(ROOT))
+    for pattern in ("*.md", "docs/**/*.md", "examples/**/*.md")
+    for page in ROOT.glob(pattern)
 )
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_links_within_the_repository_lead_somewhere(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)]+)\)", text):
@@ -74,13 +84,54 @@ def test_links_within_the_repository_lead_somewhere(page):
 
 
 CITATION = re.compile(r"\((T\d[^()]*)\)|\bof (T\d+)")  # (T8, T15), (T17-T20), of T19
+CODE = [
+    path
+    for house in ("lacore", "verification", "backends")
+    for path in sorted((ROOT / house).rglob("*.py*"))
+    if path.suffix in (".py", ".pyi")
+]
 
 
 def test_every_formula_that_is_cited_is_in_the_theory():
     theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
     defined = set(re.findall(r"\*\*\(?(T\d+[bc]?)\b", theory))
-    pages = [ROOT / "docs" / "backends.md", EXAMPLE / "lacore_ecos.py"]
-    for path in [*pages, *ROOT.glob("lacore/*.py"), *ROOT.glob("backends/*.py")]:
+    for path in [*CODE, *(ROOT / page for page in PAGES), EXAMPLE / "lacore_ecos.py"]:
         for both in CITATION.findall(path.read_text(encoding="utf-8")):
             cited = set(re.findall(r"T\d+[bc]?", "".join(both)))
             assert cited <= defined, path
+
+
+NAME = re.compile(r"(?<![\w./-])(?:lacore|verification|backends)(?:\.[A-Za-z_]\w+)+")
+FILE = re.compile(r"(?<![\w./-])(?:lacore|verification|backends|docs|examples|tests)/[\w./-]*\w")
+GROUPS = {"lacore.backends", "lacore.cases"}  # of entry points, not modules
+HISTORY = "CHANGELOG.md"  # says what was where
+
+
+def test_modules_and_files_that_are_named_exist():
+    """In pages, docstrings, comments and strings, where no import would see that one has moved."""
+    dead = []
+    pages = [ROOT / page for page in PAGES if page != HISTORY]
+    for path in [*CODE, *pages, *ROOT.glob("docs/*.py"), *ROOT.glob("tests/**/*.py")]:
+        text = path.read_text(encoding="utf-8")
+        names = {name for name in NAME.findall(text) if not name.endswith((".py", ".md"))}
+        wrong = [name for name in names - GROUPS if not _known(name)]
+        wrong += [file for file in set(FILE.findall(text)) if not (ROOT / file).exists()]
+        dead += [f"{path.relative_to(ROOT)}: {name}" for name in wrong]
+    assert not dead
+
+
+@cache
+def _known(name):
+    """Whether a module has that name, or something in one; only the latter is imported."""
+    parts = name.split(".")
+    places = [ROOT.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
+    found = sum(place.is_dir() or place.with_suffix(".py").exists() for place in places)
+    if found == len(parts):
+        return True
+    thing = import_module(".".join(parts[:found]))
+    for part in parts[found:]:
+        fields = getattr(thing, "__annotations__", {})  # without a default they are no attributes
+        if not hasattr(thing, part):
+            return part in fields
+        thing = getattr(thing, part)
+    return True
