@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
+from verification.campaigns import fuzzing
 from verification.campaigns.shrinking import candidates, shrunk
 from verification.commands.cli import main
-from verification.fuzz import campaign
 from verification.fuzz.drawn.cases import case_of, recipe_of, run_of, runs_of
 from verification.fuzz.drawn.classes import CLASSES, draw, random_of
 from verification.fuzz.drawn.copies import COPIES, with_law
@@ -104,7 +104,7 @@ def test_a_wrong_problem_is_cut_down_and_kept(tmp_path):
     recipe = recipe_of("weights", **small.run.parameters)
     assert len(recipe["dead"]) == 1
     assert len(recipe["bodies"]["wall"]["polygons"]) <= 2
-    (path,) = campaign.keep_wrong([outcome], tmp_path, Planted(), 1.0, lambda _: None)
+    (path,) = fuzzing.keep_wrong([outcome], tmp_path, Planted(), 1.0, lambda _: None)
     text = path.read_text(encoding="utf-8")
     assert "planted: too heavy" in text
     assert len(text.splitlines()) < 60
@@ -136,7 +136,7 @@ def test_the_count_of_a_class():
         outcome(6, status="exception", verdict="FAIL", why="exception: KeyError"),
         outcome(7, status="refused", expected="unknown", verdict="skipped"),
     ]
-    one, all_ = campaign.tallied(outcomes)
+    one, all_ = fuzzing.tallied(outcomes)
     assert (one.problems, one.refused, one.loads, one.certified) == (7, 1, 2, 1)
     assert (one.words, one.unknown, one.wrong, one.exceptions, one.hangs) == (1, 1, 1, 1, 1)
     assert one.missing == {"not certified": 1}
