@@ -20,7 +20,7 @@ from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
 from verification.catalogue.catalogue import find
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import PASS
+from verification.verdicts.words import PASS
 
 ROOT = Path(__file__).parent.parent
 SHOWN = ["prandtl-punch:smooth", "deformable-block:crushing"]

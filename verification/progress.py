@@ -24,7 +24,7 @@ from rich.progress import (
 
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
-from verification.verdicts.load_factor import FAIL
+from verification.verdicts.words import FAIL
 
 EVERY = 10.0
 """s between lines without a terminal."""

@@ -13,9 +13,9 @@ import pytest
 from verification.campaigns.run_all import run_all
 from verification.catalogue.plugins import gather
 from verification.defaults import cores
-from verification.perform.processes import execute
+from verification.perform.processes import run_in_processes
 from verification.store.store import NAME
-from verification.verdicts.load_factor import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify import Finished, Question, answer, ask, finish, runs_of
 
 KNOWN = gather()
@@ -31,7 +31,9 @@ def finished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     """The runs of the selected tests, done."""
     asked = list(_selected(request.session))
     store = tmp_path_factory.mktemp("verification") / NAME
-    return finish(asked, run_all(runs_of(asked), store, executor=partial(execute, jobs=cores())))
+    return finish(
+        asked, run_all(runs_of(asked), store, executor=partial(run_in_processes, jobs=cores()))
+    )
 
 
 def _selected(session: pytest.Session) -> Iterator[Question]:

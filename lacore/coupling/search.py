@@ -64,7 +64,7 @@ class Found(Compact):
         return self.interval.lower if side < 0 else self.interval.upper
 
 
-def bracket(
+def coulomb_bounds(
     program: KinematicProgram, solver: PreparedSolver, tolerance: float
 ) -> tuple[tuple[float, float], ProgramState | None]:
     """Bounds of all Coulomb load factors of a program (T14), and the associated state, if any.

@@ -12,7 +12,7 @@ import pandas as pd
 from lacore.assembly.discretise import Discretisation, discretise
 from lacore.backend import find_backend, read_options
 from lacore.coupling.run import Coupled
-from lacore.coupling.search import HIGH, LOW, Found, Search, bracket
+from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
 from lacore.errors import InputError, require_whole
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
@@ -232,7 +232,7 @@ def coulomb_range(
         )
         solver = prepare(program)
         stack.callback(solver.close)
-        bounds, admissible = bracket(program, solver, tolerance)
+        bounds, admissible = coulomb_bounds(program, solver, tolerance)
         if first.status is Status.UNSAFE:
             bounds = (-np.inf, np.inf)  # of none, whatever a locked program says
         if driven_corners(problem, None, tolerance):

@@ -10,17 +10,10 @@ from verification.campaigns.comparison import planned
 from verification.catalogue.catalogue import find
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
+from verification.verdicts.allowed import about, distance
 from verification.verdicts.bracket import STRICT
-from verification.verdicts.load_factor import (
-    FAIL,
-    NO_REFERENCE,
-    NO_RESULT,
-    PASS,
-    SKIPPED,
-    about,
-    distance,
-    judge,
-)
+from verification.verdicts.limit_state import judge
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 
 def made(name, value, backend="clarabel", mesh="coarse", coupling="certified", **more):

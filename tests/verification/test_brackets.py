@@ -23,12 +23,12 @@ from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.commands.cli import main
 from verification.evidence.bracket import packed_shares, unpacked_shares
 from verification.perform.irregular import irregular
-from verification.perform.one_run import execute
-from verification.report.brackets import drawn_bracket, widths, widths_chart
+from verification.perform.one_run import run_here
+from verification.report.bracket import drawn_bracket, widths, widths_chart
 from verification.report.drawing import brackets, painted
 from verification.store.results import load_results
 from verification.verdicts.bracket import between
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
 from verification.verify import Finished, answer, ask, finish, runs_of
 
 STRIP = find("opposed-punches:h-1")[0]  # exact: 2, without friction
@@ -46,7 +46,7 @@ def asked(name, check, **fields):
 
 
 def solved(question):
-    return finish([question], execute(runs_of([question])))
+    return finish([question], run_here(runs_of([question])))
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,10 @@ import pytest
 from tests.broken_backends import BACKENDS, UNUSABLE, plant
 from tests.processes import alive, hear_ctrl_c, marked, wait_for
 from verification.campaigns.comparison import plan
-from verification.perform.processes import execute
+from verification.perform.processes import run_in_processes
 from verification.store.results import load_results
 from verification.store.store import NAME
-from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
+from verification.verdicts.words import FAIL, PASS, SKIPPED
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 ROOT = Path(__file__).parents[2]
@@ -61,7 +61,7 @@ def compared(tmp_path_factory):
                 for run in plan(["shear-patch:sliding"], [*names, "clarabel"], ["coarse"])
             }
             order = [runs[each] for name in names for each in (name, "clarabel")]
-            outcomes += execute(order, jobs=2, time_limit=limit)
+            outcomes += run_in_processes(order, jobs=2, time_limit=limit)
         # Those that solved end by themselves as soon as nobody can ask them any more.
         wait_for(lambda: not alive(mark), patience=10.0)
         left = alive(mark)

@@ -11,9 +11,9 @@ import lacore as la
 from lacore.state import contact_force
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import catalogue, find
-from verification.perform.one_run import execute
+from verification.perform.one_run import run_here
 from verification.verdicts.allowed import Allowed, allowed_values
-from verification.verdicts.load_factor import NO_REFERENCE, PASS
+from verification.verdicts.words import NO_REFERENCE, PASS
 from verification.verify import answer, ask, finish, runs_of
 
 CASES = list(catalogue().values())
@@ -102,7 +102,7 @@ def test_meshes_have_their_sizes(case):
 
 
 def checked(questions):
-    return finish(questions, execute(runs_of(questions)))
+    return finish(questions, run_here(runs_of(questions)))
 
 
 COARSE = ask(backends=["clarabel"], meshes=["coarse"])

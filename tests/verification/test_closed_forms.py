@@ -6,9 +6,9 @@ import pytest
 import lacore as la
 from verification.case import Variant
 from verification.catalogue.catalogue import catalogue
-from verification.perform.one_run import execute
+from verification.perform.one_run import run_here
 from verification.runs.run import Run
-from verification.verdicts.load_factor import PASS
+from verification.verdicts.words import PASS
 
 BLOCK = {"W": (0.2, 5.0), "b": (0.5, 5.0), "h": (0.3, 3.0)}
 FRAME = {"Mp": (0.2, 5.0), "h": (0.5, 4.0), "L": (1.0, 8.0)}
@@ -102,7 +102,7 @@ def wrong_ones(case_id, ranges, backend, coupling, count=MANY):
     ]
     return [
         f"{outcome.run.variant.parameters}: {outcome.row.why}"
-        for outcome in execute(runs)
+        for outcome in run_here(runs)
         if outcome.row.verdict != PASS
     ]
 

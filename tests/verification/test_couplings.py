@@ -9,15 +9,16 @@ import pytest
 
 import lacore as la
 from tests.shares import one_in
+from verification.analysis import couplings
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
 from verification.cases.shared.assemblies import ASSEMBLIES, FRICTIONS
 from verification.catalogue.catalogue import catalogue, find
 from verification.defaults import RAW
-from verification.perform.processes import execute
+from verification.perform.processes import run_in_processes
+from verification.store.results import as_table
 from verification.store.store import NAME
-from verification.verdicts.efforts import efforts
-from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 CLAIMS = {
     la.Status.LOCKED: np.inf,
@@ -62,13 +63,17 @@ def test_assembly_is_certified(name):
     assert max(state.certificate.gap, state.certificate.worst[1]) <= 1e-6
 
 
+def counts(outcomes):
+    return list(couplings(as_table(outcome.record() for outcome in outcomes)).itertuples())
+
+
 @pytest.mark.slow
 def test_structured_sweep_is_certified(tmp_path):
     """Every finite case, to the bar of the issue: gap 1e-6, median of 5 inner solves."""
     outcomes = run_all(
         plan(["structured-sweep"], ["clarabel"], couplings=["certified", *RAW]),
         tmp_path / NAME,
-        executor=partial(execute, jobs=2),
+        executor=partial(run_in_processes, jobs=2),
     )
     assert len(outcomes) == len(ASSEMBLIES) * len(FRICTIONS) * (1 + len(RAW))
     failed = [outcome.row for outcome in outcomes if outcome.row.verdict == FAIL]
@@ -76,7 +81,7 @@ def test_structured_sweep_is_certified(tmp_path):
     # mu = 0.6, the loop of the paper stops at a gap of 1e-6 with alpha 7e-6 off.
     assert {row.coupling for row in failed} <= set(RAW)
     assert max((abs(row.error) for row in failed), default=0.0) <= 1e-5
-    by_name = {effort.coupling: effort for effort in efforts(outcomes)}
+    by_name = {counted.coupling: counted for counted in counts(outcomes)}
     certified = by_name["certified"]
     assert certified.solved == certified.cases >= 90
     assert certified.median <= 5
@@ -97,7 +102,7 @@ def test_couplings_are_planned_and_counted(tmp_path):
     assert found["clarabel", "associated"].load_factor == pytest.approx(1.475664, rel=1e-6)
     assert found["newton", "certified"].verdict == SKIPPED
     assert "exact" in found["newton", "certified"].why
-    counted = {(e.backend, e.coupling): e for e in efforts(outcomes)}
+    counted = {(one.backend, one.coupling): one for one in counts(outcomes)}
     assert ("newton", "certified") not in counted
     one = counted["clarabel", "certified"]
     assert (one.solved, one.cases) == (1, 1)
@@ -109,8 +114,8 @@ def test_a_loop_without_an_end_is_no_failure_unless_it_is_the_default(tmp_path):
     shift, certified = run_all(runs, tmp_path / NAME)
     assert shift.row.verdict == NO_RESULT
     assert (certified.row.verdict, certified.row.status) == (PASS, "jam")
-    (effort, _) = efforts([shift, certified])
-    assert (effort.cases, effort.solved, effort.failed) == (0, 0, 0)
+    (counted, _) = counts([shift, certified])
+    assert (counted.cases, counted.solved, counted.failed) == (0, 0, 0)
 
 
 def test_a_wall_may_carry_what_is_not_listed():

@@ -103,7 +103,7 @@ def children(cluster):
 def test_progress_knows_what_is_running(cluster):
     runs = plan(["deformable-block"], ["mu=0.2,0.4"], ["clarabel"], ["coarse"])
     begun = []
-    outcomes = list(dask_execution.execute(runs, client=cluster, on_start=begun.append))
+    outcomes = list(dask_execution.run_on_cluster(runs, client=cluster, on_start=begun.append))
     assert len(outcomes) == 2
     wait_for(lambda: len(begun) == 2)
     assert {run.key for run in begun} == {run.key for run in runs}
@@ -118,7 +118,7 @@ def test_time_limit_holds_and_bad_rows_cost_themselves_only(cluster, tmp_path, m
     )
     begin = time.monotonic()
     outcomes = list(
-        dask_execution.execute(runs, client=cluster, folders=[tmp_path], time_limit=4.0)
+        dask_execution.run_on_cluster(runs, client=cluster, folders=[tmp_path], time_limit=4.0)
     )
     # Two that hang 6 s each (limit and grace), four that take a fraction of a second, or of the
     # limit on a busy machine, and processes to start.
@@ -161,7 +161,7 @@ def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path):
 
     outcomes = run_all(
         runs, tmp_path / NAME, on_finish=kill_one,
-        executor=partial(dask_execution.execute, client=cluster),
+        executor=partial(dask_execution.run_on_cluster, client=cluster),
     )  # fmt: skip
     assert killed
     assert [outcome.run.key for outcome in outcomes] == [run.key for run in runs]
@@ -177,7 +177,7 @@ def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
     runs = plan(["shear-patch:sliding"], ["p0=0.3:0.4:6"], ["Sleeps"], ["coarse"])
     quick = plan(["shear-patch:sliding"], ["p0=0.3"], ["clarabel"], ["coarse"])
-    outcomes = dask_execution.execute(quick + runs, client=cluster, folders=[tmp_path])
+    outcomes = dask_execution.run_on_cluster(quick + runs, client=cluster, folders=[tmp_path])
     next(outcomes)
     outcomes.close()
     wait_for(lambda: not children(cluster))

@@ -18,7 +18,7 @@ from verification.fuzz.drawn.recipe import as_text, build
 from verification.fuzz.examine import examine
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.load_factor import FAIL, PASS
+from verification.verdicts.words import FAIL, PASS
 
 FEW, MANY = 4, 34  # of each class, 36 and 300 of all: fast ones, and with the slow ones
 KINDS = list(CLASSES)

@@ -13,21 +13,14 @@ from verification.campaigns.run_all import run_all
 from verification.case import Band, Reference, Variant
 from verification.catalogue.catalogue import find
 from verification.defaults import ON_DEMAND
-from verification.perform.one_run import execute, lost
+from verification.perform.one_run import lost, run_here
 from verification.runs.outcome import NO_EVIDENCE
 from verification.runs.run import Run
 from verification.store.results import load_results
 from verification.store.store import NAME
-from verification.verdicts.load_factor import (
-    FAIL,
-    NO_REFERENCE,
-    NO_RESULT,
-    PASS,
-    SKIPPED,
-    judge,
-    refutation,
-)
+from verification.verdicts.limit_state import judge, refutation
 from verification.verdicts.tally import tally
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 NEXT_TO_NOTHING = Band(1e-5, 1e-5, "")
@@ -163,7 +156,7 @@ def test_only_exact_backends_must_answer():
 
 def test_a_regularised_backend_that_gives_up_is_no_failure():
     (run,) = plan(["shear-patch:yielding"], ["slsqp"], ["coarse"])
-    (outcome,) = execute([replace(run, options={"max_iterations": 1})])
+    (outcome,) = run_here([replace(run, options={"max_iterations": 1})])
     assert outcome.row.status == la.Status.ITERATION_LIMIT.label
     assert isnan(outcome.row.load_factor)
     assert outcome.row.verdict == NO_RESULT
@@ -202,7 +195,7 @@ def test_rows_are_on_disk_as_they_finish(tmp_path):
 def test_upper_bound_is_filled_only_where_rigor_says_so():
     case, variants = find("prandtl-punch")
     runs = [Run(case, variant, "coarse", "clarabel") for variant in variants]
-    for outcome in execute(runs):
+    for outcome in run_here(runs):
         assert outcome.row.upper == outcome.row.load_factor
         assert outcome.row.record()["lower"] != outcome.row.record()["lower"]  # NaN
 
@@ -217,7 +210,7 @@ def test_a_backend_that_breaks_is_a_failed_row_and_the_run_goes_on(monkeypatch):
 
     monkeypatch.setattr(harness.la, "solve", breaks)
     runs = [Run(CASE, VARIANT, "coarse", name) for name in ("broken", "clarabel")]
-    first, second = execute(runs)
+    first, second = run_here(runs)
     assert (first.row.status, first.row.verdict) == ("failed", FAIL)
     assert first.row.message == "ZeroDivisionError: planted"
     assert second.row.verdict == PASS
@@ -228,7 +221,7 @@ def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
         raise la.CapabilityError("too big: take a coarser mesh")
 
     monkeypatch.setattr(harness.la, "solve", cannot)
-    outcomes = list(execute([Run(CASE, VARIANT, "coarse", "small")]))
+    outcomes = list(run_here([Run(CASE, VARIANT, "coarse", "small")]))
     assert outcomes[0].row.verdict == SKIPPED
     assert outcomes[0].row.message == "too big: take a coarser mesh"
     assert tally(outcomes).skipped == 1
@@ -239,7 +232,7 @@ def test_a_case_that_does_not_build_is_a_failed_row():
         raise la.InputError("mesh", None, "planted", "mend it")
 
     runs = [Run(replace(CASE, build=build), VARIANT, "coarse", "clarabel")]
-    (outcome,) = execute(runs)
+    (outcome,) = run_here(runs)
     assert (outcome.row.verdict, outcome.evidence) == (FAIL, NO_EVIDENCE)
 
 
@@ -250,7 +243,7 @@ def test_backends_share_the_discretisation(monkeypatch):
         harness.la, "discretise", lambda problem: calls.append(1) or discretise(problem)
     )
     runs = [Run(CASE, VARIANT, "coarse", "clarabel")] * 2
-    first, second = execute(runs)
+    first, second = run_here(runs)
     assert len(calls) == 1
     assert first.row.build_time == second.row.build_time > 0
 
@@ -275,7 +268,7 @@ def test_default_plan_has_every_case_and_backend():
 
 def test_a_variant_that_no_table_lists_has_nothing_to_be_compared_with():
     case, (listed,) = find("wall-1")
-    (outcome,) = execute([Run(case, Variant("mu-0.5", {"mu": 0.5}), "blocks", "clarabel")])
+    (outcome,) = run_here([Run(case, Variant("mu-0.5", {"mu": 0.5}), "blocks", "clarabel")])
     assert (outcome.row.verdict, outcome.row.expected) == (NO_REFERENCE, "unknown")
     assert 0 < outcome.row.load_factor < 0.642859  # that of more friction
     with pytest.raises(LookupError):  # a variant of the case is to be in its table

@@ -9,7 +9,7 @@ import pytest
 
 import lacore as la
 from verification import conformance
-from verification.analysis import rates
+from verification.analysis import couplings, rates
 from verification.campaigns.comparison import plan
 from verification.case import UNKNOWN_KINDS, Band, Order, Reference
 from verification.case.bracketing import Bracketing
@@ -18,20 +18,21 @@ from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.checks import check
 from verification.conformance.judge import measured
 from verification.evidence.bracket import Shares, packed_shares
-from verification.evidence.state import Proof
-from verification.perform.one_run import execute
+from verification.evidence.limit_state import Proof
+from verification.perform.one_run import run_here
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
+from verification.store.results import as_table
 from verification.verdicts.allowed import Allowed
 from verification.verdicts.bracket import STRICT, judge_bracket
-from verification.verdicts.efforts import efforts
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, PASS, judge
+from verification.verdicts.limit_state import judge
 from verification.verdicts.path import judge_path, largest_error
 from verification.verdicts.tally import tally
+from verification.verdicts.words import FAIL, NO_REFERENCE, PASS
 from verification.verify import answer, ask, finish
-from verification.verify.brackets import gap
+from verification.verify.bracket import gap
+from verification.verify.limit_state import lambda_below_exact, upper_from_above, value
 from verification.verify.residuals import residuals
-from verification.verify.values import lambda_below_exact, upper_from_above, value
 
 CASE, (VARIANT,) = find("shear-patch:yielding")
 KNOWN = Reference(0.6, "f", "s", "exact")
@@ -60,7 +61,7 @@ def state():
 def solved():
     """An outcome of the case with its run."""
     (run,) = plan(["shear-patch:yielding"], ["clarabel"], ["coarse"], ["certified"])
-    (outcome,) = execute([run])
+    (outcome,) = run_here([run])
     assert outcome.row.verdict == PASS
     return outcome
 
@@ -96,7 +97,7 @@ def test_a_nan_reference_passes_no_check():
     questions = ask([], ["clarabel"], ["coarse"], Catalogue({CASE.id: case}, {CASE.id: "test"}))
     questions = [one for one in questions if one.variant.name == VARIANT.name]
     asked = [one for one in questions if one.check in ("value", "side")]
-    outcomes = execute({run.key: run for one in asked for run in one.runs}.values())
+    outcomes = run_here({run.key: run for one in asked for run in one.runs}.values())
     finished = finish(asked, outcomes)
     assert asked
     assert {answer(one, finished).verdict for one in asked} == {FAIL}
@@ -110,7 +111,7 @@ def test_what_is_unknown_has_a_verdict_of_its_own(solved, kind):
 
     found = value([with_case(solved, reference=unknown)], unknown())
     assert found.verdict == NO_REFERENCE
-    (outcome,) = execute([with_case(solved, reference=unknown).run])
+    (outcome,) = run_here([with_case(solved, reference=unknown).run])
     assert outcome.row.verdict == NO_REFERENCE
     count = tally([outcome])
     assert (count.passed, count.failed, count.no_reference) == (0, 0, 1)
@@ -350,7 +351,7 @@ def test_the_largest_error_of_a_path_drops_no_load():
 
 def test_of_no_runs_there_is_nothing_to_pass(solved):
     assert tally([]).text == "0 pass, 0 FAIL, 0 skipped"
-    assert efforts([]) == []
+    assert len(couplings(as_table([]))) == 0
     assert value([], KNOWN).verdict != PASS
     assert upper_from_above([], KNOWN).verdict != PASS
     assert lambda_below_exact([], {}).verdict != PASS

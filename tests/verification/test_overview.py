@@ -17,7 +17,7 @@ from verification.defaults import DENSE, ON_DEMAND
 from verification.perform.one_run import lost
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS
+from verification.verdicts.words import FAIL, NO_RESULT, PASS
 
 FIRST = overview()
 DEFAULT = [case for case in catalogue().values() if not case.on_demand]

@@ -18,14 +18,14 @@ from verification.case.following import Following
 from verification.cases.shared.exact_paths import cylinder, peak, pressure
 from verification.catalogue.catalogue import find
 from verification.catalogue.checks import check
-from verification.perform.one_run import execute
+from verification.perform.one_run import run_here
 from verification.report.blocks import Gallery
-from verification.report.convergence import steps_section
 from verification.report.page import compared, results_frame
-from verification.report.paths import path_chart
+from verification.report.path import path_chart
+from verification.report.studies.convergence import steps_section
 from verification.runs.row import Row
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS
 from verification.verdicts.path import judge_path
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 LAWS = {
     "perfect": Perfect(1.0),
@@ -75,13 +75,13 @@ def ran(name: str, **settings: object) -> Row:
     """The row of a variant with clarabel."""
     (asked,) = plan([name], ["clarabel"], ["coarse"])
     parameters = {**asked.variant.parameters, **settings}
-    (outcome,) = execute([replace(asked, variant=replace(asked.variant, parameters=parameters))])
+    (outcome,) = run_here([replace(asked, variant=replace(asked.variant, parameters=parameters))])
     return outcome.row
 
 
 def test_a_path_leaves_its_worst_error_its_end_and_its_history() -> None:
     (run,) = plan(["hardening-cylinder:perfect"], ["clarabel"])
-    (outcome,) = execute([run])
+    (outcome,) = run_here([run])
     row, history = outcome.row, outcome.evidence.history
     assert (row.verdict, row.ending, row.rigor) == (PASS, "reached", "discrete")
     assert len(history) == 20
@@ -93,7 +93,7 @@ def test_a_path_leaves_its_worst_error_its_end_and_its_history() -> None:
 
 def test_a_path_that_ends_otherwise_fails_by_name() -> None:
     (run,) = plan(["punch-indentation:perfect-rough"], ["clarabel"])
-    (outcome,) = execute([run])
+    (outcome,) = run_here([run])
     stated = run.case.following_of(run.variant)
     reference, band = run.case.reference_of(run.variant), run.case.band_of(run.variant, 32)
     assert outcome.row.verdict == NO_REFERENCE
@@ -107,7 +107,7 @@ def test_a_path_that_ends_otherwise_fails_by_name() -> None:
 
 def test_what_is_wrong_with_a_path_is_said() -> None:
     (run,) = plan(["upsetting:smooth-voce"], ["clarabel"])
-    (outcome,) = execute([run])
+    (outcome,) = run_here([run])
     stated = run.case.following_of(run.variant)
     reference, band = run.case.reference_of(run.variant), run.case.band_of(run.variant, 32)
     for planted, word in (
@@ -153,7 +153,7 @@ def test_a_sweep_refuses_steps_that_there_are_not(axis: str, said: str) -> None:
 @pytest.mark.slow
 def test_orders_of_a_sweep_are_those_of_the_schemes() -> None:
     runs = sweep(["hardening-cylinder:perfect"], ["steps=5,7,10", "scheme=leapfrog,explicit"])
-    results = results_frame([*execute(run for run in runs if run.backend == "clarabel")])
+    results = results_frame([*run_here(run for run in runs if run.backend == "clarabel")])
     fits = step_orders(results).set_index("param_scheme")
     assert fits["expected"].to_dict() == {"leapfrog": 2.0, "explicit": 1.0}
     assert np.abs(fits["order"] - fits["expected"]).max() <= 0.2  # 5 steps are few
@@ -164,7 +164,7 @@ def test_orders_of_a_sweep_are_those_of_the_schemes() -> None:
 
 
 def test_the_page_of_a_path_shows_its_loads_on_the_exact_ones() -> None:
-    outcomes = [*execute(plan(["tension:linear-1"], ["clarabel"]))]
+    outcomes = [*run_here(plan(["tension:linear-1"], ["clarabel"]))]
     case = outcomes[0].run.case
     drawing = path_chart(case, outcomes)
     assert drawing is not None

@@ -10,9 +10,9 @@ import pytest
 from lacore.arrays import Floats
 from verification.campaigns.comparison import plan
 from verification.case import SOLVER
-from verification.perform.one_run import execute
+from verification.perform.one_run import run_here
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL, PASS
+from verification.verdicts.words import FAIL, PASS
 from verification.verify.answers import answer, finish
 from verification.verify.finding import Finding
 from verification.verify.questions import ask
@@ -22,7 +22,7 @@ CASES = ["tension:linear-1", "upsetting:mu-0.1"]  # a load factor; a force, with
 
 @pytest.fixture(scope="module", params=CASES)
 def ran(request: pytest.FixtureRequest) -> Outcome:
-    (outcome,) = execute(plan([request.param], ["clarabel"], ["coarse"]))
+    (outcome,) = run_here(plan([request.param], ["clarabel"], ["coarse"]))
     return outcome
 
 

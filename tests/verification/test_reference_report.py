@@ -9,7 +9,7 @@ import pytest
 
 from tests.conftest import ROOT
 from verification.campaigns.run_all import run_all
-from verification.perform.processes import execute
+from verification.perform.processes import run_in_processes
 from verification.report.blocks import Picture
 from verification.report.files import file_names, write
 from verification.store.provenance import describe
@@ -33,7 +33,7 @@ def script():
 
 
 def test_its_numbers_are_found_again(script, tmp_path):
-    run_all(script.runs(), tmp_path / NAME, executor=partial(execute, jobs=2))
+    run_all(script.runs(), tmp_path / NAME, executor=partial(run_in_processes, jobs=2))
     new, old = (load_results(place).set_index("run").sort_index() for place in (tmp_path, REPORT))
     assert list(new.index) == list(old.index), "make reference"
     pd.testing.assert_frame_equal(new[SAME], old[SAME])

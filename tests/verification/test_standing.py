@@ -10,9 +10,9 @@ from rich.console import Console
 from verification.campaigns.comparison import plan
 from verification.catalogue.catalogue import catalogue
 from verification.commands.tables import show_results
-from verification.perform.one_run import execute
+from verification.perform.one_run import run_here
+from verification.report.limit_state import results_table
 from verification.report.page import results_frame
-from verification.report.tables import results_table
 from verification.store.results import as_table
 
 HELD = "block-incline-vertical:rough-pulled"
@@ -22,7 +22,7 @@ STANDS = "block-incline:up-mu-0.5"
 @cache
 def outcomes(backend="clarabel"):
     names = [HELD, STANDS, "block-incline-vertical:slippery-pulled"]
-    return tuple(execute(plan(names, [backend], couplings=["certified"], known=catalogue())))
+    return tuple(run_here(plan(names, [backend], couplings=["certified"], known=catalogue())))
 
 
 def by_variant(found):
@@ -65,5 +65,5 @@ def test_the_terminal_names_what_does_not_stand():
 
 
 def test_regularised_backends_leave_it_to_exact_ones():
-    (outcome,) = execute(plan([STANDS], ["newton"], known=catalogue()))
+    (outcome,) = run_here(plan([STANDS], ["newton"], known=catalogue()))
     assert outcome.row.standing == ""

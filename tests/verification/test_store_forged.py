@@ -20,7 +20,7 @@ from verification.campaigns.run_all import run_all
 from verification.campaigns.sweep import plan
 from verification.case import Variant
 from verification.catalogue.plugins import gather
-from verification.evidence.state import packed, unpacked
+from verification.evidence.limit_state import packed, unpacked
 from verification.runs.run import canonical
 from verification.store.results import load_outcomes, load_results
 from verification.store.store import _COLUMNS, NAME, SCHEMA, Store, _checksum, entries, sessions

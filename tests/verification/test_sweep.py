@@ -11,7 +11,7 @@ import verification.commands.cli as cli
 from verification.campaigns.sweep import plan
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue, find
-from verification.perform.processes import execute
+from verification.perform.processes import run_in_processes
 from verification.store.results import load_results
 from verification.store.store import NAME
 
@@ -161,7 +161,7 @@ def test_resume_is_the_default(swept, monkeypatch):
         assert not runs
         yield from ()
 
-    monkeypatch.setattr("verification.perform.processes.execute", nobody)
+    monkeypatch.setattr("verification.perform.processes.run_in_processes", nobody)
     result = command(*words, "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -173,11 +173,11 @@ def test_resume_is_the_default(swept, monkeypatch):
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
     def interrupted(runs, jobs, **more):
-        finished = execute(runs[:2], jobs, **more)
+        finished = run_in_processes(runs[:2], jobs, **more)
         yield from finished
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("verification.perform.processes.execute", interrupted)
+    monkeypatch.setattr("verification.perform.processes.run_in_processes", interrupted)
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130

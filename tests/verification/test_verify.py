@@ -19,10 +19,10 @@ from tests.conftest import ROOT
 from verification.case import Band, Reference
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.commands.cli import main
-from verification.evidence.state import packed, unpacked
-from verification.perform.one_run import execute
+from verification.evidence.limit_state import packed, unpacked
+from verification.perform.one_run import run_here
 from verification.store.store import _checksum
-from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
+from verification.verdicts.words import FAIL, PASS, SKIPPED
 from verification.verify import Finished, answer, as_table, ask, finish, runs_of, tally
 
 PATCH = find("shear-patch:yielding")[0]
@@ -37,7 +37,7 @@ def run(*arguments):
 
 
 def checked(questions):
-    return finish(questions, execute(runs_of(questions)))
+    return finish(questions, run_here(runs_of(questions)))
 
 
 def only(questions, check):

@@ -3,6 +3,7 @@
 All of it takes the frame of `load_results`, one row a finished run.
 """
 
+from verification.analysis.couplings import couplings
 from verification.analysis.effort import costs_of_accuracy, efforts
 from verification.analysis.exact import with_exact
 from verification.analysis.extrapolation import (
@@ -39,6 +40,7 @@ __all__ = [
     "budget_profile",
     "costs",
     "costs_of_accuracy",
+    "couplings",
     "data_profile",
     "efforts",
     "fit_slope",

@@ -9,7 +9,7 @@ import pandas as pd
 from lacore.arrays import Floats
 from lacore.errors import require_positive
 from verification.analysis.columns import SOLVED, groups, numbers, require_columns, says, table
-from verification.verdicts.load_factor import SKIPPED
+from verification.verdicts.words import SKIPPED
 
 BY = ("case", "variant", "backend", "coupling")
 LEVELS = (1e-2, 1e-3, 1e-4)  # relative errors: 1 %, 0.1 %, 0.01 %

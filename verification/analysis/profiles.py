@@ -25,7 +25,7 @@ from verification.analysis.columns import (
     table,
     truths,
 )
-from verification.verdicts.load_factor import NO_REFERENCE, PASS, SKIPPED
+from verification.verdicts.words import NO_REFERENCE, PASS, SKIPPED
 
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {

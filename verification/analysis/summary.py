@@ -19,14 +19,8 @@ from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.verdicts.allowed import allowed_values
 from verification.verdicts.bracket import STRICT
-from verification.verdicts.load_factor import (
-    FAIL,
-    FINDS_NONE,
-    NO_REFERENCE,
-    NO_RESULT,
-    PASS,
-    SKIPPED,
-)
+from verification.verdicts.limit_state import FINDS_NONE
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 CONTINUUM, DISCRETE = "continuum", "discrete"
 _SOLVED = la.Status.SOLVED.label

@@ -13,7 +13,7 @@ from verification.fuzz.run import LOAD, UNKNOWN
 from verification.perform.processes import Executor
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
-from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 _MOST_CUT = 20
 """Wrong ones that are cut down, one of each class and check first: a campaign ends."""

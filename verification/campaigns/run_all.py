@@ -5,7 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 from verification.defaults import TIME_LIMIT
-from verification.perform.processes import Executor, execute
+from verification.perform.processes import Executor, run_in_processes
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import code_of, describe
@@ -17,7 +17,7 @@ def run_all(
     path: Path,
     on_start: Callable[[Run], None] = lambda _: None,
     on_finish: Callable[[Outcome], None] = lambda _: None,
-    executor: Executor = execute,
+    executor: Executor = run_in_processes,
     time_limit: float = TIME_LIMIT,
     fresh: bool = False,
 ) -> list[Outcome]:

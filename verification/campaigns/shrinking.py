@@ -14,7 +14,7 @@ from verification.perform.processes import Executor
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
-from verification.verdicts.load_factor import FAIL
+from verification.verdicts.words import FAIL
 
 _ROUNDS = 30
 _DIGITS = (1, 2)

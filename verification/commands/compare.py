@@ -99,15 +99,15 @@ def compare(
       lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
-    from verification import progress
+    from verification import analysis, progress
     from verification.campaigns import comparison, overview
     from verification.campaigns.run_all import run_all
-    from verification.perform.processes import execute
+    from verification.commands import tables
+    from verification.perform.processes import run_in_processes
     from verification.report.reporting import write_report
     from verification.store.provenance import describe
     from verification.store.results import as_table, export
     from verification.store.store import NAME
-    from verification.verdicts.efforts import efforts
     from verification.verdicts.tally import tally
 
     require_positive("--time-limit", time_limit)
@@ -125,11 +125,12 @@ def compare(
             out / NAME,
             watch.start,
             watch.finish,
-            partial(execute, jobs=jobs),
+            partial(run_in_processes, jobs=jobs),
             time_limit,
             fresh,
         )
-    export(as_table(outcome.record() for outcome in outcomes), out / "results.csv")
+    results = as_table(outcome.record() for outcome in outcomes)
+    export(results, out / "results.csv")
     about = describe()
     page = write_report(outcomes, about, out)
     count = tally(outcomes)
@@ -137,7 +138,7 @@ def compare(
         rows = [outcome.row.record() for outcome in outcomes]
         document = {
             "summary": vars(count),
-            "couplings": [vars(effort) for effort in efforts(outcomes)],
+            "couplings": analysis.couplings(results).to_dict("records"),
             "report": str(page),
             "machine": about,
             "rows": rows,
@@ -146,15 +147,17 @@ def compare(
     else:
         places = {"Report": page, "Results": out / "results.csv"}
         after = f"{'' if full else '--full prints every run; '}{_after(cases, first_look)}"
-        _show(outcomes, full, bool(couplings))
+        _show(outcomes, full)
+        if couplings:
+            tables.show_couplings(tables.table_console(), analysis.couplings(results))
         _show_end(count.text, places, after)
     if not count.passed:
         click.echo("nothing was verified: no run passed", err=True)
     ctx.exit(0 if count.passed and not count.failed else 1)
 
 
-def _show(outcomes: Sequence[Outcome], full: bool, couplings: bool) -> None:
-    """Every run, or a line a case; and couplings, where they were asked for."""
+def _show(outcomes: Sequence[Outcome], full: bool) -> None:
+    """Every run, or a line a case."""
     from verification.analysis.summary import summaries
     from verification.commands import screen, tables
 
@@ -163,8 +166,6 @@ def _show(outcomes: Sequence[Outcome], full: bool, couplings: bool) -> None:
         tables.show_results(console, outcomes)
     else:
         screen.show_overview(console, summaries(outcomes))
-    if couplings:
-        tables.show_efforts(console, outcomes)
 
 
 def _show_end(count: str, places: Mapping[str, Path], after: str) -> None:

@@ -22,7 +22,7 @@ from verification.commands.options import (
 )
 from verification.fuzz.drawn.cases import kind_of, known_kinds, runs_of
 from verification.perform.executors import dask_options, executor_of, require_one_place
-from verification.verdicts.load_factor import FAIL
+from verification.verdicts.words import FAIL
 
 if TYPE_CHECKING:
     from verification.campaigns.fuzzing import Tally

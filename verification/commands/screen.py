@@ -9,7 +9,7 @@ from rich.console import Console
 from verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from verification.case import SOLVER
 from verification.commands.tables import print_line
-from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 LINES = 60
 """That an answer takes at most."""

@@ -26,7 +26,7 @@ from verification.commands.options import (
 )
 from verification.defaults import ON_DEMAND, RAW
 from verification.perform.executors import dask_options, executor_of, require_one_place
-from verification.verdicts.load_factor import FAIL
+from verification.verdicts.words import FAIL
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
@@ -11,8 +11,10 @@ from rich.table import Table
 import lacore as la
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.efforts import efforts
-from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
+from verification.verdicts.words import FAIL, PASS, SKIPPED
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _STYLES = {PASS: "", FAIL: "bold red"}
 _WIDTH = 120
@@ -156,15 +158,15 @@ def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> 
         print_line(console, line(*cells), "dim" if record["reason"] else "")
 
 
-def show_efforts(console: Console, outcomes: Sequence[Outcome]) -> None:
+def show_couplings(console: Console, couplings: "pd.DataFrame") -> None:
     """How each coupling fared: how many runs it certified, and with how many inner solves."""
     line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format
     print_line(console, "\ncouplings, where a load factor exists", "cyan")
     print_line(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
-    for effort in efforts(outcomes):
-        shares = f"{effort.solved}/{effort.cases}"
-        solves = (_number(effort.median, "g"), _number(effort.most, "g"))
-        print_line(console, line(effort.coupling, effort.backend, shares, *solves, effort.failed))
+    for own in couplings.to_dict("records"):
+        shares = f"{own['solved']}/{own['cases']}"
+        solves = (_number(own["median"], "g"), _number(own["most"], "g"))
+        print_line(console, line(own["coupling"], own["backend"], shares, *solves, own["failed"]))
 
 
 _HEAD = (

@@ -79,7 +79,7 @@ def verify(
     from verification import progress
     from verification.campaigns.run_all import run_all
     from verification.commands import screen, tables, verify_tables
-    from verification.perform.processes import execute
+    from verification.perform.processes import run_in_processes
     from verification.store.provenance import describe
     from verification.store.results import export
     from verification.store.store import NAME
@@ -94,7 +94,7 @@ def verify(
             out / NAME,
             watch.start,
             watch.finish,
-            partial(execute, jobs=jobs),
+            partial(run_in_processes, jobs=jobs),
             time_limit,
             fresh,
         )

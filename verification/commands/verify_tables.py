@@ -9,7 +9,7 @@ from verification.analysis.summary import Shortfall
 from verification.campaigns.comparison import is_regularised
 from verification.commands.screen import show_shortfalls
 from verification.commands.tables import print_line
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify.finding import Finding
 
 _VALUES = ("value", "path")

@@ -16,7 +16,7 @@ from lacore.paths.control import gauge_of
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.path import Snapshot
 from lacore.paths.stage import staged
-from verification.evidence.state import Proof, packed, recheck, restored_on, unpacked
+from verification.evidence.limit_state import Proof, packed, recheck, restored_on, unpacked
 from verification.runs.outcome import Evidence
 from verification.runs.row import Row
 from verification.runs.run import Run

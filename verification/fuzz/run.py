@@ -11,7 +11,7 @@ from verification.fuzz.examine import Judgement, examine
 from verification.runs.outcome import NO_EVIDENCE, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
-from verification.verdicts.load_factor import FAIL, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 LOAD, NO_LOAD, UNKNOWN = "a load", "no load", "unknown"
 _RIGHT = (la.Status.SOLVED, la.Status.LOCKED, la.Status.UNSAFE, la.Status.FREE)

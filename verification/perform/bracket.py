@@ -14,13 +14,13 @@ from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
 from verification.case.bracketing import Bracketing
 from verification.evidence.bracket import Shares, packed_shares
-from verification.evidence.state import records
+from verification.evidence.limit_state import records
 from verification.perform.irregular import irregular
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
+from verification.verdicts.allowed import about
 from verification.verdicts.bracket import STRICT, between, judge_bracket
-from verification.verdicts.load_factor import about
 
 _LIMIT = 600.0  # s, where none is given
 _PART = 0.8  # of the time limit; what follows the bracket takes the rest

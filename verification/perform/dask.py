@@ -68,8 +68,8 @@ class Children(WorkerPlugin):
             for child in self._idle:
                 child.close()
 
-    def perform(self, run: Run, time_limit: float) -> Outcome:
-        """A run, in a process that has nothing else to do."""
+    def in_idle_process(self, run: Run, time_limit: float) -> Outcome:
+        """Outcome of a run, in a process that has nothing else to do."""
         with self._lock:
             child = self._idle.pop() if self._idle else RunProcess()
             if child not in self._all:
@@ -83,7 +83,7 @@ class Children(WorkerPlugin):
                 self._idle.append(child)
 
 
-def perform(
+def on_worker(
     name: str, index: int, pickled: bytes, time_limit: float, code: str
 ) -> tuple[Row, Evidence]:
     """A run, on a worker.
@@ -107,11 +107,13 @@ def perform(
             "install the same everywhere: rows say which code they are from",
         )
     worker.log_event(name, index)
-    outcome = cast(Children, worker.plugins[name]).perform(pickle.loads(pickled), time_limit)
+    outcome = cast(Children, worker.plugins[name]).in_idle_process(
+        pickle.loads(pickled), time_limit
+    )
     return outcome.row, outcome.evidence
 
 
-def execute(
+def run_on_cluster(
     runs: Sequence[Run],
     client: Client,
     folders: Iterable[Path] = (),
@@ -135,7 +137,7 @@ def execute(
     client.subscribe_topic(name, lambda event: on_start(runs[event[1]]))
     futures = {
         client.submit(
-            perform, name, index, pickle.dumps(run), time_limit, code_version(), pure=False
+            on_worker, name, index, pickle.dumps(run), time_limit, code_version(), pure=False
         ): run
         for index, run in enumerate(runs)
     }

@@ -50,9 +50,9 @@ def executor_of(
         InputError: Dask is not installed, or the scheduler cannot be used.
     """
     if not on_dask and scheduler is None:
-        from verification.perform.processes import execute
+        from verification.perform.processes import run_in_processes
 
-        yield partial(execute, jobs=jobs)
+        yield partial(run_in_processes, jobs=jobs)
         return
     try:
         from verification.perform import dask as dask_execution
@@ -68,4 +68,4 @@ def executor_of(
             client = stack.enter_context(dask_execution.connected(scheduler, folders))
         else:
             client = stack.enter_context(dask_execution.local(jobs))
-        yield partial(dask_execution.execute, client=client, folders=folders)
+        yield partial(dask_execution.run_on_cluster, client=client, folders=folders)

@@ -1,33 +1,22 @@
-"""Run one case variant on one mesh with a backend and a coupling, and judge it: one row a run."""
+"""One run, whatever it is of: its problem assembled, its row, and what stands for a lost one."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-import numpy as np
-
 import lacore as la
-from lacore.inner.preparing import JUDGE
 from verification.case.bracketing import BRACKET
-from verification.defaults import RAW
-from verification.evidence.state import evidence_of
 from verification.fuzz.run import run_random
 from verification.perform.bracket import run_bracket
+from verification.perform.limit_state import run_limit_state
 from verification.perform.path import run_path
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
-from verification.verdicts.load_factor import (
-    FAIL,
-    NO_RESULT,
-    SKIPPED,
-    about,
-    distance,
-    judge,
-    refutation,
-)
+from verification.verdicts.allowed import about
+from verification.verdicts.words import FAIL, NO_RESULT, SKIPPED
 
 
 @dataclass(frozen=True)
@@ -48,7 +37,7 @@ def assemble(run: Run) -> Assembled | Exception:
     return Assembled(discretisation, time.perf_counter() - begin)
 
 
-def execute(runs: Iterable[Run], time_limit: float | None = None) -> Iterator[Outcome]:
+def run_here(runs: Iterable[Run], time_limit: float | None = None) -> Iterator[Outcome]:
     """Run one after the other in this process; neighbours share their discretisation.
 
     `time_limit`: s, of each inner solve, as far as its backend keeps it.
@@ -58,10 +47,10 @@ def execute(runs: Iterable[Run], time_limit: float | None = None) -> Iterator[Ou
     for run in runs:
         if run.problem_key != key:
             key, assembled = run.problem_key, assemble(run)
-        yield perform(run, assembled, time_limit)
+        yield outcome_of(run, assembled, time_limit)
 
 
-def perform(
+def outcome_of(
     run: Run,
     assembled: Assembled | Exception,
     time_limit: float | None = None,
@@ -98,15 +87,8 @@ def perform(
             return run_bracket(run, names, discretisation.problem, time_limit, memory)
         if run.case.path is not None:
             return run_path(run, names, discretisation, reference, band, time_limit, memory)
-        coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
-        limit = {} if time_limit is None else {"time_limit": time_limit}
-        state = la.solve(
-            discretisation,
-            backend=run.backend,
-            coupling=coupling,
-            **{**settings, **run.settings},
-            options={**limit, **run.options},
-            process=process,
+        return run_limit_state(
+            run, names, discretisation, reference, band, time_limit, memory, process
         )
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))
@@ -116,17 +98,6 @@ def perform(
         return Outcome(run, _failed(names, error))
     except Exception as error:  # a broken backend must not take the others' results with it
         return Outcome(run, _failed(names, error))
-    names["coupling"] = run.coupling or state.coupling
-    evidence = evidence_of(state)
-    refuted = refutation(_claimed(state), evidence.residuals)
-    verdict, why = judge(state, reference, band, run.insist, refuted)
-    if state.coupling == "associated" and reference.associated is not None:
-        reference = reference.of_associated()
-        names |= about(reference)
-    off = distance(state.load_factor, reference, band)
-    names["peak_memory_mb"] = float(np.fmax(state.peak_memory, memory()))  # of either process
-    names |= _standing(state)
-    return Outcome(run, _row(names, state, off, verdict, why), evidence)
 
 
 def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Outcome:
@@ -134,22 +105,6 @@ def _random(run: Run, names: dict[str, Any], memory: Callable[[], float]) -> Out
         return run_random(run, names, memory)
     except Exception as error:  # of a check: its row says so
         return Outcome(run, _failed(names, error))
-
-
-def _standing(state: la.LimitState) -> dict[str, Any]:
-    """Columns of the stability of a state; the exact ones of a problem speak for all.
-
-    It is a fact of the problem, proven by its residuals: one exact backend asks for all.
-    """
-    if la.find_backend(state.backend).capabilities.regularised:
-        return {}
-    found = replace(state, backend=JUDGE, options={}).stability
-    return {
-        "standing": found.standing.label,
-        "side": found.side,
-        "carried_low": found.low,
-        "carried_high": found.high,
-    }
 
 
 def lost(run: Run, status: la.Status, message: str) -> Outcome:
@@ -178,33 +133,3 @@ def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:
 def _failed(names: dict[str, Any], error: Exception) -> Row:
     message = f"{type(error).__name__}: {error}"
     return Row(**names, status="failed", message=message, verdict=FAIL, why=message)
-
-
-def _row(names: dict[str, Any], state: la.LimitState, error: float, verdict: str, why: str) -> Row:
-    values = state.regularised
-    return Row(
-        **names,
-        load_factor=state.load_factor,
-        error=error,
-        rigor=state.rigor.label,
-        upper=state.load_factor if state.rigor is la.Rigor.UPPER else nan,
-        status=state.status.label,
-        outer_iterations=state.outer_iterations,
-        gap=state.certificate.gap if state.certificate else nan,
-        solve_time=state.solve_time,
-        message=state.message,
-        verdict=verdict,
-        why=why,
-        alpha_reg=values.alpha_reg if values else nan,
-        regularised_lambda=values.load_factor if values else nan,
-        P=values.plastic if values else nan,
-        energy=values.energy if values else nan,
-        contraction=state.contraction,
-        iterations=float(state.history["inner_iterations"].sum()),
-        claimed=_claimed(state),
-    )
-
-
-def _claimed(state: la.LimitState) -> bool:
-    """Whether the solver itself called its last inner solve solved."""
-    return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)

@@ -15,12 +15,12 @@ from lacore.bounds.enclosing import associated
 from lacore.errors import InputError
 from verification.case import Band, Reference
 from verification.case.following import Following
+from verification.evidence.limit_state import records
 from verification.evidence.path import packed_step
-from verification.evidence.state import records
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
-from verification.verdicts.load_factor import distance
+from verification.verdicts.allowed import distance
 from verification.verdicts.path import exact_loads, judge_path, largest_error, worst
 
 _TAKEN = ("tolerance",)  # settings of `lacore.solve` that `lacore.sequential` takes

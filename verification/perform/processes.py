@@ -19,7 +19,7 @@ from lacore.process.child_process import (
 )
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
-from verification.perform.one_run import Assembled, assemble, lost, perform
+from verification.perform.one_run import Assembled, assemble, lost, outcome_of
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
@@ -34,7 +34,7 @@ OnStart = Callable[[Run], None]
 
 
 class Executor(Protocol):
-    """What performs runs: `execute`, or the like on other machines."""
+    """What performs runs: `run_in_processes`, or the like on other machines."""
 
     def __call__(
         self, runs: Sequence[Run], *, time_limit: float, on_start: OnStart
@@ -50,7 +50,7 @@ class Worker:
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
         self._solvers = la.SolverProcess()
 
-    def perform(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
+    def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
         """Row and evidence of a run; `time_limit`: s, of each inner solve."""
         forget_peak_memory()
         own: la.SolverProcess | None = None
@@ -61,7 +61,7 @@ class Worker:
                 own = self._solvers
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
-        outcome = perform(run, self._assembled, time_limit, peak_memory, own)
+        outcome = outcome_of(run, self._assembled, time_limit, peak_memory, own)
         return outcome.row, outcome.evidence
 
 
@@ -76,12 +76,12 @@ class RunProcess(ChildProcess):
         super().__init__(_WORKER, ONE_THREAD)
         self._case: Case | None = None
 
-    def perform(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
-        """As of `Worker`, within `limit` seconds; raises as `ask`."""
+    def ask_for(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
+        """Row and evidence of a run by its `Worker`, within `limit` seconds; raises as `ask`."""
         before, self._case = self._case or run.case, run.case
         if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
             self.close()
-        row, evidence = self.ask(limit, "perform", run, time_limit)
+        row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
 
 
@@ -90,7 +90,7 @@ def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Even
     for tries_left in reversed(range(_ATTEMPTS)):
         try:
             limit = min(time_limit + GRACE, LONGEST)
-            row, evidence = child.perform(run, limit, time_limit)
+            row, evidence = child.ask_for(run, limit, time_limit)
         except LostError as error:
             if error.status is la.Status.TIME_LIMIT or stop.is_set() or not tries_left:
                 return lost(run, error.status, str(error))
@@ -101,7 +101,7 @@ def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Even
     raise AssertionError("each attempt returns, but for the last")
 
 
-def execute(
+def run_in_processes(
     runs: Sequence[Run],
     jobs: int = 1,
     time_limit: float = TIME_LIMIT,

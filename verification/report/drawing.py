@@ -14,13 +14,13 @@ from verification.case import Case, is_of_lacore
 from verification.case.bracketing import BRACKET
 from verification.case.sketches import sketch_of
 from verification.catalogue.checks import said
-from verification.evidence.state import restored
+from verification.evidence.limit_state import restored
 from verification.perform.processes import ONE_THREAD
 from verification.report.blocks import Picture, Text, slug
-from verification.report.brackets import drawn_bracket
+from verification.report.bracket import drawn_bracket
 from verification.report.charts.figures import finest_exact, png
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL
+from verification.verdicts.words import FAIL
 
 MOST = 4
 """Mechanisms of a case, and brackets, that a report of a few cases shows."""

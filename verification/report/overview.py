@@ -14,7 +14,7 @@ from verification.report.description import lead
 from verification.report.drawing import Drawn
 from verification.report.tables import CERTIFICATE, VERDICTS
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL, PASS
+from verification.verdicts.words import FAIL, PASS
 
 _COLUMNS = (
     Column("variant"),

@@ -6,6 +6,7 @@ from math import isfinite
 
 import pandas as pd
 
+from verification.analysis import couplings
 from verification.case import EXACT, SOLVER, Case
 from verification.case.bracketing import BRACKET
 from verification.report import document
@@ -31,26 +32,22 @@ from verification.report.blocks import (
     Tally,
     Text,
 )
-from verification.report.brackets import brackets_table, widths_chart
+from verification.report.bracket import brackets_table, widths_chart
 from verification.report.charts.figures import sweep_chart
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
+from verification.report.limit_state import results_table
 from verification.report.overview import answers, cards, first_picture
-from verification.report.paths import path_chart, paths_table
-from verification.report.studies import solvers, studies
-from verification.report.tables import (
-    RUN,
-    certificates_table,
-    reasons_table,
-    results_table,
-)
+from verification.report.path import path_chart, paths_table
+from verification.report.studies.sections import solvers, studies
+from verification.report.tables import RUN, certificates_table, reasons_table
 from verification.runs.outcome import Outcome
 from verification.store.results import as_table
-from verification.verdicts.efforts import efforts
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, STRONG
+from verification.verdicts.limit_state import STRONG
 from verification.verdicts.tally import Tally as Verdicts
 from verification.verdicts.tally import tally
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT
 
 _SHOWN = 8
 """Lines of a list that are seen at once; more are folded away."""
@@ -156,7 +153,7 @@ def _more(
     links = [Page(section.title, file) for file, section in pages.items()]
     return [
         *([Section("studies", "Studies", [Pages(links)])] if links else []),
-        Section("couplings", "Couplings and backends", [_efforts_table(outcomes)]),
+        Section("couplings", "Couplings and backends", [_couplings_table(outcomes)]),
         Section("verdicts", "How a verdict is reached", [Details("The rules", [_rules()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
     ]
@@ -205,7 +202,7 @@ def _tally(count: Verdicts) -> Tally:
     return Tally(counts + [own for own in rare if own.number])
 
 
-def _efforts_table(outcomes: Sequence[Outcome]) -> Table:
+def _couplings_table(outcomes: Sequence[Outcome]) -> Table:
     columns = (
         Column("coupling"),
         Column("backend"),
@@ -215,8 +212,7 @@ def _efforts_table(outcomes: Sequence[Outcome]) -> Table:
         Column("most", "most solves", "g"),
         Column("failed", "FAIL", ".0f"),
     )
-    rows = [vars(effort) for effort in efforts(outcomes)]
-    return Table(columns, pd.DataFrame(rows, columns=[column.name for column in columns]))
+    return Table(columns, couplings(results_frame(outcomes)))
 
 
 def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:

@@ -1,10 +1,9 @@
-"""Tables of the report, from a DataFrame with the columns of results, one row a run."""
+"""What tables of runs share, and those that all runs have, from results, one row a run."""
 
 from collections.abc import Mapping
 
 import pandas as pd
 
-import lacore as la
 from verification.report.blocks import Anchor, Column, Table
 
 VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}
@@ -14,40 +13,10 @@ RUN = Anchor("run", "run")
 CERTIFICATE = Anchor("certificate", "certificate")
 """Certificate of a run."""
 _RESIDUAL = "residual_"
-_WHO = (Column("variant"), Column("backend"))
+WHO = (Column("variant"), Column("backend"))
 """First, so that the load factor beside them is seen on a telephone."""
-_HOW = (Column("mesh", order="n_elements"), Column("coupling"))
-_NAMES = (*_WHO, *_HOW)
-
-
-def results_table(results: pd.DataFrame) -> Table:
-    """Every run; its load factor links to its certificate, where it has one."""
-    solved = results["status"] == la.Status.SOLVED.label
-    outcome = results["rigor"].where(solved, results["status"])
-    columns = (
-        Column("verdict", moods=VERDICTS, hover="why"),
-        *_WHO,
-        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
-        Column("error", "error %", "+.4f", scale=100),
-        Column("expected", "reference", "g", order="reference"),
-        *_HOW,
-        Column("n_elements", "elements", ".0f"),
-        *_varied(results),
-        Column("energy", "C", ".2g"),
-        Column("outcome", "rigor, status"),
-        *_standing(results),
-        Column("outer_iterations", "solves", ".0f"),
-        Column("build_time", "build s", ".2f"),
-        Column("solve_time", "solve s", ".2f"),
-    )
-    return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
-
-
-def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
-    """Whether structures stand under their dead loads, where that was asked."""
-    if "standing" not in results or not results["standing"].fillna("").ne("").any():
-        return ()
-    return Column("standing", "dead loads"), Column("side", "holds")
+HOW = (Column("mesh", order="n_elements"), Column("coupling"))
+_NAMES = (*WHO, *HOW)
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
@@ -61,10 +30,10 @@ def certificates_table(results: pd.DataFrame) -> Table:
     proven = with_certificates(results)
     proven = proven[proven[CERTIFICATE.column].notna()]
     columns = (
-        *_WHO,
+        *WHO,
         Column("load_factor", "load factor", ".7f", link=RUN),
-        *_HOW,
-        *_varied(results),
+        *HOW,
+        *varied(results),
         *(
             Column(name, name.removeprefix(_RESIDUAL).replace("_", " "), ".1e")
             for name in _residuals(results)
@@ -73,7 +42,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
     return Table(columns, proven, anchor=CERTIFICATE)
 
 
-def _varied(results: pd.DataFrame) -> list[Column]:
+def varied(results: pd.DataFrame) -> list[Column]:
     """What was set besides the case: sizes of its mesh, settings of the loop, options."""
     found = []
     for name in map(str, results.columns):

@@ -23,7 +23,7 @@ from verification.case.bracketing import BRACKET
 from verification.runs.row import Row
 from verification.runs.run import FUZZ
 from verification.verdicts.bracket import STRICT
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 TEXTS = ("run", "code", "session", "finished", "identity", "row", "residuals", "history")
 """Columns of the store that are text or a number; the seal is of them."""

@@ -1,7 +1,8 @@
-"""Values between which results must lie, from the reference and the band of a case."""
+"""What the reference and the band of a case allow, and how far from the reference a value is."""
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite, nan
+from typing import Any
 
 from verification.case import Band, Reference
 
@@ -39,3 +40,25 @@ def lower_values(reference: Reference, band: Band) -> Allowed:
     """Values of what bounds every Coulomb load factor from below (T14)."""
     bottom = reference.value + reference.half_width
     return Allowed(high=bottom + band.above * band.size(bottom))
+
+
+def cannot_judge(reference: Reference, band: Band) -> str:
+    """Why a reference and a band would let anything through, or nothing; empty if they do not."""
+    return reference.wrong or band.wrong
+
+
+def about(reference: Reference) -> dict[str, Any]:
+    """Columns of a reference."""
+    up_to = nan if reference.up_to is None else reference.up_to
+    return {"reference": reference.value, "reference_to": up_to, "expected": reference.text}
+
+
+def distance(value: float, reference: Reference, band: Band) -> float:
+    """Relative distance from a reference; NaN without a value, or of another Coulomb state."""
+    nearest = reference.value
+    if reference.up_to is not None:
+        nearest = min(max(value, nearest), reference.up_to)
+        if not (reference.complete or reference.low <= value <= reference.high):
+            return nan
+    size = abs(nearest) or band.scale
+    return (value - nearest) / size if isfinite(nearest) and size > 0 else nan

@@ -8,7 +8,8 @@ from lacore.adaptive.bracket import width
 from verification.case import Band, Reference
 from verification.case.bracketing import PROVEN, Bracketing
 from verification.runs.row import Row
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, PASS, SKIPPED, cannot_judge
+from verification.verdicts.allowed import cannot_judge
+from verification.verdicts.words import FAIL, NO_REFERENCE, PASS, SKIPPED
 
 STRICT = f"{la.Rigor.LOWER.label}, {la.Rigor.UPPER.label}"
 """Label of brackets of the continuum."""

@@ -9,15 +9,9 @@ from lacore.arrays import Floats
 from verification.case import SOLVER, Band, Reference
 from verification.case.following import Following
 from verification.runs.row import Row
-from verification.verdicts.allowed import allowed_values
-from verification.verdicts.load_factor import (
-    FAIL,
-    NO_REFERENCE,
-    NO_RESULT,
-    PASS,
-    STRONG,
-    cannot_judge,
-)
+from verification.verdicts.allowed import allowed_values, cannot_judge
+from verification.verdicts.limit_state import STRONG
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 
 def exact_loads(stated: Following, travel: Floats) -> Floats:

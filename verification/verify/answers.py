@@ -6,19 +6,19 @@ from functools import cache
 
 import lacore as la
 from verification.case.bracketing import BRACKET
+from verification.evidence.limit_state import recheck
 from verification.evidence.path import recheck_step
-from verification.evidence.state import recheck
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
-from verification.verdicts.load_factor import SKIPPED
-from verification.verify.brackets import bracket, gap
+from verification.verdicts.words import SKIPPED
+from verification.verify.bracket import bracket, gap
 from verification.verify.finding import Answer, Finding
+from verification.verify.limit_state import lambda_below_exact, upper_from_above, value
 from verification.verify.order import order
-from verification.verify.paths import path, steps
+from verification.verify.path import path, steps
 from verification.verify.questions import Question
 from verification.verify.residuals import Rechecked, residuals
-from verification.verify.values import lambda_below_exact, upper_from_above, value
 
 SOLVED = la.Status.SOLVED.label
 

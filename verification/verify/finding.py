@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from verification.store.spreadsheets import unquoted
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 FILE = "checks.csv"
 """Of findings, in the folder of their results."""

@@ -8,7 +8,8 @@ import numpy as np
 import lacore as la
 from verification.case import SOLVER
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL, PASS, SKIPPED, distance
+from verification.verdicts.allowed import distance
+from verification.verdicts.words import FAIL, PASS, SKIPPED
 from verification.verify.finding import Answer
 from verification.verify.questions import Question
 

@@ -8,9 +8,10 @@ import numpy as np
 
 import lacore as la
 from verification.case import SOLVER
-from verification.evidence.state import Proof
+from verification.evidence.limit_state import Proof
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL, PASS, REGULARISED, SKIPPED
+from verification.verdicts.limit_state import REGULARISED
+from verification.verdicts.words import FAIL, PASS, SKIPPED
 from verification.verify.finding import Answer
 
 Rechecked = Proof | str

@@ -12,7 +12,7 @@ from verification.report.charts.axes import figure_axes, labelled, legend
 from verification.report.charts.svg import Chart, Tip
 from verification.report.charts.theme import BAND, INK, MARKERS, SERIES, styled
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FINDS_NONE
+from verification.verdicts.limit_state import FINDS_NONE
 
 
 def png(figure: Figure, dpi: int = 110) -> bytes:

@@ -9,7 +9,7 @@ from verification.case.bracketing import Bracketing
 from verification.evidence.bracket import Shares, unpacked_shares
 from verification.runs.outcome import Outcome
 from verification.verdicts.bracket import judge_bracket
-from verification.verdicts.load_factor import FAIL, PASS, SKIPPED
+from verification.verdicts.words import FAIL, PASS, SKIPPED
 from verification.verify.finding import Answer
 
 DEFECT = 1e-5

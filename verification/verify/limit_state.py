@@ -12,16 +12,9 @@ from lacore.regularization import RegularisedValues
 from verification.case import SOLVER, Band, Reference
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.load_factor import (
-    FAIL,
-    NO_REFERENCE,
-    NO_RESULT,
-    PASS,
-    SKIPPED,
-    distance,
-    judge,
-    refutation,
-)
+from verification.verdicts.allowed import distance
+from verification.verdicts.limit_state import judge, refutation
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify.finding import Answer
 
 _SOLVED = la.Status.SOLVED.label

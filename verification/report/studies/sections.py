@@ -8,13 +8,14 @@ import pandas as pd
 from verification.analysis import lambda_limits
 from verification.analysis.columns import numbers, problem_columns, solver_columns
 from verification.report.blocks import Block, Column, Details, Section, Table, Text
-from verification.report.convergence import (
+from verification.report.studies.convergence import (
     refinement_section,
     regularisation_section,
     steps_section,
 )
-from verification.report.solvers import effort_section, rates_table, solvers_section
-from verification.verdicts.load_factor import FINDS_NONE, SKIPPED
+from verification.report.studies.solvers import effort_section, rates_table, solvers_section
+from verification.verdicts.limit_state import FINDS_NONE
+from verification.verdicts.words import SKIPPED
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
 _COMPARABLE = (

@@ -1,22 +1,26 @@
-"""Verdicts: what a result must be, from the reference and the band of its case."""
+"""Verdicts on limit states: what a load factor, or a status without one, must be."""
 
 from __future__ import annotations  # not evaluated: names of lacore in them load nothing
 
 from collections.abc import Mapping
 from math import inf, isfinite, nan
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import lacore as la
 from verification.case import Band, Reference
 from verification.case.bracketing import BRACKET
-from verification.verdicts.allowed import Allowed, allowed_values, lower_values, upper_values
+from verification.verdicts.allowed import (
+    Allowed,
+    allowed_values,
+    cannot_judge,
+    lower_values,
+    upper_values,
+)
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 if TYPE_CHECKING:
     from lacore.regularization import RegularisedValues
 
-PASS, FAIL, SKIPPED, NO_RESULT = "pass", "FAIL", "skipped", "no result"
-NO_REFERENCE = "no reference"
-"""Of what is proven, and cannot be compared with anything: neither right nor wrong."""
 STRONG = 0.05  # of the value: above it the regularisation error hides a wrong answer
 REGULARISED = ("equilibrium", "yield_violation", "normalisation")
 """What a regularised state is judged by: penalties let through the rest (T19)."""
@@ -94,11 +98,6 @@ def refutation(claimed: bool, residuals: Mapping[str, float]) -> str:
     return ""
 
 
-def cannot_judge(reference: Reference, band: Band) -> str:
-    """Why a reference and a band would let anything through, or nothing; empty if they do not."""
-    return reference.wrong or band.wrong
-
-
 def _too_strong(state: Judged, band: Band) -> str:
     """Why a regularised value is worth no verdict; empty where it is worth one."""
     assert state.regularised is not None
@@ -122,20 +121,3 @@ def _judge_value(state: Judged, reference: Reference, allowed: Allowed) -> tuple
         if verdict == PASS and reference.associated is None:
             return NO_REFERENCE, f"{why}, and nothing bounds any other"
     return verdict, why
-
-
-def about(reference: Reference) -> dict[str, Any]:
-    """Columns of a reference."""
-    up_to = nan if reference.up_to is None else reference.up_to
-    return {"reference": reference.value, "reference_to": up_to, "expected": reference.text}
-
-
-def distance(value: float, reference: Reference, band: Band) -> float:
-    """Relative distance from a reference; NaN without a value, or of another Coulomb state."""
-    nearest = reference.value
-    if reference.up_to is not None:
-        nearest = min(max(value, nearest), reference.up_to)
-        if not (reference.complete or reference.low <= value <= reference.high):
-            return nan
-    size = abs(nearest) or band.scale
-    return (value - nearest) / size if isfinite(nearest) and size > 0 else nan

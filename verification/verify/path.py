@@ -9,11 +9,11 @@ import lacore as la
 from verification.case import SOLVER
 from verification.case.following import ORDER_TOLERANCE, ORDERS
 from verification.runs.outcome import Outcome
-from verification.verdicts.load_factor import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verdicts.path import judge_path
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 from verification.verify.finding import Answer
+from verification.verify.limit_state import lost_verdict
 from verification.verify.questions import Question
-from verification.verify.values import lost_verdict
 
 
 def path(outcomes: Sequence[Outcome]) -> Answer:

@@ -1,0 +1,115 @@
+"""Solve one limit problem and judge its state."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import nan
+from typing import Any
+
+import numpy as np
+
+import lacore as la
+from lacore.inner.preparing import JUDGE
+from verification.case import Band, Reference
+from verification.defaults import RAW
+from verification.evidence.limit_state import evidence_of
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+from verification.runs.run import Run
+from verification.verdicts.allowed import about, distance
+from verification.verdicts.limit_state import judge, refutation
+
+
+def run_limit_state(
+    run: Run,
+    names: Mapping[str, Any],
+    discretisation: la.Discretisation,
+    reference: Reference,
+    band: Band,
+    time_limit: float | None,
+    memory: Callable[[], float],
+    process: la.SolverProcess | None,
+) -> Outcome:
+    """The row of a limit problem, and its state.
+
+    Args:
+        run: to be done.
+        names: columns that are known already.
+        discretisation: of its problem.
+        reference, band: of its load factor.
+        time_limit: s, of each inner solve, as far as the backend keeps it.
+        memory: peak memory of this process, MB.
+        process: where the backend is to work; None: one of its own where it needs one.
+
+    Raises:
+        InputError: a setting or an option that there is not.
+        CapabilityError: the backend cannot take it.
+    """
+    coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
+    limit = {} if time_limit is None else {"time_limit": time_limit}
+    state = la.solve(
+        discretisation,
+        backend=run.backend,
+        coupling=coupling,
+        **{**settings, **run.settings},
+        options={**limit, **run.options},
+        process=process,
+    )
+    evidence = evidence_of(state)
+    refuted = refutation(_claimed(state), evidence.residuals)
+    verdict, why = judge(state, reference, band, run.insist, refuted)
+    if state.coupling == "associated" and reference.associated is not None:
+        reference = reference.of_associated()
+    names = {
+        **names,
+        **about(reference),
+        **_standing(state),
+        "coupling": run.coupling or state.coupling,
+        "error": distance(state.load_factor, reference, band),
+        "peak_memory_mb": float(np.fmax(state.peak_memory, memory())),  # of either process
+        "verdict": verdict,
+        "why": why,
+    }
+    return Outcome(run, _row(names, state), evidence)
+
+
+def _standing(state: la.LimitState) -> dict[str, Any]:
+    """Columns of the stability of a state; the exact ones of a problem speak for all.
+
+    It is a fact of the problem, proven by its residuals: one exact backend asks for all.
+    """
+    if la.find_backend(state.backend).capabilities.regularised:
+        return {}
+    found = replace(state, backend=JUDGE, options={}).stability
+    return {
+        "standing": found.standing.label,
+        "side": found.side,
+        "carried_low": found.low,
+        "carried_high": found.high,
+    }
+
+
+def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
+    values = state.regularised
+    return Row(
+        **names,
+        load_factor=state.load_factor,
+        rigor=state.rigor.label,
+        upper=state.load_factor if state.rigor is la.Rigor.UPPER else nan,
+        status=state.status.label,
+        outer_iterations=state.outer_iterations,
+        gap=state.certificate.gap if state.certificate else nan,
+        solve_time=state.solve_time,
+        message=state.message,
+        alpha_reg=values.alpha_reg if values else nan,
+        regularised_lambda=values.load_factor if values else nan,
+        P=values.plastic if values else nan,
+        energy=values.energy if values else nan,
+        contraction=state.contraction,
+        iterations=float(state.history["inner_iterations"].sum()),
+        claimed=_claimed(state),
+    )
+
+
+def _claimed(state: la.LimitState) -> bool:
+    """Whether the solver itself called its last inner solve solved."""
+    return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)

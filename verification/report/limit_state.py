@@ -1,0 +1,45 @@
+"""Limit states on a page: each run with its load factor beside the reference."""
+
+import pandas as pd
+
+import lacore as la
+from verification.report.blocks import Column, Table
+from verification.report.tables import (
+    CERTIFICATE,
+    HOW,
+    RUN,
+    VERDICTS,
+    WHO,
+    varied,
+    with_certificates,
+)
+
+
+def results_table(results: pd.DataFrame) -> Table:
+    """Every run; its load factor links to its certificate, where it has one."""
+    solved = results["status"] == la.Status.SOLVED.label
+    outcome = results["rigor"].where(solved, results["status"])
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        *WHO,
+        Column("load_factor", "load factor", ".7f", link=CERTIFICATE),
+        Column("error", "error %", "+.4f", scale=100),
+        Column("expected", "reference", "g", order="reference"),
+        *HOW,
+        Column("n_elements", "elements", ".0f"),
+        *varied(results),
+        Column("energy", "C", ".2g"),
+        Column("outcome", "rigor, status"),
+        *_standing(results),
+        Column("outer_iterations", "solves", ".0f"),
+        Column("build_time", "build s", ".2f"),
+        Column("solve_time", "solve s", ".2f"),
+    )
+    return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
+
+
+def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Whether structures stand under their dead loads, where that was asked."""
+    if "standing" not in results or not results["standing"].fillna("").ne("").any():
+        return ()
+    return Column("standing", "dead loads"), Column("side", "holds")

@@ -1,0 +1,1 @@
+"""Sections on all runs together: convergence, and backends side by side."""
