@@ -27,7 +27,7 @@ help:
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-page   write docs/benchmarks.md from that JSON"
-	@echo "make readme    write the table and the picture of the README afresh"
+	@echo "make readme    write the table, the times and the pictures of README and guide afresh"
 	@echo "make reference  write the committed report under reports/reference afresh"
 	@echo "make clean     remove the environment and all generated reports"
 	@sed -n '/<!-- times -->/,/<!-- end times -->/{//!p}' README.md

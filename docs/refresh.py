@@ -1,4 +1,4 @@
-"""Write the comparison table, the times and the pictures of the README afresh: ``make readme``.
+"""Write the table, the times and the pictures of README and guide afresh: ``make readme``.
 
 Numbers there are computed, never typed. Times are of a quiet machine or of none: run nothing else.
 """
@@ -75,11 +75,11 @@ def _processor() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def picture_of_path(text: str) -> None:
-    """That of the code of the README."""
-    (code,) = [
-        own for own in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "path =" in own
-    ]
+def picture_of_path() -> None:
+    """That of the code in the guide."""
+    page = (ROOT / "docs" / "guide" / "large-deformation.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (code,) = [own for own in blocks if "billet.png" in own]
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         names: dict[str, Any] = {"la": la}
         exec(code, names)
@@ -112,7 +112,7 @@ def main() -> None:
         mesh = "medium" if case.meshed else next(iter(case.meshes))
         state = la.solve(case.problem(variant, mesh), throw=True)
         state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
-    picture_of_path(text)
+    picture_of_path()
 
 
 if __name__ == "__main__":
