@@ -61,7 +61,9 @@ class ClarabelRegularised:
     name: ClassVar[str] = "clarabel-regularised"
     title: ClassVar[str] = "Clarabel, regularised program as cones and quadratic cost"
     source: ClassVar[str] = "Goulart & Chen, Clarabel: an interior-point solver, 2024"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=True, hardening=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=True, hardening=True, packages=("clarabel",)
+    )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelRegularisedOptions
 

@@ -89,6 +89,7 @@ class Cvxpy:
             warm_start=self.known.warm_start,
             infeasibility=self.known.infeasibility,
             isolated=not self.known.time,
+            packages=("cvxpy", self.known.package),
         )
 
     @property

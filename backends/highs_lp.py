@@ -74,7 +74,7 @@ class Highs:
     title: ClassVar[str] = "HiGHS, exact linear program (blocks and frames in the plane)"
     source: ClassVar[str] = "Huangfu & Hall, Parallelizing the dual revised simplex method, 2018"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=False, max_cone=1, warm_start=True
+        regularised=False, max_cone=1, warm_start=True, packages=("highspy",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = HighsOptions

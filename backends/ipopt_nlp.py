@@ -76,7 +76,7 @@ class Ipopt:
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, warm_start=True, hardening=True
+        regularised=True, warm_start=True, hardening=True, packages=("casadi",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptOptions

@@ -51,7 +51,9 @@ class IpoptStatic:
     name: ClassVar[str] = "ipopt-static"
     title: ClassVar[str] = "IPOPT through CasADi, exact static program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
-    capabilities: ClassVar[Capabilities] = Capabilities(regularised=False)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=False, on_demand=True, packages=("casadi",)
+    )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptStaticOptions
 

@@ -91,7 +91,7 @@ class Newton:
     title: ClassVar[str] = "Primal-dual Newton, regularised program, sparse direct solver"
     source: ClassVar[str] = "Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, warm_start=True, hardening=True
+        regularised=True, warm_start=True, hardening=True, paths=True
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = NewtonOptions

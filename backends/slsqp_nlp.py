@@ -50,7 +50,12 @@ class Slsqp:
     title: ClassVar[str] = "SLSQP (scipy), regularised program, small meshes"
     source: ClassVar[str] = "Kraft, DFVLR-FB 88-28, 1988"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, max_unknowns=1200, warm_start=True, hardening=True, isolated=True
+        regularised=True,
+        max_unknowns=1200,
+        warm_start=True,
+        hardening=True,
+        isolated=True,
+        dense=True,
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = DenseOptions

@@ -57,6 +57,8 @@ class TrustConstr:
         max_unknowns=1200,
         warm_start=True,
         hardening=True,
+        on_demand=True,  # it says what slsqp says
+        dense=True,
         infeasibility=False,  # its trust region keeps it from running away in time
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP

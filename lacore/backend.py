@@ -28,7 +28,7 @@ _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every ta
 
 @dataclass(frozen=True, repr=False)
 class Capabilities(Compact):
-    """What a backend can do. Duals are no choice: certificates and contact live on them.
+    """What a backend can do, and what to ask of it. Duals are no choice: certificates live on them.
 
     Attributes:
         regularised: it solves the regularised program (T17-T20), not the exact one.
@@ -40,6 +40,11 @@ class Capabilities(Compact):
         hardening: it takes groups that harden with the strain rate, a quadratic cost (T29).
         isolated: it may hang where its time limit does not reach, so that it runs in a process of
             its own, which can be stopped.
+        on_demand: comparisons run it only where it is named.
+        dense: its time grows with the cube of the unknowns: a first look leaves meshes out.
+        paths: it is quick enough for comparisons to follow paths with it, tens of solves each.
+        packages: that it computes with, as they are installed. Their versions are recorded beside
+            its numbers, which are found again where one has changed.
     """
 
     regularised: bool
@@ -49,6 +54,15 @@ class Capabilities(Compact):
     infeasibility: bool = True
     hardening: bool = False
     isolated: bool = False
+    on_demand: bool = False
+    dense: bool = False
+    paths: bool = False
+    packages: tuple[str, ...] = ()
+
+    @property
+    def linear_only(self) -> bool:
+        """It takes linear programs only, those of rigid bodies: comparisons run it on no others."""
+        return self.max_cone == 1
 
 
 @dataclass(frozen=True, repr=False)
@@ -206,13 +220,13 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
             f" problem has {program.n}: take a coarser mesh, or a sparse backend such as 'clarabel'"
         )
     if can.max_cone is not None and program.largest_cone > can.max_cone:
-        takes = "linear programs" if can.max_cone == 1 else f"cones of up to {can.max_cone} rows"
+        takes = "linear programs" if can.linear_only else f"cones of up to {can.max_cone} rows"
         raise CapabilityError(
             f"backend {backend.name!r} takes {takes}, this problem has cones of"
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
     if program.hardens and not can.hardening:
-        states = "solves linear programs" if can.max_cone == 1 else "has costs linear in them only"
+        states = "solves linear programs" if can.linear_only else "has costs linear in them only"
         raise CapabilityError(
             "hardening within a step of a path costs the square of strain rates (T29), and backend"
             f" {backend.name!r} {states}: take 'clarabel'"

@@ -74,7 +74,7 @@ def test_the_core_knows_no_solver_and_no_case(path):
 @pytest.mark.parametrize("path", [*files("lacore"), *files("verification")])
 def test_imports_run_one_way(path):
     """Wherever in a file they stand; of `from verification import progress` the room is that."""
-    house, own = module_of(path).split(".")[:2]
+    house, own = module_of(path).partition(".")[0], room_of(path)
     if own == "__init__":
         return  # the face
     order = HOUSES[house]
@@ -84,15 +84,20 @@ def test_imports_run_one_way(path):
 
 @pytest.mark.parametrize("path", files("lacore"))
 def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit(path):
-    own, seen = module_of(path).split(".")[1], rooms_seen(path, "lacore")
+    own, seen = room_of(path), rooms_seen(path, "lacore")
     for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
         assert own not in wing or not seen & set(other)
 
 
 @pytest.mark.parametrize("house", HOUSES)
 def test_every_room_has_its_place(house):
-    there = {module_of(path).split(".")[1] for path in (ROOT / house).rglob("*.py")}
+    there = {room_of(path) for path in (ROOT / house).rglob("*.py")}
     assert there - {"__init__"} == set(HOUSES[house])
+
+
+def room_of(path):
+    """The file or folder of its house that a file is or lies in."""
+    return module_of(path).split(".")[1]
 
 
 def rooms_seen(path, house):
@@ -149,6 +154,18 @@ def test_a_backend_knows_the_core_only(path):
 def test_a_case_knows_no_backend(path):
     banned = ("backends", *SOLVERS)
     assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
+
+
+@pytest.mark.parametrize("path", files("verification"))
+def test_the_harness_knows_no_backend_by_name(path):
+    """Cases say what cannot solve them, random problems what their second opinion is."""
+    if room_of(path) in ("cases", "fuzz"):
+        return
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    names = set(tomllib.loads(text)["project"]["entry-points"]["lacore.backends"])
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    said = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+    assert not said & names
 
 
 def test_the_start_knows_the_standard_library_only():

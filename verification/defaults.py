@@ -4,12 +4,6 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-ON_DEMAND = ("highs", "ipopt-static", "trust-constr")
-"""Backends that a comparison leaves out unless they are named: linear programs only, or slow."""
-
-DENSE = ("slsqp",)
-"""Those of the others that a first look runs on rigid bodies only: seconds on the coarsest mesh."""
-
 TIME_LIMIT = 600.0
 """s, of a run: ten times what the largest default one needs."""
 

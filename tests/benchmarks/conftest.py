@@ -34,7 +34,7 @@ def pytest_benchmark_update_machine_info(config, machine_info):
     """Versions, as the reports have them; the name of the machine is nobody's business."""
     backends = [load_backend(name) for name in backend_names()]
     machine_info.update(
-        describe(),
+        describe(backend_names()),
         node="",
         threads="one",
         direct_solver=_direct_solver(),

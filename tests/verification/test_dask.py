@@ -184,7 +184,7 @@ def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch):
 
 
 def test_other_code_on_the_workers_is_refused(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr(dask_execution, "code_version", lambda: "other")
+    monkeypatch.setattr(dask_execution, "code_version", lambda *_: "other")
     result = command(
         *BLOCK, "--out", str(tmp_path / "out"), "--scheduler", cluster.scheduler.address
     )

@@ -7,12 +7,13 @@ import pytest
 
 import lacore as la
 import verification.perform.one_run as harness
+from lacore.backend import Capabilities
 from lacore.regularization import RegularisedValues
-from verification.campaigns.comparison import LINEAR, plan
+from verification.campaigns import comparison
+from verification.campaigns.comparison import capabilities, plan
 from verification.campaigns.run_all import run_all
 from verification.case import Band, Reference, Variant
 from verification.catalogue.catalogue import find
-from verification.defaults import ON_DEMAND
 from verification.perform.one_run import lost, run_here
 from verification.runs.outcome import NO_EVIDENCE
 from verification.runs.run import Run
@@ -262,8 +263,36 @@ def test_plan_takes_variants_of_a_family_and_all_there_is():
 
 def test_default_plan_has_every_case_and_backend():
     runs = plan()
-    assert {run.backend for run in runs} == set(la.backend_names()) - set(ON_DEMAND) | set(LINEAR)
+    often = {name for name in la.backend_names() if not capabilities(name).on_demand}
+    assert {run.backend for run in runs} == often
+    assert {"clarabel", "newton", "highs"} <= often
     assert {run.mesh for run in runs} == {"coarse", "medium", "blocks"}
+
+
+CAN = {
+    "dense": Capabilities(regularised=True, dense=True),
+    "exact": Capabilities(regularised=False, paths=True),
+    "linear": Capabilities(regularised=False, max_cone=1),
+    "named": Capabilities(regularised=False, on_demand=True, paths=True),
+    "smooth": Capabilities(regularised=True, paths=True),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "backends"),
+    [
+        ("shear-patch", ["dense", "exact", "smooth"]),
+        ("wall-1", ["exact", "linear"]),  # which is none for penalties
+        ("block-slide", ["dense", "exact", "linear", "smooth"]),
+        ("tension:linear-1", ["exact", "smooth"]),
+        ("upsetting", ["exact"]),  # nobody knows its loads
+    ],
+)
+def test_backends_are_run_by_what_they_say_of_themselves(name, backends, monkeypatch):
+    monkeypatch.setattr(comparison, "capabilities", CAN.__getitem__)
+    monkeypatch.setattr(comparison.la, "backend_names", lambda: list(CAN))
+    case, (variant, *_) = find(name)
+    assert comparison.default_backends(case, variant) == backends
 
 
 def test_a_variant_that_no_table_lists_has_nothing_to_be_compared_with():

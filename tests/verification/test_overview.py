@@ -9,11 +9,10 @@ from rich.console import Console
 import lacore as la
 from verification import progress
 from verification.analysis.summary import summaries
-from verification.campaigns.comparison import is_regularised, plan
+from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.campaigns.overview import overview
 from verification.catalogue.catalogue import catalogue
 from verification.commands import screen
-from verification.defaults import DENSE, ON_DEMAND
 from verification.perform.one_run import lost
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
@@ -34,11 +33,11 @@ def test_every_case_is_there_and_every_status():
 
 
 def test_every_default_backend_meets_many_cases():
-    cases = {name: set() for name in la.backend_names() if name not in ON_DEMAND or name == "highs"}
+    cases = {name: set() for name in la.backend_names() if not capabilities(name).on_demand}
     for run in FIRST:
         cases[run.backend].add(run.case.id)
     assert min(map(len, cases.values())) >= 10
-    assert not [run for run in FIRST if run.case.meshed and run.backend in DENSE]
+    assert not [run for run in FIRST if run.case.meshed and capabilities(run.backend).dense]
 
 
 def test_all_goes_on_from_it():

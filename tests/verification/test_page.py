@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lacore import InputError
 from verification.analysis import Slope
-from verification.report import charts, document, files
+from verification.report import document, files
 from verification.report.blocks import (
     Anchor,
     Column,
@@ -25,8 +25,9 @@ from verification.report.blocks import (
     Table,
     slug,
 )
+from verification.report.charts import axes
 from verification.report.charts.axes import ERROR, FACTOR, Axis
-from verification.report.charts.svg import Chart, inline
+from verification.report.charts.svg import Chart, Tip, inline
 from verification.report.charts.theme import VARIABLES
 
 SWEEP = pd.DataFrame(
@@ -42,7 +43,7 @@ R = Axis("r", "regularisation r")
 
 
 def fitted():
-    return charts.fitted(SWEEP, FITS, R, ERROR, tip=["mesh"])
+    return axes.fitted(SWEEP, FITS, R, ERROR, tip=["mesh"])
 
 
 def ids(text):
@@ -109,7 +110,7 @@ def test_tips_lie_on_their_markers():
     axes = figure.add_subplot(xscale="log")
     axes.plot([1, 10, 100], [0.3, 0.2, 0.7], "o")
     axes.set_ylabel("a label for which the layout must make room")
-    chart = Chart(figure, "", [charts.Tip(axes, 10, 0.2, "here")])
+    chart = Chart(figure, "", [Tip(axes, 10, 0.2, "here")])
     text = inline(chart, "a")
     ((x, y),) = re.findall(r'<circle class="tip" cx="([\d.]+)" cy="([\d.]+)"', text)
     uses = re.findall(r'<use href="#([^"]+)" x="([\d.]+)" y="([\d.]+)"', text)
@@ -120,15 +121,15 @@ def test_tips_lie_on_their_markers():
 
 
 def test_law_in_words():
-    assert charts.slope_text(asdict(LAW)) == "slope 2.00 ± 0.02"
-    minus = charts.slope_text(asdict(Slope(slope=-1.0)))
+    assert axes.slope_text(asdict(LAW)) == "slope 2.00 ± 0.02"
+    minus = axes.slope_text(asdict(Slope(slope=-1.0)))
     assert minus == "slope \N{MINUS SIGN}1.00"
-    assert charts.slope_text(asdict(Slope())) == "no slope"
+    assert axes.slope_text(asdict(Slope())) == "no slope"
 
 
 def test_one_line_has_one_law():
     with pytest.raises(ValueError, match="several fits for one backend"):
-        charts.fitted(SWEEP, pd.concat([FITS, FITS]), R, ERROR)
+        axes.fitted(SWEEP, pd.concat([FITS, FITS]), R, ERROR)
 
 
 def test_legend_says_the_slope_and_the_floor_is_drawn():
@@ -142,7 +143,7 @@ def test_what_cannot_be_drawn_is_counted():
     data = pd.DataFrame(
         {"backend": "a", "n_elements": [10, 20, 30, 40], "error": [-0.1, 0.0, nan, inf]}
     )
-    chart = charts.refinement(data, FITS)
+    chart = axes.refinement(data, FITS)
     assert len(chart.tips) == 1
     assert chart.tips[0].y == pytest.approx(0.1)
     assert "3 points cannot be drawn" in chart.summary
@@ -151,9 +152,9 @@ def test_what_cannot_be_drawn_is_counted():
 def test_a_chart_of_nothing_can_be_drawn():
     empty = SWEEP.iloc[:0]
     for chart in (
-        charts.fitted(empty, FITS.iloc[:0], R, ERROR),
-        charts.curves(empty, R, ERROR),
-        charts.profile(empty, R, Axis("error", "share", log=False), by="backend"),
+        axes.fitted(empty, FITS.iloc[:0], R, ERROR),
+        axes.curves(empty, R, ERROR),
+        axes.profile(empty, R, Axis("error", "share", log=False), by="backend"),
     ):
         assert "no points" in chart.summary
         assert inline(chart, "a").startswith("<svg")
@@ -163,7 +164,7 @@ def test_profile_steps():
     data = pd.DataFrame(
         {"solver": ["a", "a", "b"], "factor": [1.0, 4.0, 2.0], "share": [0.5, 1, 0.25]}
     )
-    chart = charts.profile(data, FACTOR)
+    chart = axes.profile(data, FACTOR)
     assert [tip.text for tip in chart.tips] == [
         "a: 50 % within 1",
         "a: 100 % within 4",
@@ -176,7 +177,7 @@ def test_cost_joins_meshes_in_the_order_of_time():
     data = pd.DataFrame(
         {"backend": "a", "solve_time": [2.0, 1.0], "error": [0.1, 0.2], "mesh": ["fine", "coarse"]}
     )
-    assert [tip.x for tip in charts.cost(data).tips] == [1.0, 2.0]
+    assert [tip.x for tip in axes.cost(data).tips] == [1.0, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -184,11 +185,11 @@ def test_cost_joins_meshes_in_the_order_of_time():
     [(1e-3, "10⁻³"), (1e-12, "10⁻¹²"), (2e-5, "2·10⁻⁵"), (1, "10⁰"), (1e5, "10⁵")],
 )
 def test_powers(value, text):
-    assert charts.power(value) == text
+    assert axes.power(value) == text
 
 
 def test_ticks_of_an_axis_are_written_alike():
-    short, long = charts.tick_words(1e-3, 1.0), charts.tick_words(1e-9, 1.0)
+    short, long = axes.tick_words(1e-3, 1.0), axes.tick_words(1e-9, 1.0)
     assert [short(value, 0) for value in (0.001, 0.1, 1.0)] == ["0.001", "0.1", "1"]
     assert [long(value, 0) for value in (1e-9, 0.1, 1.0)] == ["10⁻⁹", "10⁻¹", "10⁰"]
 
@@ -206,7 +207,7 @@ HOSTILE = [
 @pytest.mark.parametrize("name", HOSTILE)
 def test_any_name_can_be_a_line(name):
     data = SWEEP.assign(backend=name)
-    text = inline(charts.fitted(data, FITS.assign(backend=name), R, ERROR, tip=["backend"]), "a")
+    text = inline(axes.fitted(data, FITS.assign(backend=name), R, ERROR, tip=["backend"]), "a")
     assert "<script" not in text
     assert "<img" not in text
     assert text.count("slope 2.00") == 2  # in the legend and in the summary

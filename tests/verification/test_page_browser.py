@@ -12,7 +12,7 @@ from tests.verification.browser import WIDTHS
 from tests.verification.test_page import FITS, SWEEP, R
 from verification.catalogue.catalogue import find
 from verification.commands.cli import main
-from verification.report import charts, files
+from verification.report import files
 from verification.report.blocks import (
     Anchor,
     Card,
@@ -39,6 +39,7 @@ from verification.report.blocks import (
     Text,
     slug,
 )
+from verification.report.charts import axes
 from verification.report.charts.axes import ERROR
 from verification.report.charts.figures import png
 from verification.report.description import description, lead
@@ -92,7 +93,7 @@ def hostile_page():
     )  # fmt: skip
     variant = replace(variant, name=HOSTILE, unfit={HOSTILE: HOSTILE})
     data = SWEEP.assign(backend=HOSTILE, mesh=HOSTILE)
-    chart = charts.fitted(
+    chart = axes.fitted(
         data, FITS.assign(backend=HOSTILE), replace(R, label=HOSTILE), ERROR, tip=["mesh"]
     )
     results = hostile_results()

@@ -53,8 +53,9 @@ def test_it_is_drawn_again(script, tmp_path):
     Fits and means are computed from what is stored, with least squares of the processor.
     """
     (written,) = sessions(REPORT / NAME).values()
-    here = describe()
-    if (here["packages"], here["python"]) != (written["packages"], written["python"]):
+    here = describe(run.backend for run in script.runs())
+    known = set(written["packages"].split(", "))
+    if here["python"] != written["python"] or not set(here["packages"].split(", ")) <= known:
         pytest.skip("it was drawn with other versions of packages")
     write(script.report(REPORT / NAME, painted), tmp_path)
     old, new = (names(place) for place in (REPORT, tmp_path))

@@ -1,5 +1,7 @@
 """What couplings come to with each backend: how many runs they certify, in how many solves."""
 
+from math import isfinite
+
 import numpy as np
 import pandas as pd
 
@@ -40,11 +42,15 @@ def couplings(results: pd.DataFrame) -> pd.DataFrame:
                 "cases": effort["runs"],
                 "solved": effort["certified"],
                 "median": effort["inner_solves"],
-                "most": effort["most_inner_solves"],
+                "most": _whole(effort["most_inner_solves"]),
                 "failed": int(says(part, "verdict", FAIL).sum()),
             }
         )
     return table(rows, [*SOLVER, "cases", "solved", "median", "most", "failed"])
+
+
+def _whole(count: float) -> float:
+    return int(count) if isfinite(count) else count
 
 
 def _variants(results: pd.DataFrame) -> list[tuple[str, str]]:

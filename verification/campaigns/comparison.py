@@ -4,22 +4,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 import lacore as la
-from lacore.backend import load_backend
+from lacore.backend import Capabilities, load_backend
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
 from lacore.limit.solve import coupling_for
 from verification.case import Case, Variant
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue, find
-from verification.defaults import ON_DEMAND, RAW
+from verification.defaults import RAW
 from verification.runs.run import Run
-
-PATHS = ("clarabel", "newton")
-"""Backends that paths are compared with, each of them tens of solves; only the first where the
-exact loads are not known, and of implicit schemes, which take several solves a step."""
-
-LINEAR = ("highs",)
-"""Those of them that rigid bodies are compared with."""
 
 
 def plan(
@@ -32,11 +25,10 @@ def plan(
     """Runs of cases (``id`` or ``id:variant``; none: all) with backends on mesh levels.
 
     Cases are looked for in `known`; without it, among those of lacore itself.
-    Without `names` all cases but those on demand. Without `backends` all registered ones but those
-    `ON_DEMAND`, of rigid bodies those of linear programs too, and without those
-    that cannot do a variant; ``all`` is every one of them, and variants of a family are named as
-    ``cvxpy:SCS``. Without `meshes` the default levels of each variant. Without `couplings` the
-    default one of each backend, and with exact ones ``associated`` where that is known to differ.
+    Without `names` all cases but those on demand. Without `backends` those of `default_backends`;
+    ``all`` is every registered one, and variants of a family are named as ``cvxpy:SCS``. Without
+    `meshes` the default levels of each variant. Without `couplings` the default one of each
+    backend, and with exact ones ``associated`` where that is known to differ.
 
     Raises:
         InputError: an unknown name.
@@ -111,20 +103,26 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 
 
 def default_backends(case: Case, variant: Variant) -> list[str]:
-    """Backends that a comparison runs when none is named."""
-    linear = () if case.meshed else LINEAR
-    names = la.backend_names() if case.path is None else _path_backends(case, variant)
-    return [
-        name
-        for name in names
-        if (name not in ON_DEMAND or name in linear) and not _unfit(variant, name)
-    ]
+    """Backends that a comparison runs when none is named, by what they say of themselves.
+
+    None on demand, none that cannot do the variant; linear programs are those of rigid bodies.
+    Paths, tens of solves each, are for those that are quick enough; where the exact loads are not
+    known, and of implicit schemes, which take several solves a step, for the exact ones of them.
+    """
+    found = {name: capabilities(name) for name in la.backend_names() if not _unfit(variant, name)}
+    names = [name for name, can in found.items() if not can.on_demand]
+    if case.meshed:
+        names = [name for name in names if not found[name].linear_only]
+    if case.path is not None:
+        dear = _is_dear(case, variant)
+        names = [name for name in names if found[name].paths]
+        names = [name for name in names if not (dear and found[name].regularised)]
+    return names
 
 
-def _path_backends(case: Case, variant: Variant) -> Sequence[str]:
+def _is_dear(case: Case, variant: Variant) -> bool:
     stated = case.following_of(variant)
-    dear = stated.exact is None or stated.scheme.startswith("implicit")
-    return PATHS[:1] if dear else PATHS
+    return stated.exact is None or stated.scheme.startswith("implicit")
 
 
 def default_couplings(case: Case, variant: Variant, backend: str) -> list[str | None]:
@@ -141,6 +139,11 @@ def _unfit(variant: Variant, backend: str) -> str:
 
 def is_regularised(backend: str) -> bool:
     """Whether a backend is known to be regularised; not of one that is missing."""
+    return capabilities(backend).regularised
+
+
+def capabilities(backend: str) -> Capabilities:
+    """What a backend says of itself; of one that is missing, whose rows say so, nothing special."""
     with suppress(la.CapabilityError):
-        return load_backend(backend).capabilities.regularised
-    return False
+        return load_backend(backend).capabilities
+    return Capabilities(regularised=False)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import lacore as la
 from verification.campaigns.comparison import (
+    capabilities,
     check_names,
     default_backends,
     default_couplings,
@@ -19,7 +20,6 @@ from verification.campaigns.comparison import (
 )
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue, catalogue
-from verification.defaults import DENSE
 from verification.runs.run import Run
 
 
@@ -75,4 +75,4 @@ def _backends(case: Case, variant: Variant, mesh: str) -> list[str]:
     exact = [name for name in found if not is_regularised(name)]
     if case.path is not None or mesh != case.levels(variant)[0]:
         return exact[:1]
-    return [name for name in found if not (case.meshed and name in DENSE)]
+    return [name for name in found if not (case.meshed and capabilities(name).dense)]

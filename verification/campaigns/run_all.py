@@ -8,7 +8,7 @@ from verification.defaults import TIME_LIMIT
 from verification.perform.processes import Executor, run_in_processes
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
-from verification.store.provenance import code_of, describe
+from verification.store.provenance import code_of, describe, solvers_of
 from verification.store.store import Store
 
 
@@ -31,7 +31,7 @@ def run_all(
         InputError: the store cannot be used.
     """
     codes = {run.key: code_of(run) for run in runs}
-    with Store(path, describe()) as store:
+    with Store(path, describe(name for run in runs for name in solvers_of(run))) as store:
         found = {} if fresh else store.settled((run, codes[run.key]) for run in runs)
         for outcome in found.values():
             on_finish(outcome)

@@ -86,7 +86,7 @@ def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
 @main.command("backends")
 @json_option
 def list_backends(as_json: bool) -> None:
-    """List the backends: what they solve, their limits, and why one cannot run here.
+    """List the backends: what they solve, their limits, when comparisons run them, what is missing.
 
     Solvers that a family of backends offers are asked for as NAME:SOLVER.
     """

@@ -14,6 +14,7 @@ from lacore.errors import InputError, require_positive
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
+    backends_option,
     cases_option,
     fresh_option,
     json_option,
@@ -24,7 +25,7 @@ from verification.commands.options import (
     resumable,
     time_limit_option,
 )
-from verification.defaults import ON_DEMAND, RAW, cores
+from verification.defaults import RAW, cores
 
 if TYPE_CHECKING:
     from verification.runs.outcome import Outcome
@@ -40,10 +41,7 @@ if TYPE_CHECKING:
     " from what a first look has in the folder.",
 )
 @click.option("--full", is_flag=True, help="Print every run, not a line a case.")
-@names_option(
-    "--backends",
-    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
-)
+@backends_option
 @names_option(
     "--meshes",
     "Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have none.",
@@ -131,7 +129,7 @@ def compare(
         )
     results = as_table(outcome.record() for outcome in outcomes)
     export(results, out / "results.csv")
-    about = describe()
+    about = describe(run.backend for run in runs)
     page = write_report(outcomes, about, out)
     count = tally(outcomes)
     if as_json:

@@ -9,7 +9,7 @@ from typing import Any
 from threadpoolctl import threadpool_info
 
 import lacore as la
-from lacore.backend import Backend, Family, load_backend
+from lacore.backend import Backend, Capabilities, Family, load_backend
 from lacore_start import PACKAGES, place
 from verification import conformance
 from verification.store.provenance import describe
@@ -37,7 +37,7 @@ def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str
     """What a backend is and does, and whether it can run here, as text."""
     if backend is None:
         blank = dict.fromkeys(
-            ("version", "title", "solves", "takes", "hardening", "warm_start"), ""
+            ("version", "title", "solves", "takes", "hardening", "warm_start", "run"), ""
         )
         return {"name": name, **blank, "state": missing}
     can = backend.capabilities
@@ -52,8 +52,16 @@ def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str
         "takes": takes,
         "hardening": "yes" if can.hardening else "no",
         "warm_start": "yes" if can.warm_start else "no",
+        "run": _when(name, can),
         "state": missing or "ready",
     }
+
+
+def _when(name: str, can: Capabilities) -> str:
+    """When comparisons run a backend: variants of a family where they are named."""
+    if can.on_demand or ":" in name:
+        return "by name"
+    return "on rigid bodies" if can.linear_only else "by default"
 
 
 def packages() -> list[dict[str, str]]:

@@ -79,6 +79,7 @@ def fuzz(
       lacore fuzz --count 1000
       lacore fuzz --count 10000 --seed 2 --classes blocks,weights --jobs 4
     """  # noqa: D301  # click reads the backspace
+    import lacore as la
     from verification import progress
     from verification.campaigns.fuzzing import keep_wrong, tallied
     from verification.campaigns.run_all import run_all
@@ -106,7 +107,7 @@ def fuzz(
             "wrong": [_record(outcome) for outcome in outcomes if outcome.row.verdict == FAIL],
             "files": [str(path) for path in files],
             "store": str(out / NAME),
-            "machine": {**describe(), "seed": str(seed)},
+            "machine": {**describe(la.backend_names()), "seed": str(seed)},
         }
         print_json(document)
     else:

@@ -27,6 +27,13 @@ def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
     return click.option(name, callback=name_list, metavar="A,B", help=text)
 
 
+backends_option = names_option(
+    "--backends",
+    "Backends, or 'all'; default: those that `lacore backends` lists as run by default, or on"
+    " rigid bodies.",
+)
+
+
 def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
     """Gives a command its folder as the argument `out`."""
     return click.option(

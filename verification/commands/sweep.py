@@ -13,6 +13,7 @@ from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_positive
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
+    backends_option,
     cases_option,
     fresh_option,
     jobs_option,
@@ -24,7 +25,7 @@ from verification.commands.options import (
     resumable,
     time_limit_option,
 )
-from verification.defaults import ON_DEMAND, RAW
+from verification.defaults import RAW
 from verification.perform.executors import dask_options, executor_of, require_one_place
 from verification.verdicts.words import FAIL
 
@@ -46,10 +47,7 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
     help="What to vary: START:STOP:N at equal distances, START:STOP:N:log at equal ratios, or"
     " a,b,c. Several make a grid.",
 )
-@names_option(
-    "--backends",
-    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}.",
-)
+@backends_option
 @names_option(
     "--meshes",
     "Mesh levels; default: those of each variant, or the first where a size is varied.",
@@ -160,7 +158,7 @@ def _document(
         "slopes": list(slopes),
         "step_orders": list(orders),
         "store": str(out / NAME),
-        "machine": describe(),
+        "machine": describe(outcome.run.backend for outcome in outcomes),
         "rows": [outcome.record() for outcome in outcomes],
     }
 

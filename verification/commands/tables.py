@@ -244,10 +244,13 @@ def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
     def say(text: str, style: str = "") -> None:
         print_line(console, text, style)
 
-    line = "{:21} {:34} {:12} {:24} {:10} {:11} {}".format
-    say(line("name", "version", "solves", "takes", "hardening", "warm start", "state"), "bold")
+    line = "{:21} {:28} {:12} {:24} {:10} {:11} {:16} {}".format
+    say(
+        line("name", "version", "solves", "takes", "hardening", "warm start", "run", "state"),
+        "bold",
+    )
     for record in records:
-        keys = ("name", "version", "solves", "takes", "hardening", "warm_start")
+        keys = ("name", "version", "solves", "takes", "hardening", "warm_start", "run")
         ready = record["state"] == "ready"
         say(line(*(record[key] for key in keys), "ready" if ready else "missing"))
         if ":" not in record["name"]:

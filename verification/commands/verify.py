@@ -11,6 +11,7 @@ import click
 from lacore.errors import require_positive
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
+    backends_option,
     cases_option,
     fresh_option,
     jobs_option,
@@ -22,7 +23,6 @@ from verification.commands.options import (
     resumable,
     time_limit_option,
 )
-from verification.defaults import ON_DEMAND
 
 if TYPE_CHECKING:
     pass
@@ -30,10 +30,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @named_cases("[CASE]...")
-@names_option(
-    "--backends",
-    f"Backends, or 'all'; default: all but {', '.join(ON_DEMAND)}; highs on rigid bodies.",
-)
+@backends_option
 @names_option(
     "--meshes",
     "Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
@@ -109,7 +106,7 @@ def verify(
             "summary": count,
             "runs": len(runs),
             "results": str(out / NAME),
-            "machine": describe(),
+            "machine": describe(run.backend for run in runs),
             "checks": table.to_dict("records"),
         }
         print_json(document)

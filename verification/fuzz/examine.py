@@ -18,6 +18,7 @@ from verification.fuzz.solving import FREE, Answer, Asked, answer, told
 
 _LINEAR = ("blocks", "frame")
 _LINEAR_SOLVER, _CONIC_SOLVER = "highs", "ipopt-static"
+"""Second opinions, by name: a problem that is drawn again elsewhere is judged alike there."""
 _EXTRAS = 2
 """Comparisons that are drawn for each problem, besides those that all have."""
 

@@ -34,7 +34,7 @@ from verification.perform.processes import OnStart, RunProcess, attempt
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
-from verification.store.provenance import code_version
+from verification.store.provenance import code_version, solvers_of
 
 _PATIENCE = 8  # s, for a scheduler and its workers to answer
 
@@ -84,7 +84,12 @@ class Children(WorkerPlugin):
 
 
 def on_worker(
-    name: str, index: int, pickled: bytes, time_limit: float, code: str
+    name: str,
+    index: int,
+    pickled: bytes,
+    time_limit: float,
+    solvers: Sequence[str],
+    code: str,
 ) -> tuple[Row, Evidence]:
     """A run, on a worker.
 
@@ -93,13 +98,14 @@ def on_worker(
         index: of the run, for the news that it has begun.
         pickled: the run; as bytes, because the scheduler need not know the cases.
         time_limit: s.
-        code: version of the code that asks.
+        solvers: backends of the run.
+        code: version of the code that asks, with these.
 
     Raises:
         InputError: the worker has other code.
     """
     worker = get_worker()
-    if code_version() != code:
+    if code_version(*solvers) != code:
         raise InputError(
             "--scheduler",
             worker.address,
@@ -135,12 +141,11 @@ def run_on_cluster(
     name = f"lacore-{uuid.uuid4().hex}"
     client.register_plugin(Children(name, [str(folder) for folder in folders]), name=name)
     client.subscribe_topic(name, lambda event: on_start(runs[event[1]]))
-    futures = {
-        client.submit(
-            on_worker, name, index, pickle.dumps(run), time_limit, code_version(), pure=False
-        ): run
-        for index, run in enumerate(runs)
-    }
+    futures: dict[Any, Run] = {}
+    for index, run in enumerate(runs):
+        solvers = solvers_of(run)
+        asked = (name, index, pickle.dumps(run), time_limit, solvers, code_version(*solvers))
+        futures[client.submit(on_worker, *asked, pure=False)] = run
     try:
         for future in as_completed(list(futures), loop=client.loop):
             yield _outcome(futures.pop(future), future)

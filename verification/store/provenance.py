@@ -5,7 +5,7 @@ import inspect
 import os
 import platform
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
@@ -15,19 +15,23 @@ from pathlib import Path
 
 import lacore as la
 from lacore.backend import load_backend
-from verification.runs.run import Run, canonical
+from lacore.inner.preparing import JUDGE
+from verification.runs.run import FUZZ, Run, canonical
 
 PACKAGES = (
-    *("lacore", "numpy", "scipy", "scikit-fem", "clarabel", "casadi", "cvxpy", "highspy"),
-    *("pypardiso", "shapely", "pandas", "matplotlib"),
+    *("lacore", "numpy", "scipy", "scikit-fem", "pypardiso", "shapely", "pandas", "matplotlib"),
 )
+"""What all numbers are made with; what a backend computes with it says itself."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _SOURCES = ("lacore", "backends", "verification")
 _LENGTH = 12
 
 
-def describe() -> dict[str, str]:
-    """Date, machine, Python, threads, versions of packages, git state and seed, as text."""
+def describe(backends: Iterable[str] = ()) -> dict[str, str]:
+    """Date, machine, Python, threads, versions of packages, git state and seed, as text.
+
+    `backends`: names of those at work, whose packages are named, too.
+    """
     threads = [f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ]
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -35,19 +39,23 @@ def describe() -> dict[str, str]:
         f" {platform.system()} {platform.machine()}",
         "threads": ", ".join(threads) or "not limited by the environment",
         "python": platform.python_version(),
-        "packages": ", ".join(f"{name} {_version(name)}" for name in PACKAGES),
+        "packages": ", ".join(f"{name} {_version(name)}" for name in _packages(backends)),
         "code": f"{code_version()}, {_git_state()}",
         "seed": "none: nothing is drawn at random",
     }
 
 
 @cache
-def code_version() -> str:
-    """Digest of the sources that make a number, and of the versions that they run with."""
+def code_version(*backends: str) -> str:
+    """Digest of the sources that make a number, and of the versions that they run with.
+
+    Those of `backends` are among them.
+    """
     digest = hashlib.sha256(platform.python_version().encode())
     for name, path in _sources():
         digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
-    digest.update("\0".join(_version(name) for name in PACKAGES).encode())
+    digest.update("\0".join(_version(name) for name in _packages(backends)).encode())
+    digest.update("\0".join(map(_backend_version, backends)).encode())
     return digest.hexdigest()[:_LENGTH]
 
 
@@ -61,11 +69,24 @@ def _sources() -> Iterator[tuple[str, Path]]:
 
 def code_of(run: Run) -> str:
     """Version of all the code behind a run: ours, its case's and its backend's."""
-    parts = [code_version(), _backend_version(run.backend), _source_digest(run)]
+    parts = [code_version(*solvers_of(run)), _source_digest(run)]
     return hashlib.sha256(canonical(parts).encode()).hexdigest()[:_LENGTH]
 
 
-@cache
+def solvers_of(run: Run) -> tuple[str, ...]:
+    """Backends that the row of a run depends on: random problems are compared with others."""
+    return (run.backend, *la.backend_names()) if run.coupling == FUZZ else (run.backend,)
+
+
+def _packages(backends: Iterable[str]) -> tuple[str, ...]:
+    """What numbers of backends are made with, and of the one that proves what others claim."""
+    found = [*PACKAGES]
+    for name in dict.fromkeys((JUDGE, *backends)):
+        with suppress(la.CapabilityError):  # of a missing one the rows say so
+            found += load_backend(name).capabilities.packages
+    return tuple(dict.fromkeys(found))
+
+
 def _backend_version(name: str) -> str:
     try:
         return load_backend(name).version()

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import lacore as la
-from verification.campaigns.comparison import is_regularised, plan
+from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.case import Case, Reference, Variant
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
@@ -116,8 +116,9 @@ def runs_of(questions: Sequence[Question]) -> list[Run]:
 
 
 def _dear(run: Run) -> bool:
-    """Whether a run takes tens of solves, or is of the backend of which one takes seconds."""
-    return run.coupling == BRACKET or run.case.path is not None or run.backend == "slsqp"
+    """Whether a run takes tens of solves, or is of a backend of which one takes seconds."""
+    several = run.coupling == BRACKET or run.case.path is not None
+    return several or capabilities(run.backend).dense
 
 
 def _quick(runs: Sequence[Run]) -> list[Run]:
