@@ -11,41 +11,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, vstack
+from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.errors import InputError
+from lacore.scales import SI, Scales
 from lacore.showing import Compact
 
 _ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
 _DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
-
-
-@dataclass(frozen=True, repr=False)
-class Scales(Compact):
-    """Units in which a program is written: SI value = scale * program value.
-
-    Attributes:
-        length: m.
-        stress: Pa.
-        velocity: m/s.
-        thickness: m; 1 where everything is per unit thickness.
-    """
-
-    length: float = 1.0
-    stress: float = 1.0
-    velocity: float = 1.0
-    thickness: float = 1.0
-
-    @property
-    def force(self) -> float:
-        """Force, N; per unit thickness N/m."""
-        return self.stress * self.length * self.thickness
-
-    @property
-    def load_factor(self) -> float:
-        """Load factor: that of a power at ``F0.U = 1``."""
-        return self.force * self.velocity
 
 
 @dataclass(frozen=True, repr=False)
@@ -282,7 +256,7 @@ class KinematicProgram(Compact):
     contact: ContactRows
     reference_load: Floats
     dead_load: Floats
-    scales: Scales = Scales()
+    scales: Scales = SI
     parts: Ints | None = None
 
     @property
@@ -386,48 +360,6 @@ def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) 
         axis=1,
     )
     return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order.ravel()])
-
-
-def kept_points(contact: ContactRows, kept: Bools | Ints) -> ContactRows:
-    """The contact points of a mask of shape (m,), or of numbers, in their order."""
-    points = np.arange(contact.count)[kept]
-    rows = (contact.tangent_dim * points[:, None] + np.arange(contact.tangent_dim)).ravel()
-    return replace(
-        contact,
-        normal=contact.normal[kept],
-        tangential=contact.tangential[rows],
-        **{
-            name: getattr(contact, name)[kept]
-            for name in ("weights", "coefficient", "limit", "dilatancy", "interface")
-        },
-        closing=None if contact.closing is None else contact.closing[kept],
-    )
-
-
-def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
-    """The program for the unknowns q of ``U = basis q``, basis of shape (n, n_free)."""
-
-    def cut(rows: Sparse) -> Sparse:
-        product = csr_matrix(rows @ basis)
-        product.eliminate_zeros()
-        product.sort_indices()
-        return product
-
-    contact, parts = program.contact, program.parts
-    if parts is not None:  # the columns of a basis do not mix parts
-        columns = csc_matrix(basis)
-        parts = parts[columns.indices[columns.indptr[:-1]]]
-    return replace(
-        program,
-        groups=tuple(
-            replace(group, rows=cut(group.rows), volumetric=cut(group.volumetric))
-            for group in program.groups
-        ),
-        contact=replace(contact, normal=cut(contact.normal), tangential=cut(contact.tangential)),
-        reference_load=np.asarray(basis.T @ program.reference_load),
-        dead_load=np.asarray(basis.T @ program.dead_load),
-        parts=parts,
-    )
 
 
 def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram:

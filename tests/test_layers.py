@@ -16,8 +16,8 @@ ROOT = Path(__file__).parents[1]
 MOST_FILES, MOST_LINES = 16, 400
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
 LACORE = (
-    *("arrays", "errors", "showing", "views", "status", "program", "state", "part_forces"),
-    *("certificate", "regularization", "backend"),
+    *("arrays", "errors", "showing", "views", "status", "scales", "program", "reduction"),
+    *("state", "part_forces", "certificate", "regularization", "backend"),
     *("numerics", "process", "inner", "claims", "coupling"),
     *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
     *("limit", "bounds", "adaptive", "ranges", "paths", "files", "pictures", "doors"),

@@ -41,14 +41,9 @@ from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.errors import InputError
 from lacore.meshes.curved import is_curved
 from lacore.problem.problem import Problem
-from lacore.program import (
-    ContactRows,
-    DissipationGroup,
-    KinematicProgram,
-    Scales,
-    kept_points,
-    reduced,
-)
+from lacore.program import ContactRows, DissipationGroup, KinematicProgram
+from lacore.reduction import kept_points, reduced
+from lacore.scales import Scales
 from lacore.showing import Facts, Picture, Shown, counted, listed, sized
 from lacore.status import Scope
 

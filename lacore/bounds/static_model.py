@@ -30,7 +30,9 @@ from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram, Scales, kept_points, reduced
+from lacore.program import KinematicProgram
+from lacore.reduction import kept_points, reduced
+from lacore.scales import Scales
 from lacore.showing import Facts, Shown, counted, listed, sized
 
 _ROUND_OFF = 1e-12  # of the load that remains where supports take all of it

@@ -25,9 +25,9 @@ from lacore.program import (
     KinematicProgram,
     associated_contact,
     dimensionless,
-    reduced,
     require_homogeneous,
 )
+from lacore.reduction import reduced
 from lacore.showing import Facts, Picture, Shown
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status

@@ -23,12 +23,8 @@ from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.inner.own_unknown import with_own_unknown
-from lacore.program import (
-    FrozenContact,
-    KinematicProgram,
-    associated_contact,
-    kept_points,
-)
+from lacore.program import FrozenContact, KinematicProgram, associated_contact
+from lacore.reduction import kept_points
 from lacore.showing import Compact
 from lacore.state import ProgramState
 

@@ -14,7 +14,7 @@ from backends import _preconditioned, slsqp_nlp, trust_constr
 from backends._preconditioned import AWAY, LATE, Minimum, PreconditionedSolver
 from lacore.backend import find_backend
 from lacore.errors import CapabilityError
-from lacore.program import reduced
+from lacore.reduction import reduced
 from lacore.status import Status
 from verification.conformance.programs import WORKED
 
