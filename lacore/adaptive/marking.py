@@ -28,7 +28,7 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     total = rates.sum(axis=1)
     if body in discretisation.slips:
         dofs, slip = discretisation.bodies[body], discretisation.slips[body]
-        form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+        form = dofs.body.form
         elements = dofs.body.mesh.f2t[0, slip.facets]
         np.add.at(total, elements, slip.layer(dofs, bound.velocity) @ form.rows.T)
     return np.asarray(whole - strength * np.linalg.norm(total, axis=1))

@@ -363,7 +363,7 @@ def _movable(contact: ContactRows, points: ContactPoints) -> Bools:
 
 
 def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
-    form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+    form = dofs.body.form
     basis = dofs.basis
     gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
     rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
@@ -389,7 +389,7 @@ def _plasticity(name: str, dofs: BodyDofs, n: int) -> DissipationGroup:
         rows=rows(form.rows),
         dim=form.rows.shape[0],
         weights=weights,
-        bound=np.full(weights.size, form.bound),
+        bound=np.repeat(form.bounds(np.arange(dofs.body.mesh.nelements)), dofs.weights.shape[1]),
         volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
     )

@@ -46,7 +46,7 @@ class EquilibriumDofs(Compact):
     @property
     def strength(self) -> float:
         """Shear stress that it can carry, Pa."""
-        return self.body.criterion.k
+        return self.body.criterion.strength
 
     def facet_nodes(self, facets: Ints) -> Ints:
         """Nodes of W at both ends of facets, in the order of ``mesh.facets``, shape (2, k)."""
@@ -62,7 +62,7 @@ class EquilibriumDofs(Compact):
     def group(self, name: str, n: int) -> DissipationGroup:
         """Yield at the vertices, weights A/3, over n unknowns: duals are the vertex stresses."""
         body, mesh = self.body, self.body.mesh
-        form = body.criterion.conic_form(body.kinematics)
+        form = body.form
         area, sides = element_geometry(body)
         facets = mesh.t2f[_FACETS]  # (vertices, 2, elements)
         end = (mesh.facets[1][facets] == mesh.t[:, None, :]).astype(np.int64)
@@ -93,7 +93,7 @@ class EquilibriumDofs(Compact):
             rows=rows(form.rows),
             dim=form.rows.shape[0],
             weights=weights,
-            bound=np.full(weights.size, form.bound),
+            bound=np.repeat(form.bounds(np.arange(mesh.nelements)), 3),
             volumetric=rows(form.volumetric[None, :]),
             volumetric_factor=form.volumetric_factor,
         )

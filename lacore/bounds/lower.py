@@ -111,7 +111,7 @@ class LowerBound(Shown):
         for (name, dofs), s, p in zip(
             self.model.bodies.items(), point.stress, point.mean_stress, strict=True
         ):
-            form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+            form = dofs.body.form
             result[name] = form.stress(s, p).reshape(-1, 3, 4)
         return result
 

@@ -165,7 +165,7 @@ def static_model(problem: Problem) -> StaticModel:
         points=points.kept(kept),
         natural=Scales(
             length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
-            stress=sqrt(3) * max(dofs.body.criterion.k for dofs in bodies.values()),
+            stress=sqrt(3) * max(dofs.strength for dofs in bodies.values()),
             velocity=1 / size,
         ),
     )

@@ -148,7 +148,7 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
     start, bodies = stage.start.nodes, number(stage.bodies_at(snapshot.configuration))
     for place, (name, dofs) in enumerate(bodies.items()):
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
-        stress = dofs.body.criterion.law.stress(strain)
+        stress = dofs.body.law.stress(strain)
         at_points = {
             "velocity": _spatial(snapshot.velocity[name]),
             "displacement": _spatial(snapshot.configuration.nodes[name] - start[name]),

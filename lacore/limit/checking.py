@@ -177,7 +177,7 @@ def _with_stress(
         if name not in given:
             continue
         dofs = d.bodies[name]
-        form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+        form = dofs.body.form
         sigma = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4)).reshape(-1, 4)
         parts = np.eye(form.rows.shape[0] + 1)
         own = sigma @ np.linalg.pinv(form.stress(parts[:, :-1], parts[:, -1]))

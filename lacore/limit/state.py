@@ -121,7 +121,7 @@ class LimitState(Shown):
         for (name, dofs), s, p in zip(
             self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
         ):
-            form = dofs.body.criterion.conic_form(dofs.body.kinematics)
+            form = dofs.body.form
             mean = volume_projector(dofs) @ p
             result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
         return result

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Ints
 from lacore.showing import Compact
 
 KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
@@ -20,7 +20,7 @@ class ConicForm(Compact):
     Attributes:
         rows: cone rows, shape (dim, components).
         volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,).
-        bound: largest norm of the conjugate stress, Pa.
+        bound: largest norm of the conjugate stress, Pa; of all elements, or of each, (elements,).
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
             regularised dissipation (T17) sees that deviator.
@@ -28,13 +28,19 @@ class ConicForm(Compact):
 
     rows: Floats
     volumetric: Floats
-    bound: float
+    bound: float | Floats
     volumetric_factor: float
 
     @property
     def compressible(self) -> bool:
         """Whether the plane velocity may change areas: plane stress."""
         return not np.any(self.volumetric)
+
+    def bounds(self, elements: Ints) -> Floats:
+        """The bound in elements, of their shape, Pa."""
+        if np.ndim(self.bound) == 0:
+            return np.full(np.shape(elements), self.bound, dtype=np.float64)
+        return np.asarray(np.asarray(self.bound)[elements])
 
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
         """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.

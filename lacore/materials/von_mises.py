@@ -1,4 +1,4 @@
-"""Yield criteria (T1): what a strain rate costs, as rows of a cone. They know no solver."""
+"""The yield criterion of von Mises (T1), perfectly plastic or hardening (T29)."""
 
 from dataclasses import dataclass
 from math import sqrt
@@ -62,6 +62,17 @@ class VonMises(Compact):
         if self.shear_strength is not None:
             return self.shear_strength
         return float(self.law.stress(np.zeros(1))[0]) / sqrt(3)
+
+    @property
+    def strength(self) -> float:
+        """As `k`."""
+        return self.k
+
+    @property
+    def label(self) -> str:
+        """Its strength in shear, Pa."""
+        first = "" if self.hardening is None else "hardening, at first "
+        return f"{first}k = {self.k:.4g} Pa"
 
     @property
     def law(self) -> HardeningLaw:

@@ -176,7 +176,7 @@ def _laws(d: Discretisation, moment: Moment) -> list[_Law]:
 
 
 def _law(name: str, dofs: BodyDofs, moment: Moment) -> _Law:
-    law, factor = dofs.body.criterion.law, strain_per_length(dofs)
+    law, factor = dofs.body.law, strain_per_length(dofs)
     begin, now = moment.begin.strain[name].ravel(), moment.at.strain[name].ravel()
     slope, stress = law.modulus(now), law.stress(now)
     rate = factor**2 * moment.share * moment.duration
@@ -202,8 +202,7 @@ def _hardened(group: DissipationGroup, law: _Law) -> DissipationGroup:
 
 def strain_per_length(dofs: BodyDofs) -> float:
     """Equivalent strain rate per length of a cone vector: both dissipate the same."""
-    criterion = dofs.body.criterion
-    return float(criterion.conic_form(dofs.body.kinematics).bound / (np.sqrt(3) * criterion.k))
+    return float(np.max(dofs.body.form.bound) / (np.sqrt(3) * dofs.strength))
 
 
 def _principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:

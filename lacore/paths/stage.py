@@ -141,6 +141,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     interfaces = [*problem.interfaces, *approaching]
     obstacles = tuple(_obstacle(interface, bodies, names) for interface in interfaces)
     for name, body in bodies.items():
+        body.law  # noqa: B018  # one without is refused here
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
     grips = [

@@ -12,8 +12,9 @@ from lacore.arrays import Bools, Floats
 from lacore.bodies.continuum.locking import crossed_quadrilaterals
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
 from lacore.errors import InputError, require_known
-from lacore.materials.conic_form import KINEMATICS
-from lacore.materials.von_mises import VonMises
+from lacore.materials.conic_form import KINEMATICS, ConicForm
+from lacore.materials.criterion import Criterion
+from lacore.materials.hardening import HardeningLaw
 from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import edge_curves, vertices
 from lacore.meshes.polygonal import geometry_of
@@ -36,7 +37,8 @@ class Body(Shown):
             convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
             isoparametric meshes, whose edges are curves through their midside nodes
             (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
-        criterion: yield criterion, `VonMises`.
+        criterion: yield criterion: `VonMises`, or one of your own with the four names of
+            `lacore.materials.criterion.Criterion`.
         kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
             body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
             forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
@@ -56,7 +58,7 @@ class Body(Shown):
     """
 
     mesh: MeshTri | MeshQuad
-    criterion: VonMises
+    criterion: Criterion
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
@@ -66,7 +68,7 @@ class Body(Shown):
         require_known("Body.space", self.space, SPACES)
         if self.geometry is not None:
             require_known("Body.geometry", self.geometry, GEOMETRIES)
-        if not isinstance(self.criterion, VonMises):
+        if not isinstance(self.criterion, Criterion):
             raise InputError(
                 "Body.criterion",
                 self.criterion,
@@ -87,7 +89,7 @@ class Body(Shown):
             object.__setattr__(self, "geometry", geometry_of(self.mesh))
         if self.axisymmetric:
             _check_radii(self)
-        incompressible = not self.criterion.conic_form(self.kinematics).compressible
+        incompressible = not self.form.compressible
         if space.locks and incompressible and not crossed_quadrilaterals(self.mesh):
             raise InputError(
                 "Body.space",
@@ -104,7 +106,7 @@ class Body(Shown):
         elements = counted(
             self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
         )
-        return f"{elements}, {self.kinematics}, {self.space}, k = {self.criterion.k:.4g} Pa"
+        return f"{elements}, {self.kinematics}, {self.space}, {self.criterion.label}"
 
     def facts(self) -> Facts:
         """What it consists of."""
@@ -124,6 +126,27 @@ class Body(Shown):
     def plot(self) -> "Figure":
         """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
         return views.picture(self)
+
+    @property
+    def form(self) -> ConicForm:
+        """Cone of its dissipation."""
+        return self.criterion.conic_form(self.kinematics)
+
+    @property
+    def law(self) -> HardeningLaw:
+        """How it hardens along a path.
+
+        Raises:
+            InputError: of a criterion that does not say.
+        """
+        if self.criterion.law is None:
+            raise InputError(
+                "Body.criterion",
+                self.criterion,
+                "does not say how it hardens, which paths ask for",
+                "give lacore.VonMises, or a criterion with a `law` (lacore.hardening.Perfect, ...)",
+            )
+        return self.criterion.law
 
     @property
     def axisymmetric(self) -> bool:

@@ -58,7 +58,7 @@ class BodyDofs(Compact):
     @property
     def strength(self) -> float:
         """Shear stress that it can carry, Pa."""
-        return self.body.criterion.k
+        return self.body.criterion.strength
 
     @property
     def extent(self) -> float:

@@ -108,7 +108,7 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
 
     # What holds a boundary, or does not, has no normal jump.
     opening, slipping = across(np.stack([along[1], -along[0]]) * within), across(along)
-    form = dofs.body.criterion.conic_form(dofs.body.kinematics).across()
+    form = dofs.body.form.across()
     dim, count = form.rows.shape[0], length.size
     order = np.arange(dim * count).reshape(dim, count).T.ravel()
     rows = vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
@@ -120,7 +120,7 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
         rows=csr_matrix(rows),
         dim=dim,
         weights=length**2 / copies,
-        bound=np.full(count, form.bound),
+        bound=np.repeat(form.bounds(elements).min(axis=0), copies),
         volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import shapely
+import re
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -115,8 +116,8 @@ def _draw_continuum(sheet: Sheet, body: Body) -> None:
         LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
-    first = "" if body.criterion.hardening is None else "hardening, at first "
-    text = rf"rigid-plastic, {first}$k = {body.criterion.k:.4g}$ Pa"
+    symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", body.criterion.label)
+    text = f"rigid-plastic, {symbols}"
     sheet.handles[text] = Patch(facecolor=_SOIL, edgecolor=_OUTLINE)
 
 

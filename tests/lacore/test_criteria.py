@@ -1,0 +1,78 @@
+"""A yield criterion of one's own, with a strength of its own in each element."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.arrays import Floats
+from lacore.materials.conic_form import ConicForm
+
+
+@dataclass(frozen=True)
+class Layered:
+    """von Mises with a shear strength of each element, Pa."""
+
+    strengths: Floats
+    law = None
+
+    @property
+    def strength(self):
+        return float(self.strengths.max())
+
+    @property
+    def label(self):
+        return f"k = {self.strengths.min():.4g} ... {self.strengths.max():.4g} Pa"
+
+    def conic_form(self, kinematics):
+        form = la.VonMises(1.0).conic_form(kinematics)
+        return ConicForm(form.rows, form.volumetric, self.strengths, form.volumetric_factor)
+
+
+def bar(space, kinematics="plane_strain", strengths=(1.0, 3.0)):
+    """Two bars on top of each other, 2 x 1/2 each, pulled by a uniform traction at the ends."""
+    mesh = la.meshes.rectangle((0, 2), (0, 1), 4, 4)
+    middle = mesh.p[1, mesh.t].mean(axis=0)
+    criterion = Layered(np.where(middle < 0.5, *strengths))
+    return la.Problem(
+        {"bar": la.Body(mesh, criterion, kinematics, space)},
+        [la.RigidFooting("bar", "right", (1.0, 0.0), rough=False)],
+        [la.Fix("bar", "left", "x")],  # free to move up and down, which costs nothing
+    )
+
+
+EXACT = 1e-6  # the mechanism lies in every space: what is left is the bar of the certificate
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p1-disc", "p2-disc", "p2-gauss"])
+@pytest.mark.parametrize(
+    ("kinematics", "tension"), [("plane_strain", 2.0), ("plane_stress", sqrt(3))]
+)
+def test_bars_side_by_side_carry_the_sum(space, kinematics, tension):
+    """Uniform strain, and in each bar its yield stress in tension: exact from both sides."""
+    problem = bar(space, kinematics)
+    exact = tension * 2.0  # of mean strength 2
+    assert la.solve(problem).load_factor == pytest.approx(exact, rel=EXACT)
+    assert la.lower_bound(problem).load_factor == pytest.approx(exact, rel=EXACT)
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
+def test_a_jump_costs_what_the_weaker_side_carries(space):
+    d = la.discretise(bar(space))
+    jumps, strengths = d.jumps["bar"], d.bodies["bar"].body.criterion.strengths
+    sides = strengths[jumps.elements]
+    assert {(1.0, 3.0), (3.0, 1.0)} & set(map(tuple, sides.T.tolist()))
+    assert np.array_equal(jumps.group.bound, sides.min(axis=0))
+
+
+def test_it_says_what_it_is_worth():
+    body = bar("p2-vertex").bodies["bar"]
+    assert "k = 1 ... 3 Pa" in body.contents
+
+
+def test_a_path_asks_how_it_hardens():
+    problem = bar("p2-gauss")
+    with pytest.raises(la.InputError, match=r"Body\.criterion.*how it hardens"):
+        la.sequential(problem, travel=0.1, steps=2)
