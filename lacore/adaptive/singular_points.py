@@ -9,7 +9,6 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.conditions.loads import BodyForce, PointForce
-from lacore.contact.obstacles import RigidObstacle
 from lacore.contact.segments import interface_segments
 from lacore.problem.problem import Problem
 
@@ -38,8 +37,8 @@ def singular_points(problem: Problem, name: str) -> list[int]:
     alike = [boundary_facets(body, where, "where") for where in wheres]
     for index, pair in enumerate(problem.interfaces):
         segments = interface_segments(pair, problem.bodies, f"Problem.interfaces[{index}]")
-        for side, facets in ((pair.slave, segments.slave), (pair.master, segments.master)):
-            if not isinstance(side, RigidObstacle) and side[0] == name:
+        for (own, _), facets in zip(pair.sides, segments.edges, strict=False):
+            if own == name:
                 alike.append(facets)
     boundary = mesh.boundary_facets()
     conditions = np.zeros((mesh.nfacets, len(alike)), dtype=bool)

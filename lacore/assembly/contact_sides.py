@@ -6,7 +6,6 @@ import numpy as np
 
 from lacore.arrays import Ints
 from lacore.assembly.discretise import Discretisation
-from lacore.contact.obstacles import RigidObstacle
 
 OBSTACLE = "obstacle"
 
@@ -40,8 +39,8 @@ def _pairs(discretisation: Discretisation) -> Iterator[tuple[str, str | None]]:
     for obstacle in discretisation.points.obstacles:
         yield obstacle.body, None
     for interface in discretisation.problem.interfaces:
-        master = interface.master
-        yield interface.slave[0], None if isinstance(master, RigidObstacle) else master[0]
+        slave, *master = (name for name, _ in interface.sides)
+        yield slave, next(iter(master), None)
 
 
 def _names(discretisation: Discretisation, body: str, moving: Ints) -> np.ndarray:

@@ -21,7 +21,6 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.conditions.elimination import NodeConditions, contradictory, join
 from lacore.conditions.loads import RigidFooting
 from lacore.conditions.nodes import footing_conditions, support_conditions
-from lacore.contact.obstacles import RigidObstacle
 from lacore.contact.segments import interface_segments
 from lacore.problem.problem import Problem
 
@@ -82,10 +81,8 @@ def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
     """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
     interface = problem.interfaces[index]
     segments = interface_segments(interface, problem.bodies, f"Problem.interfaces[{index}]")
-    touched = {interface.slave[0]: np.unique(segments.slave)}
-    if not isinstance(interface.master, RigidObstacle):
-        touched[interface.master[0]] = np.unique(segments.master)
-    return touched
+    sides = zip(interface.sides, segments.edges, strict=False)
+    return {name: np.unique(edges) for (name, _), edges in sides}
 
 
 def _slip(

@@ -10,7 +10,6 @@ from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.problem.problem import Problem
 
 _BESIDE = 4.0  # tolerances: from where another member crosses
@@ -62,9 +61,8 @@ def _named(support: Fix, problem: Problem) -> Fix:
 
 def _named_interface(interface: Interface, problem: Problem) -> Interface:
     sides: dict[str, Any] = {}
-    for side in ("slave", "master"):
-        part = getattr(interface, side)
-        if isinstance(part, RigidObstacle) or not callable(part[1]):
+    for side, part in zip(("slave", "master"), interface.sides, strict=False):
+        if not callable(part[1]):
             continue
         frame = problem.bodies[part[0]]
         if isinstance(frame, Frame):
@@ -94,8 +92,7 @@ def _held(problem: Problem, name: str, frame: Frame) -> list[Ints]:
     """Nodes of supports and interfaces."""
     parts = [support.where for support in problem.supports if support.body == name]
     for interface in problem.interfaces:
-        sides = [interface.slave, interface.master]
-        parts += [s[1] for s in sides if not isinstance(s, RigidObstacle) and s[0] == name]
+        parts += [where for own, where in interface.sides if own == name]
     return [frame.find(where, "where") for where in parts]
 
 

@@ -16,7 +16,6 @@ from lacore.assembly.slips import asked_of, contact_facets, meetings
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import RigidFooting
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.materials.friction import Tresca
 from lacore.problem.problem import Problem
 
@@ -30,7 +29,7 @@ def yielding(
     """
     found = list(problem.interfaces)
     touched = [contact_facets(problem, index) for index in range(len(found))]
-    moves = [not isinstance(interface.master, RigidObstacle) for interface in found]
+    moves = [interface.obstacle is None for interface in found]
     for index, interface in enumerate(found):
         strengths = [bodies[name].strength for name in touched[index] if name in bodies]
         if not strengths or not isinf(interface.law.terms().limit):

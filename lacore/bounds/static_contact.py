@@ -17,7 +17,6 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.contact.rows import ContactPoints, Station, interface_station, joined, laws_of
 from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError
@@ -38,8 +37,7 @@ def traction_rows(
     rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
     stations = []
     for index, interface in enumerate(interfaces):
-        sides = (interface.slave, interface.master)
-        if all(isinstance(side, RigidObstacle) or side[0] in rigid for side in sides):
+        if all(name in rigid for name, _ in interface.sides):
             stations.append(interface_station(interface, index, rigid, n))
         else:
             stations.append(_station(interface, index, bodies, n))
@@ -51,9 +49,8 @@ def _station(interface: Interface, index: int, bodies: Mapping[str, StaticDofs],
     field = f"Problem.interfaces[{index}]"
     geometry = {name: dofs.body for name, dofs in bodies.items()}
     segments = interface_segments(interface, geometry, field)
-    sides = [(bodies[interface.slave[0]], segments.slave)]
-    if not isinstance(interface.master, RigidObstacle):
-        sides.append((bodies[interface.master[0]], segments.master))
+    meeting = zip(interface.sides, segments.edges, strict=False)
+    sides = [(bodies[name], edges) for (name, _), edges in meeting]
     strength = min(dofs.strength for dofs, _ in sides)
     turned = isinstance(sides[0][0], RigidDofs)
     (carrier, touched), *others = sides[::-1] if turned else sides

@@ -8,7 +8,7 @@ slave, ``t_n >= 0`` is compression.
 from dataclasses import dataclass
 
 from lacore.conditions.where import Where, where_name
-from lacore.contact.obstacles import RigidObstacle
+from lacore.contact.obstacles import RigidObstacle, Shape
 from lacore.errors import InputError
 from lacore.materials.friction import Friction, friction_law
 from lacore.showing import Compact
@@ -49,14 +49,30 @@ class Interface(Compact):
                 "not an obstacle or a boundary",
                 "give lacore.RigidObstacle() or (body name, where)",
             )
-        if not isinstance(self.master, RigidObstacle) and self.master[0] == self.slave[0]:
+        if len({name for name, _ in self.sides}) < len(self.sides):
             raise InputError(
                 "Interface.master",
-                self.master[0],
+                self.slave[0],
                 "a body in contact with itself",
                 "make its parts bodies of their own (blocks of one assembly find their joints)",
             )
         object.__setattr__(self, "friction", self.law)
+
+    @property
+    def obstacle(self) -> RigidObstacle | None:
+        """The master, where that is no body."""
+        return self.master if isinstance(self.master, RigidObstacle) else None
+
+    @property
+    def face(self) -> Shape | None:
+        """What the obstacle looks like; None of a body, and of one that follows the boundary."""
+        return None if self.obstacle is None else self.obstacle.face
+
+    @property
+    def sides(self) -> tuple[tuple[str, Where], ...]:
+        """The boundaries of bodies: the slave, and the master where that is one."""
+        master = self.master
+        return (self.slave,) if isinstance(master, RigidObstacle) else (self.slave, master)
 
     @property
     def law(self) -> Friction:
@@ -66,10 +82,7 @@ class Interface(Compact):
     @property
     def name(self) -> str:
         """Name in tables: ``block.bottom``, ``punch.base|soil.top``."""
-        sides = [self.slave]
-        if not isinstance(self.master, RigidObstacle):
-            sides.append(self.master)
-        return "|".join(f"{body}.{where_name(where)}" for body, where in sides)
+        return "|".join(f"{body}.{where_name(where)}" for body, where in self.sides)
 
 
 def _is_boundary(side: object) -> bool:

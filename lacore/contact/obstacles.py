@@ -1,6 +1,7 @@
-"""Rigid obstacles: where the side of an interface that is no body stands, and how it moves."""
+"""Rigid obstacles: what they look like, and which part of a body may come to one."""
 
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,6 +14,62 @@ from lacore.showing import Compact
 _NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell from touching
 
 
+@runtime_checkable
+class Shape(Protocol):
+    """What an obstacle looks like. One of your own has these; contact and pictures ask no more.
+
+    Contact holds at control values (`lacore.paths.approach`): of a plane all along an edge, of a
+    curved face as far as its distance is linear within a step.
+    """
+
+    def distance(self, places: Floats) -> Floats:
+        """Of places of shape (2, n) from its face, m, shape (n,); negative behind it."""
+        ...
+
+    def normal(self, places: Floats) -> Floats:
+        """Unit normals towards the bodies, at the points of its face nearest to places, (2, n)."""
+        ...
+
+    def outline(self, low: Floats, high: Floats) -> Floats:
+        """Its face across the box between two corners, as a line through points (2, k), k >= 2."""
+        ...
+
+
+@dataclass(frozen=True, repr=False)
+class Plane(Compact):
+    """A plane.
+
+    Attributes:
+        point: on it, m.
+        direction: its unit normal, towards the bodies.
+    """
+
+    point: tuple[float, float]
+    direction: tuple[float, float]
+
+    @classmethod
+    def through(cls, point: Floats, normal: Floats) -> "Plane":
+        """By a point and a normal of any length, shape (2,) each."""
+        x, y = (float(part) for part in point)
+        n_x, n_y = (float(part) for part in normal / np.linalg.norm(normal))
+        return cls((x, y), (n_x, n_y))
+
+    def distance(self, places: Floats) -> Floats:
+        """See `Shape`."""
+        return np.asarray(np.array(self.direction) @ (places - np.reshape(self.point, (2, 1))))
+
+    def normal(self, places: Floats) -> Floats:
+        """See `Shape`."""
+        return np.repeat(np.reshape(self.direction, (2, 1)), places.shape[1], axis=1)
+
+    def outline(self, low: Floats, high: Floats) -> Floats:
+        """See `Shape`; as long as the box is wide, to either side."""
+        normal, middle = np.array(self.direction), (low + high) / 2
+        foot = middle - normal * (normal @ (middle - self.point))
+        along = float(np.linalg.norm(high - low)) * np.array([-normal[1], normal[0]])
+        return np.stack([foot - along, foot + along], axis=1)
+
+
 @dataclass(frozen=True, repr=False)
 class RigidObstacle(Compact):
     """A rigid obstacle at rest.
@@ -20,12 +77,28 @@ class RigidObstacle(Compact):
     Attributes:
         point, normal: a plane through `point` whose `normal` points out of the obstacle, towards
             the body. Without them the obstacle has the shape of the boundary that touches it.
+        shape: of any other face, in place of a plane.
+
+    Raises:
+        InputError: a point without a normal, no vectors, a plane and another shape.
     """
 
     point: tuple[float, float] | None = None
     normal: tuple[float, float] | None = None
+    shape: Shape | None = None
 
     def __post_init__(self) -> None:
+        if self.shape is not None and not isinstance(self.shape, Shape):
+            raise InputError(
+                "RigidObstacle.shape",
+                self.shape,
+                "not a shape",
+                "give an object with distance, normal and outline (lacore.contact.obstacles.Shape)",
+            )
+        if self.shape is not None and (self.point is not None or self.normal is not None):
+            raise InputError(
+                "RigidObstacle", None, "a plane and another shape", "give one of the two"
+            )
         if (self.point is None) != (self.normal is None):
             raise InputError(
                 "RigidObstacle", None, "a plane needs both point and normal", "give both or none"
@@ -45,17 +118,24 @@ class RigidObstacle(Compact):
             require_place("RigidObstacle.point", self.point)
             require_range("RigidObstacle.normal", self.normal)
 
+    @property
+    def face(self) -> Shape | None:
+        """What it looks like; None: as the boundary that touches it."""
+        if self.point is None or self.normal is None:
+            return self.shape
+        return Plane.through(np.array(self.point), np.array(self.normal))
+
 
 @dataclass(frozen=True, repr=False)
 class Obstacle(Compact):
-    """A plane that does not move, and the part of a body that may come to it.
+    """A face that does not move, and the part of a body that may come to it.
 
     Attributes:
         name: of the interface.
         body: name.
         where: name of the part of its boundary.
         facets: of its mesh.
-        point, normal: of the plane, shape (2,); the unit normal points towards the body.
+        shape: what it looks like.
         law: friction.
         size: of the body, m.
     """
@@ -64,8 +144,7 @@ class Obstacle(Compact):
     body: str
     where: str
     facets: Ints
-    point: Floats
-    normal: Floats
+    shape: Shape
     law: FrictionTerms
     size: float
 
@@ -78,7 +157,3 @@ class Obstacle(Compact):
     def near(self) -> float:
         """Distance up to which a point that came there counts as touching, m."""
         return _NEAR * self.size
-
-    def distance(self, places: Floats) -> Floats:
-        """Of places of shape (2, n) from the plane, m; negative behind it."""
-        return np.asarray(self.normal @ (places - self.point[:, None]))

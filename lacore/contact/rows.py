@@ -19,7 +19,7 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.contact.controls import Dofs, controls
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, RigidObstacle
+from lacore.contact.obstacles import Obstacle
 from lacore.contact.segments import Segments, interface_segments
 from lacore.program import ContactRows
 from lacore.showing import Compact
@@ -150,11 +150,8 @@ def interface_station(
     """Contact points of the interface with a number."""
     geometry = {name: dofs.body for name, dofs in bodies.items()}
     segments = interface_segments(interface, geometry, f"Problem.interfaces[{index}]")
-    slave = bodies[interface.slave[0]]
-    sides = [(slave, slave.parts(segments.slave))]
-    if not isinstance(interface.master, RigidObstacle):
-        master = bodies[interface.master[0]]
-        sides.append((master, master.parts(segments.master)))
+    meeting = zip(interface.sides, segments.edges, strict=False)
+    sides = [(bodies[name], bodies[name].parts(edges)) for (name, _), edges in meeting]
     count = segments.slave.size
     laws = laws_of(interface, min(dofs.strength for dofs, _ in sides), count)
     return _stations(segments, np.full(count, index), laws, sides, n)

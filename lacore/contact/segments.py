@@ -13,7 +13,6 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges, near_misses, touching
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves
 from lacore.showing import Compact
@@ -38,6 +37,11 @@ class Segments(Compact):
     end: Floats
     normal: Floats
 
+    @property
+    def edges(self) -> tuple[Ints, Ints]:
+        """Of slave and master, as `Interface.sides`."""
+        return self.slave, self.master
+
 
 def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Segments:
     """The segments of an interface; those at nodes of a frame are points.
@@ -46,17 +50,18 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
         InputError: the two sides do not touch, touch up to a small gap, or somewhere with a corner
             only; a node at a corner, or against an obstacle without a normal.
     """
-    slave = bodies[interface.slave[0]]
-    numbers, edges = boundary_edges(slave, interface.slave[1], f"{field}.slave")
-    if isinstance(interface.master, RigidObstacle):
+    (name, where), *second = interface.sides
+    slave = bodies[name]
+    numbers, edges = boundary_edges(slave, where, f"{field}.slave")
+    if not second:
         _check_obstacle(slave, numbers, edges, interface, field)
         nothing = np.full(numbers.size, -1)
         normal = -edges.normal
         if isinstance(slave, Frame):
-            normal = np.tile(_obstacle_normal(interface, field)[:, None], numbers.size)
+            normal = _obstacle_normals(interface, edges.start, field)
         return Segments(numbers, nothing, edges.start, edges.end, normal)
-    master = bodies[interface.master[0]]
-    others, facing = boundary_edges(master, interface.master[1], f"{field}.master")
+    master = bodies[second[0][0]]
+    others, facing = boundary_edges(master, second[0][1], f"{field}.master")
     allowed = max(tolerance(slave), tolerance(master))
     if isinstance(slave, Frame) and isinstance(master, Frame):
         raise InputError(
@@ -83,7 +88,7 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
         raise InputError(
             field,
             interface.name,
-            f"does not touch {interface.master[0]}.{where_name(interface.master[1])}",
+            f"does not touch {second[0][0]}.{where_name(second[0][1])}",
             "give two boundaries that lie on each other",
         )
     corners = loose_corners(edges, facing, shared, allowed)
@@ -136,16 +141,13 @@ def _check_curves(
 def _check_obstacle(
     body: AnyBody, numbers: Ints, edges: Edges, interface: Interface, field: str
 ) -> None:
-    obstacle = interface.master
-    assert isinstance(obstacle, RigidObstacle)
-    if obstacle.point is None or obstacle.normal is None:
+    face = interface.face
+    if face is None:
         return
-    normal = np.array(obstacle.normal) / np.linalg.norm(obstacle.normal)
-    point = np.reshape(obstacle.point, (2, 1))
     places = [edges.start, edges.end]
     if isinstance(body, Body):
         places.append(edge_curves(body.mesh, numbers).middle)
-    gap = np.concatenate([normal @ (x - point) for x in places])
+    gap = np.concatenate([face.distance(x) for x in places])
     worst = gap[np.argmax(np.abs(gap))]
     if abs(worst) > tolerance(body):
         raise InputError(
@@ -155,27 +157,28 @@ def _check_obstacle(
             f"{'above' if worst > 0 else 'inside'} it",
             "move the body or RigidObstacle.point so that the two coincide",
         )
-    if np.any(normal @ edges.normal > 0):
+    normal = face.normal((edges.start + edges.end) / 2)
+    outward = np.flatnonzero(np.sum(normal * edges.normal, axis=0) > 0)
+    if outward.size:
         raise InputError(
             field,
-            obstacle.normal,
+            tuple(normal[:, outward[0]].tolist()),
             "the obstacle's normal points out of the body",
             "give the normal from the obstacle into the body",
         )
 
 
-def _obstacle_normal(interface: Interface, field: str) -> Floats:
-    """Unit normal of the obstacle that a node touches."""
-    assert isinstance(interface.master, RigidObstacle)
-    if interface.master.normal is None:
+def _obstacle_normals(interface: Interface, places: Floats, field: str) -> Floats:
+    """Unit normals of the obstacle that nodes touch, shape (2, k)."""
+    face = interface.face
+    if face is None:
         raise InputError(
             field,
             interface.name,
             "a node of a frame has no shape that an obstacle could follow",
             "give RigidObstacle(point=(x, y), normal=(nx, ny))",
         )
-    normal = np.array(interface.master.normal)
-    return np.asarray(normal / np.linalg.norm(normal))
+    return face.normal(places)
 
 
 def _faces(

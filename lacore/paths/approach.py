@@ -33,7 +33,7 @@ def approaching_rows(
     """Rows of all obstacles for n unknowns, and where their points are.
 
     Args:
-        obstacles: planes.
+        obstacles: with their faces.
         bodies: where the step is solved: weights are lengths there.
         n: unknowns.
         begin: where the step begins: distances are those there.
@@ -54,7 +54,7 @@ def approaching_rows(
     def each(values: Sequence[float]) -> Floats:
         return np.repeat(np.array(values, dtype=float), counts)
 
-    normal = np.repeat(np.array([own.normal for own in obstacles]).reshape(-1, 2), counts, axis=0)
+    normal = np.concatenate([np.zeros((0, 2)), *(part.normals for part in parts)])
     away = gaps > np.repeat([own.near for own in obstacles], counts)
     limit = each([own.law.limit for own in obstacles])
     rows = ContactRows(
@@ -80,6 +80,7 @@ class _Part:
     places: Floats
     weights: Floats
     gaps: Floats
+    normals: Floats
     x: Sparse
     y: Sparse
 
@@ -89,7 +90,7 @@ def gaps(obstacle: Obstacle, nodes: Floats, dofs: BodyDofs) -> Floats:
     start, middle, end = dofs.facet_nodes(obstacle.facets)
     ends = np.unique([start, end])
     controls = 2 * nodes[:, middle] - (nodes[:, start] + nodes[:, end]) / 2
-    return obstacle.distance(np.concatenate([nodes[:, ends], controls], axis=1))
+    return obstacle.shape.distance(np.concatenate([nodes[:, ends], controls], axis=1))
 
 
 def _obstacle(
@@ -115,6 +116,7 @@ def _obstacle(
         (start.size, total),
     )
     controls = csr_matrix(vstack([at_ends, at_middles]))
+    began = (controls @ begin.nodes[own.body].T).T
     x, y = (
         csr_matrix(
             (controls.data, dofs.dofs[axis, controls.indices], controls.indptr),
@@ -125,7 +127,8 @@ def _obstacle(
     return _Part(
         places=np.asarray(controls @ dofs.nodes.T),
         weights=np.concatenate([weights, share[1]]),
-        gaps=own.distance((controls @ begin.nodes[own.body].T).T),
+        gaps=own.shape.distance(began),
+        normals=own.shape.normal(began).T,
         x=x,
         y=y,
     )

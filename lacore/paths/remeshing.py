@@ -89,13 +89,14 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
         if obstacle.body == name:
             edges = np.asarray(mesh.boundaries[obstacle.where], dtype=np.int64)
             nodes = np.unique(mesh.facets[:, edges])
-            distance = obstacle.distance(places[:, nodes])
+            distance = obstacle.shape.distance(places[:, nodes])
             near = np.abs(distance) <= obstacle.near
-            places[:, nodes[near]] -= obstacle.normal[:, None] * distance[near]
+            normal = obstacle.shape.normal(places[:, nodes[near]])
+            places[:, nodes[near]] -= normal * distance[near]
             if is_curved(mesh):  # what would bulge behind the obstacle becomes straight
                 middle = mesh.nvertices + edges
                 chord = places[:, mesh.facets[:, edges]].mean(axis=1)
-                behind = obstacle.distance(2 * places[:, middle] - chord) < 0
+                behind = obstacle.shape.distance(2 * places[:, middle] - chord) < 0
                 places[:, middle[behind]] = chord[:, behind]
     space = "p2-gauss" if len(mesh.t) == 3 else "q2"
     return replace(body, mesh=replace(mesh, doflocs=places), space=space)

@@ -22,7 +22,7 @@ from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import BodyForce, Load, PointForce
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, RigidObstacle
+from lacore.contact.obstacles import Obstacle, Plane, RigidObstacle
 from lacore.errors import InputError
 from lacore.meshes.curved import signed_jacobians
 from lacore.paths.configuration import Configuration
@@ -149,7 +149,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         for load in (*reference, *dead)
         if isinstance(load, PointForce)
     ]
-    _check_once(obstacles)
+    _check_once(obstacles, bodies)
     return Stage(
         problem=Problem(MappingProxyType(bodies), reference, supports, (), dead),
         obstacles=obstacles,
@@ -157,7 +157,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         interfaces=tuple(
             Interface(
                 (own.body, own.where),
-                RigidObstacle((own.point[0], own.point[1]), (own.normal[0], own.normal[1])),
+                RigidObstacle(shape=own.shape),
                 interface.friction,
             )
             for own, interface in zip(obstacles, interfaces, strict=True)
@@ -165,16 +165,13 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     )
 
 
-def _check_once(obstacles: Sequence[Obstacle]) -> None:
-    """No part of a boundary comes to one plane twice, under two laws of friction."""
+def _check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:
+    """No part of a boundary comes to one face twice, under two laws of friction."""
     for place, own in enumerate(obstacles):
         for other in obstacles[:place]:
             if own.body != other.body or not np.intersect1d(own.facets, other.facets).size:
                 continue
-            turned = own.normal[0] * other.normal[1] - own.normal[1] * other.normal[0]
-            opposed = own.normal @ other.normal < 0
-            apart = abs(own.normal @ (other.point - own.point)) > own.touch
-            if opposed or apart or abs(turned) > _STRAIGHT:
+            if not _same(own, other, bodies[own.body].mesh):
                 continue
             raise InputError(
                 "approaching",
@@ -182,6 +179,16 @@ def _check_once(obstacles: Sequence[Obstacle]) -> None:
                 f"shares boundary edges and the plane with interface {other.name!r}",
                 "give each part of a boundary one interface with a plane",
             )
+
+
+def _same(own: Obstacle, other: Obstacle, mesh: Mesh) -> bool:
+    """Whether two obstacles are one and the same face, seen from what they share."""
+    places = mesh.p[:, np.unique(mesh.facets[:, np.intersect1d(own.facets, other.facets)])]
+    first, second = own.shape.normal(places), other.shape.normal(places)
+    turned = np.abs(first[0] * second[1] - first[1] * second[0]).max() > _STRAIGHT
+    opposed = np.sum(first * second, axis=0).min() < 0
+    apart = np.abs(own.shape.distance(places) - other.shape.distance(places)).max() > own.touch
+    return not (turned or opposed or apart)
 
 
 @dataclass
@@ -228,10 +235,10 @@ def _quadratic(mesh: Mesh, kind: type[Mesh]) -> Mesh:
 
 
 def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names") -> Obstacle:
-    master, (name, where) = interface.master, interface.slave
+    name, where = interface.slave
     if name not in bodies:
         raise InputError("Interface.slave", name, "no such body", f"give one of {sorted(bodies)}")
-    if not isinstance(master, RigidObstacle):
+    if interface.obstacle is None:
         raise InputError(
             "Interface.master",
             interface.name,
@@ -247,24 +254,18 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
         )
     body = bodies[name]
     facets = boundary_facets(body, where, "Interface.slave")
-    if master.point is None or master.normal is None:
-        point, normal = _plane_along(interface, body, facets)
-    else:
-        point, normal = np.array(master.point, dtype=float), np.array(master.normal, dtype=float)
-        normal = normal / np.linalg.norm(normal)
     found = Obstacle(
         name=interface.name,
         body=name,
         where=names.of(body, name, where, "Interface.slave"),
         facets=facets,
-        point=point,
-        normal=normal,
+        shape=interface.face or _plane_along(interface, body, facets),
         law=interface.law.terms(),
         size=body.size,
     )
     mesh = body.mesh
     nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
-    deepest = float(found.distance(mesh.doflocs[:, nodes]).min())
+    deepest = float(found.shape.distance(mesh.doflocs[:, nodes]).min())
     if deepest < -found.touch:
         raise InputError(
             "Interface.slave",
@@ -275,7 +276,7 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
     return found
 
 
-def _plane_along(interface: Interface, body: Body, facets: Ints) -> tuple[Floats, Floats]:
+def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
     """The plane of a straight boundary: an obstacle without one has the shape of the body."""
     start, _, outward = facet_geometry(body, facets)
     normal = -outward[:, 0]
@@ -289,4 +290,4 @@ def _plane_along(interface: Interface, body: Body, facets: Ints) -> tuple[Floats
             "the obstacle has the shape of a boundary that is not straight",
             "give RigidObstacle(point=(x, y), normal=(nx, ny)), or an interface for each plane",
         )
-    return start[:, 0], normal
+    return Plane.through(start[:, 0], normal)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from lacore.arrays import Floats
-from lacore.contact.obstacles import Obstacle
+from lacore.contact.obstacles import Shape
 from lacore.limit.state import LimitState
 from lacore.pictures.contact_segments import SegmentedContact
 
@@ -53,18 +53,16 @@ def draw_ground(axes: Axes, contact: SegmentedContact, depth: float) -> None:
     axes.add_collection(LineCollection(list(strips[:, :2]), colors="#222222", linewidths=1.2))
 
 
-def draw_plane(axes: Axes, plane: Obstacle, low: Floats, high: Floats) -> None:
-    """A plane obstacle as a line across a box, hatched behind; the limits stay as they are.
+def draw_obstacle(axes: Axes, shape: Shape, low: Floats, high: Floats) -> None:
+    """The face of an obstacle across a box, hatched behind; the limits stay as they are.
 
     Args:
         low, high: corners of the box, m, shape (2,).
     """
     size = float(np.linalg.norm(high - low))
-    along = np.array([-plane.normal[1], plane.normal[0]])
-    middle = (low + high) / 2
-    foot = middle - plane.normal * (plane.normal @ (middle - plane.point))
-    ends = np.stack([foot - size * along, foot + size * along])
-    strip = np.concatenate([ends, ends[::-1] - PLANE_DEPTH * size * plane.normal])
+    face = shape.outline(low, high)
+    behind = face - PLANE_DEPTH * size * shape.normal(face)
+    ends, strip = face.T, np.concatenate([face.T, behind.T[::-1]])
     axes.add_collection(
         PolyCollection(
             [strip],

@@ -12,7 +12,7 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.contact.controls import Dofs, controls, segment_curves
-from lacore.contact.obstacles import Obstacle, RigidObstacle
+from lacore.contact.obstacles import Obstacle
 from lacore.contact.rows import moving_sides
 from lacore.contact.segments import Segments, interface_segments
 from lacore.limit.state import LimitState
@@ -115,11 +115,8 @@ def segmented_contacts(
     joints = []
     for index, interface in enumerate(d.problem.interfaces):
         segments = interface_segments(interface, d.problem.bodies, f"Problem.interfaces[{index}]")
-        slave = dofs[interface.slave[0]]
-        sides = [(slave, slave.parts(segments.slave))]
-        if not isinstance(interface.master, RigidObstacle):
-            master = dofs[interface.master[0]]
-            sides.append((master, master.parts(segments.master)))
+        meeting = zip(interface.sides, segments.edges, strict=False)
+        sides = [(dofs[name], dofs[name].parts(edges)) for (name, _), edges in meeting]
         number = np.full(segments.slave.size, index)
         rows = _control_points(d, segments, sides, number)
         interfaces.append(_read(state, interface.name, segments, sides, rows, fastest))
@@ -165,8 +162,8 @@ def rigid_sides(d: Discretisation) -> Iterator[RigidSide]:
             yield RigidSide(side, dofs, points, blocks[rows.interface[points] - first])
         first += joints.count
         for index, interface in enumerate(d.problem.interfaces):
-            for side, part in enumerate((interface.slave, interface.master)):
-                if isinstance(part, RigidObstacle) or part[0] != name:
+            for side, (touching, _) in enumerate(interface.sides):
+                if touching != name:
                     continue
                 points = np.flatnonzero(rows.interface == index)
                 columns = rows.normal[points][:, dofs.offset : dofs.offset + dofs.count]
@@ -231,11 +228,12 @@ def _approaching(
     shut = np.append((table["state"] != "open").to_numpy(), False)
     near = shut[rows].any(axis=0)
     facets, rows = facets[near], rows[:, near]
-    normal = np.repeat(obstacle.normal[:, None], facets.size, axis=1)
+    face = obstacle.shape
     start, end = (
-        ends[:, near] - normal * obstacle.distance(ends[:, near])
+        ends[:, near] - face.normal(ends[:, near]) * face.distance(ends[:, near])
         for ends in (curves.start, curves.end)
     )
+    normal = face.normal((start + end) / 2)
     segments = Segments(facets, np.full(facets.size, -1), start, end, normal)
     return _read(state, obstacle.name, segments, [(dofs, facets)], rows, fastest)
 

@@ -11,7 +11,6 @@ from matplotlib.lines import Line2D
 from lacore.arrays import Floats, Ints
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.conditions.loads import PointForce
-from lacore.contact.obstacles import RigidObstacle
 from lacore.limit.state import LimitState
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
@@ -191,8 +190,8 @@ def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
     d, table = state.discretisation, state.reactions
     places, forces, lengths = [], [], []
     for index, interface in enumerate(d.problem.interfaces):
-        for sign, side in ((1.0, interface.slave), (-1.0, interface.master)):
-            if isinstance(side, RigidObstacle) or side[0] not in d.frames:
+        for sign, side in zip((1.0, -1.0), interface.sides, strict=False):
+            if side[0] not in d.frames:
                 continue
             rows = table[d.full.contact.interface == index]
             x, y, n_x, n_y, t_n, t_t = rows[["x", "y", "n_x", "n_y", "t_n", "t_t"]].to_numpy().T

@@ -21,8 +21,8 @@ from lacore.pictures.contact import (
     PLANE_DEPTH,
     draw_ground,
     draw_moved,
+    draw_obstacle,
     draw_panel,
-    draw_plane,
     draw_strips,
 )
 from lacore.pictures.contact_segments import SegmentedContact, segmented_contacts
@@ -89,9 +89,9 @@ def plot_mechanism(state: LimitState) -> Figure:
         if len(contact.sides) == 1:
             draw_ground(axes, contact, _GROUND * size)
         draw_moved(axes, contact, state, stretch, width)
-    planes = _draw_planes(axes, state)
+    obstacles = _draw_obstacles(axes, state)
     bodies = list(state.discretisation.problem.bodies.values())
-    handles = [*_handles(state, [*interfaces, *joints]), *planes, *hinges]
+    handles = [*_handles(state, [*interfaces, *joints]), *obstacles, *hinges]
     handles += draw_axis(axes, bodies)
     _frame(axes, handles, layout.columns)
     label_coordinates(axes, bodies)
@@ -113,21 +113,22 @@ def plot_mechanism(state: LimitState) -> Figure:
     return layout.figure
 
 
-def _draw_planes(axes: Axes, state: LimitState) -> list[Artist]:
+def _draw_obstacles(axes: Axes, state: LimitState) -> list[Artist]:
     """Of a state of a path the obstacles that bodies touch or are near to."""
     points, number = state.discretisation.points, state.discretisation.full.contact.interface
     low, high = np.min(axes.dataLim.get_points(), axis=0), np.max(axes.dataLim.get_points(), axis=0)
     size = float(np.linalg.norm(high - low))
     drawn = False
-    for index, plane in enumerate(points.obstacles):
-        places = points.position[number == index].T
-        distances = plane.distance(places)
+    for index, obstacle in enumerate(points.obstacles):
+        face, places = obstacle.shape, points.position[number == index].T
+        distances = face.distance(places)
         if distances.min(initial=np.inf) > _NEAR * size:
             continue
-        draw_plane(axes, plane, low, high)
+        draw_obstacle(axes, face, low, high)
         closest = int(np.argmin(distances))
-        foot = places[:, closest] - distances[closest] * plane.normal
-        axes.update_datalim([foot - PLANE_DEPTH * size * plane.normal])
+        normal = face.normal(places[:, [closest]])[:, 0]
+        foot = places[:, closest] - distances[closest] * normal
+        axes.update_datalim([foot - PLANE_DEPTH * size * normal])
         drawn = True
     return [_obstacle_handle()] if drawn else []
 

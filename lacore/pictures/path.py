@@ -24,7 +24,7 @@ from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
 from lacore.paths.path import Path, Snapshot
 from lacore.pictures.axis import draw_axis, label_coordinates
-from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_plane
+from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
 
 _PAGE = 10.0  # inches
@@ -141,7 +141,7 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
     handles += _draw_tools(axes, path, snapshot)
     low, high = _box(path)
     for obstacle in stage.obstacles:
-        draw_plane(axes, obstacle, low, high)
+        draw_obstacle(axes, obstacle.shape, low, high)
     if stage.obstacles:
         handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
     axes.set_xlim(min(low[0], 0.0) if axis else low[0], high[0])

@@ -28,7 +28,6 @@ from lacore.conditions.loads import (
     Traction,
 )
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError, require_known, suggest
 from lacore.problem.axisymmetry import check_axisymmetry
@@ -191,11 +190,10 @@ class Problem(Shown):
             where = f"Problem.interfaces[{index}]"
             if not isinstance(interface, Interface):
                 raise InputError(where, interface, "not an interface", "give lacore.Interface")
-            self._body(interface.slave[0], f"{where}.slave")
-            if not isinstance(interface.master, RigidObstacle):
-                self._body(interface.master[0], f"{where}.master")
+            for side, (name, _) in zip(("slave", "master"), interface.sides, strict=False):
+                self._body(name, f"{where}.{side}")
             contacts.append((index, interface_segments(interface, self.bodies, where)))
-            if isinstance(interface.master, RigidObstacle):
+            if interface.obstacle is not None:
                 self._check_free(interface, contacts[-1][1].slave, where)
         self._check_sharing(contacts)
         self._check_joined()
@@ -222,10 +220,8 @@ class Problem(Shown):
         taken: dict[_Place, dict[_Place, int]] = {}
         for index, segments in contacts:
             interface = self.interfaces[index]
-            sides = [(interface.slave[0], segments.slave)]
-            if not isinstance(interface.master, RigidObstacle):
-                sides.append((interface.master[0], segments.master))
-            ends = [self._places(name, edges, segments.normal) for name, edges in sides]
+            sides = zip(interface.sides, segments.edges, strict=False)
+            ends = [self._places(name, edges, segments.normal) for (name, _), edges in sides]
             for one, other in zip(ends[0], ends[-1], strict=True):
                 for edge, facing in {one: other, other: one}.items():
                     known = taken.setdefault(edge, {})
@@ -250,10 +246,7 @@ class Problem(Shown):
     def _check_joined(self) -> None:
         """Each of several bodies has an interface or a support."""
         held = {support.body for support in self.supports}
-        for interface in self.interfaces:
-            held.add(interface.slave[0])
-            if not isinstance(interface.master, RigidObstacle):
-                held.add(interface.master[0])
+        held |= {name for interface in self.interfaces for name, _ in interface.sides}
         held |= {
             load.body
             for load in (*self.reference_loads, *self.dead_loads)
@@ -275,11 +268,8 @@ class Problem(Shown):
                 continue
             edges = [np.zeros(0, dtype=np.int64)]
             for index, segments in contacts:
-                interface = self.interfaces[index]
-                if interface.slave[0] == name:
-                    edges.append(segments.slave)
-                if not isinstance(interface.master, RigidObstacle) and interface.master[0] == name:
-                    edges.append(segments.master)
+                sides = zip(self.interfaces[index].sides, segments.edges, strict=False)
+                edges += [facets for (own, _), facets in sides if own == name]
             edges += [body.outline(s.where, "Fix.where") for s in self.supports if s.body == name]
             touched = {body.names[b] for b in body.edges.block[np.concatenate(edges)]}
             loose = [block for block in body.isolated if block not in touched]

@@ -14,7 +14,6 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.contact.segments import interface_segments
 from lacore.materials.friction import SMOOTH, STICK, Coulomb, Friction
 from lacore.pictures.axis import has_axis
@@ -200,15 +199,12 @@ def draw_interface(
     """Contact, coloured by its friction, and the obstacle, hatched."""
     segments = interface_segments(interface, bodies, "Interface")
     edges = Edges(segments.start, segments.end, -segments.normal)
-    points = isinstance(bodies[interface.slave[0]], Frame) or (
-        not isinstance(interface.master, RigidObstacle)
-        and isinstance(bodies[interface.master[0]], Frame)
-    )
+    points = any(isinstance(bodies[name], Frame) for name, _ in interface.sides)
     if points:
         tangent = np.stack([-edges.normal[1], edges.normal[0]])
         half = _FOOT * sheet.point * tangent
         edges = Edges(edges.start - half, edges.end + half, edges.normal)
-    if isinstance(interface.master, RigidObstacle):
+    if interface.obstacle is not None:
         sheet.hatch(edges, _GROUND, GROUND, gid)
         handle = Patch(facecolor="none", edgecolor=GROUND, hatch="//////", lw=0)
         sheet.handles["rigid obstacle"] = handle
@@ -216,7 +212,7 @@ def draw_interface(
     text = law_text(interface.law)
     if label:
         place, normal = middle(edges)
-        behind = _GROUND * sheet.point if isinstance(interface.master, RigidObstacle) else 0.0
+        behind = _GROUND * sheet.point if interface.obstacle is not None else 0.0
         sheet.labels.append(Label(text, place + behind * normal, normal, colour))
     else:
         shown = f"contact: {text}"

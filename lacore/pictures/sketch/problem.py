@@ -1,8 +1,9 @@
 """Sketch of a problem, before it is solved: what it consists of, how it is held and loaded."""
 
+import re
+
 import numpy as np
 import shapely
-import re
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
