@@ -54,5 +54,5 @@ def test_no_point_of_an_edge_is_nearer_than_its_controls(setting, seed):
     for own in stage.obstacles:
         start, middle, end = dofs.facet_nodes(own.facets)
         curves = EdgeCurves(nodes[:, start], nodes[:, middle], nodes[:, end])
-        nearest = min(own.distance(curves.at(s)).min() for s in np.linspace(0, 1, 21))
+        nearest = min(own.shape.distance(curves.at(s)).min() for s in np.linspace(0, 1, 21))
         assert nearest >= gaps(own, nodes, dofs).min() - 1e-15
