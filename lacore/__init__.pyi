@@ -4,7 +4,7 @@ from . import meshes as meshes
 from .adaptive.bracket import Bracket as Bracket
 from .adaptive.bracket import Ending as Ending
 from .adaptive.refine import bracket as bracket
-from .assembly.discretise import Discretisation as Discretisation
+from .assembly.discretisation import Discretisation as Discretisation
 from .assembly.discretise import discretise as discretise
 from .backend import backend_names as backend_names
 from .backend import find_backend as find_backend

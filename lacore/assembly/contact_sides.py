@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lacore.arrays import Ints
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 
 OBSTACLE = "obstacle"
 

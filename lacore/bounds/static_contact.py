@@ -12,7 +12,6 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.any_body import tolerance
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
@@ -63,7 +62,7 @@ def _station(interface: Interface, index: int, bodies: Mapping[str, StaticDofs],
     for other, edges in others:
         if isinstance(other, RigidDofs):
             parts = _Parts.of(start, end, facet, segments)
-            allowed = _MISSING * max(tolerance(carrier.body), tolerance(other.body))
+            allowed = _MISSING * max(carrier.body.allowed, other.body.allowed)
             _check_covered(parts, interface, allowed, field)
             blocks = other.parts(edges)[parts.order]
             facing, moving[1] = parts.means(other, blocks, n), np.tile(blocks[parts.first], 2)

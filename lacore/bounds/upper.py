@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.continuum.spaces import VelocitySpace
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity

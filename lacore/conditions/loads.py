@@ -10,6 +10,7 @@ from math import hypot
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.conditions.where import Where, where_name
 from lacore.errors import (
     InputError,
@@ -65,6 +66,17 @@ class Fix(Compact):
         return f"{self.components} of {self.body}.{where_name(self.where)}"
 
 
+def require_no_rotation(support: Fix, field: str) -> None:
+    """Raise `InputError` where a support holds a rotation, which only nodes of a frame have."""
+    if support.components in ("rotation", "clamped"):
+        raise InputError(
+            f"{field}.components",
+            support.components,
+            "only nodes of a frame have a rotation to hold",
+            "hold x and y along an edge",
+        )
+
+
 @dataclass(frozen=True, repr=False)
 class Traction(Compact):
     """Uniform traction `vector` [Pa] on a part of the boundary.
@@ -84,6 +96,11 @@ class Traction(Compact):
         """In a few words."""
         return f"{short(self.vector)} Pa on {self.body}.{where_name(self.where)}"
 
+    def on(self, normal: Floats) -> Floats:
+        """Traction where the boundary has outward normals of shape (2, ...), Pa, of that shape."""
+        vector = np.reshape(self.vector, (2, *(1,) * (normal.ndim - 1)))
+        return np.broadcast_to(vector, normal.shape)
+
 
 @dataclass(frozen=True, repr=False)
 class Pressure(Compact):
@@ -100,6 +117,10 @@ class Pressure(Compact):
     def told(self) -> str:
         """In a few words."""
         return f"pressure {short(self.value)} Pa on {self.body}.{where_name(self.where)}"
+
+    def on(self, normal: Floats) -> Floats:
+        """Traction where the boundary has outward normals of shape (2, ...), Pa, of that shape."""
+        return np.asarray(-self.value * normal)
 
 
 @dataclass(frozen=True, repr=False)

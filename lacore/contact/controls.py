@@ -10,17 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.frames.dofs import FrameDofs
+from lacore.bodies.any_body import Dofs
 from lacore.contact.segments import Segments
-from lacore.meshes.curved import EdgeCurves, is_curved
+from lacore.meshes.curved import EdgeCurves
 
 _POINT = 1.0  # m, the weight of a node
 # Gauss rule on (0, 1), exact up to degree 5: control function, length and radius of an edge.
 _PLACES, _WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2, np.array([5, 8, 5]) / 18
-
-Dofs = BodyDofs | RigidDofs | FrameDofs
 
 
 @dataclass(frozen=True)
@@ -58,8 +54,8 @@ def segment_curves(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> Se
     """Segments as parts of the edges of the first side that is isoparametric, else straight."""
     start, end = segments.start, segments.end
     for dofs, parts in sides:
-        if isinstance(dofs, BodyDofs) and is_curved(dofs.body.mesh):
-            curves = dofs.curves(parts)
+        if dofs.bent:
+            curves = dofs.body.curves(parts)
             return SegmentCurves(curves, curves.parameter(start), curves.parameter(end))
     straight = EdgeCurves(start, (start + end) / 2, end)
     return SegmentCurves(straight, np.zeros(start.shape[1]), np.ones(start.shape[1]))
@@ -76,8 +72,8 @@ def controls(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> list[Con
     if min(degrees) == 0:
         return [Controls(segments.start, segments.normal, np.full(segments.slave.size, _POINT))]
     along, quadratic = segment_curves(segments, sides), max(degrees) > 1
-    straight = not np.any(along.curves.bulge)
-    if straight and not _axisymmetric(sides):  # without the round-off of a quadrature
+    straight, plane = not np.any(along.curves.bulge), not any(d.axisymmetric for d, _ in sides)
+    if straight and plane:  # without the round-off of a quadrature
         length = np.linalg.norm(segments.end - segments.start, axis=0)
         weights = np.tile(length / (2 + quadratic), (2 + quadratic, 1))
     else:
@@ -100,18 +96,7 @@ def _integrals(along: SegmentCurves, sides: Sequence[tuple[Dofs, Ints]], quadrat
     for s, share in zip(_PLACES, _WEIGHTS, strict=True):
         functions = [(1 - s) ** 2, s**2, 2 * s * (1 - s)] if quadratic else [1 - s, s]
         tangent = along.curves.tangent(along.parameter(s)) * (along.last - along.first)
-        length = np.linalg.norm(tangent, axis=0) * _thickness(sides, along.at(s))
+        # Both sides are as thick: axisymmetric bodies touch no others.
+        length = np.linalg.norm(tangent, axis=0) * sides[0][0].thickness(along.at(s))
         weights += share * np.outer(functions, length)
     return weights
-
-
-def _axisymmetric(sides: Sequence[tuple[Dofs, Ints]]) -> bool:
-    return any(isinstance(dofs, BodyDofs) and dofs.body.axisymmetric for dofs, _ in sides)
-
-
-def _thickness(sides: Sequence[tuple[Dofs, Ints]], places: Floats) -> Floats:
-    """Of all sides: axisymmetric bodies touch no others."""
-    for dofs, _ in sides:
-        if isinstance(dofs, BodyDofs):
-            return dofs.body.thickness(places)
-    return np.ones_like(places[0])

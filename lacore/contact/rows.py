@@ -16,8 +16,9 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.bodies.any_body import Dofs
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.contact.controls import Dofs, controls
+from lacore.contact.controls import controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.segments import Segments, interface_segments

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import AnyBody, boundary_edges, tolerance
+from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.corners import loose_corners
-from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges, near_misses, touching
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
-from lacore.meshes.curved import edge_curves
 from lacore.showing import Compact
 
 _SAME_FACE = 1 - 1e-9  # cosine between the normals of faces on one line
@@ -52,7 +50,7 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
     """
     (name, where), *second = interface.sides
     slave = bodies[name]
-    numbers, edges = boundary_edges(slave, where, f"{field}.slave")
+    numbers, edges = slave.boundary(where, f"{field}.slave")
     if not second:
         _check_obstacle(slave, numbers, edges, interface, field)
         nothing = np.full(numbers.size, -1)
@@ -61,8 +59,8 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
             normal = _obstacle_normals(interface, edges.start, field)
         return Segments(numbers, nothing, edges.start, edges.end, normal)
     master = bodies[second[0][0]]
-    others, facing = boundary_edges(master, second[0][1], f"{field}.master")
-    allowed = max(tolerance(slave), tolerance(master))
+    others, facing = master.boundary(second[0][1], f"{field}.master")
+    allowed = max(slave.allowed, master.allowed)
     if isinstance(slave, Frame) and isinstance(master, Frame):
         raise InputError(
             field,
@@ -123,11 +121,8 @@ def _check_curves(
     middle = (segments.start + segments.end) / 2
     places = []
     for body, edges in ((slave, segments.slave), (master, segments.master)):
-        if isinstance(body, Body):
-            curves = edge_curves(body.mesh, edges)
-            places.append(curves.at(curves.parameter(middle)))
-        else:
-            places.append(middle)
+        curves = body.curves(edges)
+        places.append(curves.at(curves.parameter(middle)))
     gap = np.linalg.norm(places[0] - places[1], axis=0)
     for worst in np.flatnonzero(gap > allowed)[:1]:
         raise InputError(
@@ -145,11 +140,10 @@ def _check_obstacle(
     if face is None:
         return
     places = [edges.start, edges.end]
-    if isinstance(body, Body):
-        places.append(edge_curves(body.mesh, numbers).middle)
+    places.append(body.curves(numbers).middle)
     gap = np.concatenate([face.distance(x) for x in places])
     worst = gap[np.argmax(np.abs(gap))]
-    if abs(worst) > tolerance(body):
+    if abs(worst) > body.allowed:
         raise InputError(
             field,
             interface.name,

@@ -16,7 +16,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.volume import volume_projector
 from lacore.bodies.frames.dofs import FrameDofs

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.blocks.dofs import RigidDofs
 
 

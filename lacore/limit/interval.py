@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.backend import find_backend, read_options
 from lacore.coupling.interval import End, Interval, further, load_factor_interval
 from lacore.inner.preparing import preparing

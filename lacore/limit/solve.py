@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.assembly.discretise import Discretisation, discretise
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
 from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.state import ProgramState
 
 

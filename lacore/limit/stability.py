@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.backend import checked_answer, find_backend, read_options
 from lacore.certificate import certify
 from lacore.claims.carrying import carrying

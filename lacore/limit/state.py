@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.contact_sides import contact_sides
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.continuum.volume import volume_projector
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval

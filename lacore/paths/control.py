@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.conditions.loads import RigidFooting

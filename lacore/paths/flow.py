@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.assembly.discretise import Discretisation, discretise
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.contact.controls import Dofs
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints
 from lacore.limit.solve import solve

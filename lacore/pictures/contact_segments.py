@@ -7,11 +7,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lacore.arrays import Floats, Ints
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
+from lacore.bodies.any_body import Dofs
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
-from lacore.contact.controls import Dofs, controls, segment_curves
+from lacore.contact.controls import controls, segment_curves
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.rows import moving_sides
 from lacore.contact.segments import Segments, interface_segments

@@ -9,14 +9,11 @@ import numpy as np
 
 from lacore import views
 from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import AnyBody, boundary_edges, tolerance
+from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.corners import resting_corners
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks.held import free_motions
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.bodies.frames.dofs import COMPONENTS as NODE_COMPONENTS
-from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
 from lacore.conditions.loads import (
     BodyForce,
@@ -29,7 +26,7 @@ from lacore.conditions.loads import (
 )
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments, interface_segments
-from lacore.errors import InputError, require_known, suggest
+from lacore.errors import InputError, suggest
 from lacore.problem.axisymmetry import check_axisymmetry
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
@@ -131,16 +128,7 @@ class Problem(Shown):
             if not isinstance(support, Fix):
                 raise InputError(where, support, "not a support", "give lacore.Fix")
             body = self._body(support.body, where)
-            boundary_edges(body, support.where, f"{where}.where")
-            if isinstance(body, Frame):
-                require_known(f"{where}.components", support.components, NODE_COMPONENTS)
-            elif support.components in ("rotation", "clamped"):
-                raise InputError(
-                    f"{where}.components",
-                    support.components,
-                    "only nodes of a frame have a rotation to hold",
-                    "hold x and y along an edge",
-                )
+            body.check_support(support, where)
         for name, body in self.bodies.items():
             if isinstance(body, BlockAssembly):
                 _check_corners(name, body, [s for s in self.supports if s.body == name])
@@ -170,19 +158,7 @@ class Problem(Shown):
     def _check_load(self, where: str, load: Load) -> None:
         if not isinstance(load, Traction | Pressure | BodyForce | PointForce | RigidFooting):
             raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
-        body = self._body(load.body, where)
-        if isinstance(body, BlockAssembly):
-            RigidDofs(body, 0).force(load)
-        elif isinstance(body, Frame):
-            FrameDofs(body, 0).force(load)
-        elif isinstance(load, PointForce):
-            vertex_at(body, load.at, f"{where}.at")
-        elif not isinstance(load, BodyForce):
-            boundary_edges(body, load.where, f"{where}.where")
-        elif load.where is not None:
-            raise InputError(
-                f"{where}.where", load.where, "a continuum has no blocks", "leave it out"
-            )
+        self._body(load.body, where).check_load(load, where)
 
     def _check_interfaces(self) -> None:
         contacts: list[tuple[int, Segments]] = []
@@ -284,7 +260,7 @@ class Problem(Shown):
 
 def _check_corners(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> None:
     """Refuse contacts at single points, which no joint carries: blocks would fall through."""
-    places, blocks, others = resting_corners(body.edges, body.joints, tolerance(body))
+    places, blocks, others = resting_corners(body.edges, body.joints, body.allowed)
     if blocks.size:
         block, other = body.names[blocks[0]], body.names[others[0]]
         raise InputError(
@@ -298,7 +274,7 @@ def _check_corners(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> N
     alone = np.flatnonzero(~met.linked)
     if not alone.size:
         return
-    free = np.diff(RigidDofs(body, 0).free(supports).indptr).reshape(-1, 3)
+    free = np.diff(free_motions(body, supports).indptr).reshape(-1, 3)
     moves = np.asarray(free.any(axis=1))
     alone = alone[moves[met.first[alone]] | moves[met.second[alone]]]
     if alone.size:

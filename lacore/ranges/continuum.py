@@ -6,7 +6,7 @@ from math import inf
 from typing import Any
 
 from lacore.adaptive.refine import bracket
-from lacore.assembly.discretise import Discretisation
+from lacore.assembly.discretisation import Discretisation
 from lacore.bounds.enclosing import associated, frictionless
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.assembly.discretise import Discretisation, discretise
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend, read_options
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds

@@ -14,6 +14,7 @@ import shapely
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_names
+from lacore.bodies.blocks.loaded import carried
 from lacore.bodies.blocks.meeting_corners import Meetings, meetings
 from lacore.bodies.blocks.polygons import (
     BlockEdges,
@@ -24,9 +25,12 @@ from lacore.bodies.blocks.polygons import (
     require_apart,
     require_no_slits,
 )
+from lacore.bodies.touching import Edges
+from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import edges_inside
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction, friction_law
+from lacore.meshes.curved import EdgeCurves
 from lacore.showing import Facts, Shown, counted, listed, short
 
 Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
@@ -161,6 +165,31 @@ class BlockAssembly(Shown):
     def jointed_edges(self) -> Ints:
         """Numbers of the edges that have a joint."""
         return np.union1d(self.joints.slave_edge, self.joints.master_edge)
+
+    @property
+    def allowed(self) -> float:
+        """Distance up to which coordinates count as one, m."""
+        assert self.tolerance is not None  # since it was built
+        return self.tolerance
+
+    def boundary(self, where: Blocks, field: str) -> tuple[Ints, Edges]:
+        """Outline edges of a part of the blocks, and their geometry; errors name the `field`."""
+        edges, every = self.outline(where, field), self.edges
+        return edges, Edges(every.start[:, edges], every.end[:, edges], every.normal[:, edges])
+
+    def curves(self, edges: Ints) -> EdgeCurves:
+        """Edges as curves, which are straight."""
+        start, end = self.edges.start[:, edges], self.edges.end[:, edges]
+        return EdgeCurves(start, (start + end) / 2, end)
+
+    def check_load(self, load: Load, field: str) -> None:
+        """Raise `InputError` where no block carries a load."""
+        carried(load, self)
+
+    def check_support(self, support: Fix, field: str) -> None:
+        """Raise `InputError` where a support cannot hold it; it names the `field`."""
+        self.outline(support.where, f"{field}.where")
+        require_no_rotation(support, field)
 
     def outline(self, where: Blocks, field: str) -> Ints:
         """Edge numbers of the part `where` of the outlines, sorted.

@@ -8,15 +8,20 @@ from skfem import MeshQuad, MeshTri
 from skfem.mesh import MeshTri1
 
 from lacore import views
-from lacore.arrays import Bools, Floats
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.continuum.loaded import check_load
 from lacore.bodies.continuum.locking import crossed_quadrilaterals
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.bodies.touching import TOUCH, Edges
+from lacore.conditions.loads import Fix, Load, require_no_rotation
+from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
 from lacore.materials.conic_form import KINEMATICS, ConicForm
 from lacore.materials.criterion import Criterion
 from lacore.materials.hardening import HardeningLaw
 from lacore.meshes.checks import check_mesh
-from lacore.meshes.curved import edge_curves, vertices
+from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
 from lacore.meshes.polygonal import geometry_of
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
@@ -161,6 +166,29 @@ class Body(Shown):
     def size(self) -> float:
         """Diagonal of the bounding box, the length that tolerances refer to."""
         return float(np.linalg.norm(np.ptp(self.mesh.p, axis=1)))
+
+    @property
+    def allowed(self) -> float:
+        """Distance up to which coordinates count as one, m."""
+        return TOUCH * self.size
+
+    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
+        """Facets of a part of the boundary, and their chords; errors name the `field`."""
+        facets = boundary_facets(self, where, field)
+        return facets, Edges(*facet_geometry(self, facets))
+
+    def curves(self, facets: Ints) -> EdgeCurves:
+        """Facets as the curves that they are."""
+        return edge_curves(self.mesh, facets)
+
+    def check_load(self, load: Load, field: str) -> None:
+        """Raise `InputError` where it cannot carry a load; it names the `field`."""
+        check_load(load, self, field)
+
+    def check_support(self, support: Fix, field: str) -> None:
+        """Raise `InputError` where a support cannot hold it; it names the `field`."""
+        boundary_facets(self, support.where, f"{field}.where")
+        require_no_rotation(support, field)
 
 
 def on_axis(body: Body, places: Floats) -> Bools:

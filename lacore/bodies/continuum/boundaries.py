@@ -1,24 +1,18 @@
 """From a name or a predicate on coordinates to boundary facets."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
-from lacore.bodies.continuum.body import Body
+from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.touching import TOUCH
-from lacore.errors import InputError, is_plane_vector, require_place
-from lacore.meshes.curved import vertices
+from lacore.conditions.where import Where, edges_inside
+from lacore.errors import InputError, is_plane_vector, require_place, suggest_all
+from lacore.meshes.curved import edge_curves, vertices
 
 if TYPE_CHECKING:
-    pass
-
-from collections.abc import Callable
-
-from lacore.arrays import Bools
-from lacore.conditions.where import Where, edges_inside
-from lacore.errors import suggest_all
-from lacore.meshes.curved import edge_curves
+    from lacore.bodies.continuum.body import Body
 
 _UNNAMED = (
     "none is known: name boundaries by mesh.with_boundaries or by physical groups of lines, or give"
@@ -26,7 +20,7 @@ _UNNAMED = (
 )
 
 
-def boundary_facets(body: Body, where: Where, field: str) -> Ints:
+def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
     """Facets of the part `where` of the boundary of `body`, sorted.
 
     A name selects the facets that the mesh gives under it. A predicate gets coordinates of shape
@@ -64,7 +58,7 @@ def boundary_facets(body: Body, where: Where, field: str) -> Ints:
     return facets
 
 
-def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
+def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Ints:
     mesh = body.mesh
     boundary = mesh.boundary_facets()
     curves = edge_curves(mesh, boundary)
@@ -82,13 +76,13 @@ def _selected(body: Body, where: Callable[[Floats], Bools], field: str) -> Ints:
     return np.asarray(boundary[whole], dtype=np.int64)
 
 
-def outward_normals(body: Body, facets: Ints, s: float) -> Floats:
+def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
     """Unit outward normals of boundary facets at a share of their parameter, shape (2, n)."""
     *_, outward = facet_geometry(body, facets)
     return edge_curves(body.mesh, facets).normal(s, outward)
 
 
-def facet_geometry(body: Body, facets: Ints) -> tuple[Floats, Floats, Floats]:
+def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
     """Ends and unit outward normals of (chords of) boundary facets: three arrays (2, n)."""
     mesh = body.mesh
     start, end = mesh.p[:, mesh.facets[0, facets]], mesh.p[:, mesh.facets[1, facets]]
@@ -99,7 +93,7 @@ def facet_geometry(body: Body, facets: Ints) -> tuple[Floats, Floats, Floats]:
     return start, end, normal * outward
 
 
-def vertex_at(body: Body, at: tuple[float, float] | str, where: str) -> int:
+def vertex_at(body: "Body", at: tuple[float, float] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
     if isinstance(at, str):
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")

@@ -9,8 +9,12 @@ from skfem import Basis
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.body import Body, on_axis
+from lacore.bodies.continuum.loaded import area, facets_of, force
+from lacore.bodies.continuum.plasticity import plasticity
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.conditions.loads import Load, RigidFooting
 from lacore.meshes.curved import EdgeCurves, edge_curves, is_curved
+from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
 _ROUND_OFF = 1e-13  # of a shape function
@@ -43,6 +47,57 @@ class BodyDofs(Compact):
     def space(self) -> VelocitySpace:
         """The velocity space."""
         return SPACES[self.body.space]
+
+    @classmethod
+    def at(cls, body: Body, offset: int) -> "BodyDofs":
+        """The unknowns of a body from a number on; before it stand nodes of two each."""
+        basis = SPACES[body.space].basis(body.mesh)
+        # scikit-fem numbers the components of a node one after the other.
+        return cls(
+            body=body,
+            nodes=basis.doflocs[:, ::2],
+            dofs=offset + np.arange(basis.N, dtype=np.int64).reshape(-1, 2).T,
+            element_nodes=basis.element_dofs[::2].astype(np.int64) // 2,
+            first_node=offset // 2,
+            basis=basis,
+            offset=offset,
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns."""
+        return int(self.dofs.size)
+
+    @property
+    def bent(self) -> bool:
+        """Whether edges are curves."""
+        return is_curved(self.body.mesh)
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether it is a body of revolution."""
+        return self.body.axisymmetric
+
+    @property
+    def pieces_of_unknowns(self) -> Ints:
+        """One piece: shape (count,)."""
+        return np.zeros(self.count, dtype=np.int64)
+
+    def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
+        """What straining dissipates at its points, over n unknowns; jumps are other groups."""
+        return (plasticity(name, self, n),)
+
+    def force(self, load: Load) -> Floats:
+        """Nodal forces of a load, shape (count,), N/m."""
+        return force(load, self)
+
+    def area(self, footing: RigidFooting) -> float:
+        """Of what a footing touches, m^2; m per unit thickness."""
+        return area(self, facets_of(footing, self.body))
+
+    def thickness(self, places: Floats) -> Floats:
+        """See `Body.thickness`."""
+        return self.body.thickness(places)
 
     @property
     def degree(self) -> int:
@@ -148,18 +203,8 @@ def edge_shapes(s: Floats, degree: int) -> Floats:
 def number(bodies: Mapping[str, Body]) -> dict[str, BodyDofs]:
     """Number the unknowns of bodies, one after the other, in their order."""
     numbered: dict[str, BodyDofs] = {}
-    first_node = 0
+    first = 0
     for name, body in bodies.items():
-        basis = SPACES[body.space].basis(body.mesh)
-        # scikit-fem numbers the components of a node one after the other.
-        numbered[name] = BodyDofs(
-            body=body,
-            nodes=basis.doflocs[:, ::2],
-            dofs=2 * first_node + np.arange(basis.N, dtype=np.int64).reshape(-1, 2).T,
-            element_nodes=basis.element_dofs[::2].astype(np.int64) // 2,
-            first_node=first_node,
-            basis=basis,
-            offset=2 * first_node,
-        )
-        first_node += basis.N // 2
+        numbered[name] = BodyDofs.at(body, first)
+        first += numbered[name].count
     return numbered

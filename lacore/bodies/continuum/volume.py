@@ -10,14 +10,18 @@ interior points, it says almost nothing, but not nothing: a constraint without a
 continuum, whose multiplier has no bound under refinement. It is taken away.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.continuum.dofs import BodyDofs
+
+if TYPE_CHECKING:
+    from lacore.bodies.continuum.dofs import BodyDofs
 
 
-def volume_projector(dofs: BodyDofs) -> Sparse:
+def volume_projector(dofs: "BodyDofs") -> Sparse:
     """From theta at all strain points to what must vanish, and of mean stresses, shape (m, m).
 
     The volume of each quadrilateral, and of four triangles at a crossing together, is kept.
@@ -44,7 +48,7 @@ def _onto(weights: Floats, functions: Floats) -> Sparse:
     return csr_matrix((blocks.ravel(), columns.ravel(), start), shape=(count * q,) * 2)
 
 
-def _alternating_sums(dofs: BodyDofs) -> Sparse:
+def _alternating_sums(dofs: "BodyDofs") -> Sparse:
     """Theta of the four elements at crossings, with alternating signs, from the strain points."""
     elements, corner = _crossings(dofs)
     count = dofs.space.points.shape[1]
@@ -55,7 +59,7 @@ def _alternating_sums(dofs: BodyDofs) -> Sparse:
     return csr_matrix((values.ravel(), columns.ravel(), start), shape=shape)
 
 
-def _crossings(dofs: BodyDofs) -> tuple[Ints, Ints]:
+def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
     """Elements around inner vertices of four triangles, in turn, and which corner of each it is.
 
     Both of shape (crossings, 4). Of crossings that share elements only some are taken.

@@ -16,26 +16,12 @@ from scipy.sparse import csr_matrix
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.frames.frame import Frame
-from lacore.conditions.loads import (
-    BodyForce,
-    Fix,
-    Load,
-    PointForce,
-    Pressure,
-    RigidFooting,
-    Traction,
-)
-from lacore.errors import InputError, suggest
+from lacore.bodies.frames.held import COMPONENTS
+from lacore.bodies.frames.loaded import line_load, nodal
+from lacore.conditions.loads import Fix, Load, Traction
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
-COMPONENTS = {
-    "x": (True, False, False),
-    "y": (False, True, False),
-    "xy": (True, True, False),
-    "rotation": (False, False, True),
-    "clamped": (True, True, True),
-}
 _DEPENDENT = 1e-9  # a sine: far above round-off, far below any angle that is meant
 _ROUND_OFF = 1e-13  # of an entry of order one
 
@@ -52,6 +38,7 @@ class FrameDofs(Compact):
     body: Frame
     offset: int
     degree = 0  # it touches other bodies in single nodes
+    bent = axisymmetric = False
 
     @property
     def count(self) -> int:
@@ -91,6 +78,10 @@ class FrameDofs(Compact):
             for axis in (0, 1)
         )
         return x, y
+
+    def thickness(self, places: Floats) -> Floats:
+        """One metre."""
+        return np.ones_like(places[0])
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
         """The hinges, weights size^2: ``weight * stress`` is a moment. None where all is pinned."""
@@ -155,24 +146,9 @@ class FrameDofs(Compact):
             }
         )
 
-    def force(self, load: Traction | Pressure | BodyForce | PointForce | RigidFooting) -> Floats:
+    def force(self, load: Load) -> Floats:
         """Forces of a load on the unknowns, shape (count,), N/m."""
-        body, total = self.body, np.zeros((len(self.body.names), 3))
-        if isinstance(load, PointForce):
-            total[self._loaded_node(load), :2] += load.vector
-        elif isinstance(load, Traction):
-            half = (self.line_load(load) * body.pieces.length / 2).T
-            for nodes in (body.pieces.start, body.pieces.end):
-                np.add.at(total[:, :2], nodes, half)
-        else:
-            kind = type(load).__name__
-            raise InputError(
-                f"{kind}.body",
-                load.body,
-                "a frame, whose members have neither width nor sides",
-                "give Traction along members (own weight: N/m per m of member), or PointForce",
-            )
-        return total.ravel()
+        return nodal(load, self.body).ravel()
 
     def line_loads(self, loads: Iterable[Load]) -> Floats:
         """All tractions of loads of this frame together, as `line_load`."""
@@ -184,36 +160,9 @@ class FrameDofs(Compact):
         along = self.body.pieces.along
         return np.asarray(np.sum(np.stack([-along[1], along[0]]) * self.line_loads(loads), axis=0))
 
-    def _loaded_node(self, load: PointForce) -> int:
-        if load.where is not None:
-            raise InputError(
-                "PointForce.where", load.where, "a node of a frame needs none", "leave it out"
-            )
-        if isinstance(load.at, str):
-            return int(self.body.find(load.at, "PointForce.at")[0])
-        node = self.body.node_at(load.at)
-        if node is None:
-            away = self.body.position - np.reshape(load.at, (2, 1))
-            nearest = self.body.names[int(np.argmin(np.linalg.norm(away, axis=0)))]
-            raise InputError(
-                "PointForce.at",
-                load.at,
-                "lies on no member of the frame",
-                f"the nearest node is {nearest!r}",
-            )
-        return node
-
     def line_load(self, load: Traction) -> Floats:
         """A traction along members on all pieces, N/m per m, (2, P): 0 on those of others."""
-        wanted = (load.where,) if isinstance(load.where, str) else load.where
-        if not isinstance(wanted, tuple):
-            raise InputError("Traction.where", None, "not a member", "give the name of a member")
-        for name in wanted:
-            if name not in self.body.member_names:
-                mend = suggest(str(name), self.body.member_names)
-                raise InputError("Traction.where", name, "no such member", mend)
-        loaded = np.isin(self.body.member_names, wanted)[self.body.pieces.member]
-        return np.outer(load.vector, loaded)
+        return line_load(load, self.body)
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
         """Basis of the velocities that members and supports leave free, shape (count, free).

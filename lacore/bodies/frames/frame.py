@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.frames.held import COMPONENTS
+from lacore.bodies.frames.loaded import nodal
 from lacore.bodies.frames.members import (
     Members,
     Pieces,
@@ -21,7 +23,10 @@ from lacore.bodies.frames.members import (
     require_single,
     split_members,
 )
+from lacore.bodies.touching import Edges
+from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
+from lacore.meshes.curved import EdgeCurves
 from lacore.showing import Facts, Shown, counted, listed
 
 Nodes = str | tuple[str, ...] | Callable[[Floats], Bools]
@@ -159,11 +164,31 @@ class Frame(Shown):
             raise InputError(field, None, "selects no node", "select at least one node")
         return chosen
 
+    def boundary(self, where: Nodes, field: str) -> tuple[Ints, Edges]:
+        """Nodes, and edges of length 0 there without a normal; errors name the `field`."""
+        nodes = self.find(where, field)
+        place = self.position[:, nodes]
+        return nodes, Edges(place, place, np.zeros_like(place))
+
+    def curves(self, nodes: Ints) -> EdgeCurves:
+        """Nodes as curves of length 0."""
+        place = self.position[:, nodes]
+        return EdgeCurves(place, place, place)
+
+    def check_load(self, load: Load, field: str) -> None:
+        """Raise `InputError` where it does not carry a load."""
+        nodal(load, self)
+
+    def check_support(self, support: Fix, field: str) -> None:
+        """Raise `InputError` where a support cannot hold it; it names the `field`."""
+        self.find(support.where, f"{field}.where")
+        require_known(f"{field}.components", support.components, COMPONENTS)
+
     def node_at(self, at: Sequence[float]) -> int | None:
         """Number of the node at a place, None where there is none."""
         away = np.linalg.norm(self.position - np.reshape(at, (2, 1)), axis=0)
         nearest = int(np.argmin(away))
-        return nearest if away[nearest] <= self._allowed else None
+        return nearest if away[nearest] <= self.allowed else None
 
     def split_at(self, points: Iterable[Sequence[float]]) -> "Frame":
         """The frame with further nodes at those of the points that lie inside a member.
@@ -198,10 +223,11 @@ class Frame(Shown):
         """Members with a piece that a point lies inside of."""
         ends = self.position[:, self.pieces.nodes]
         place = np.reshape(np.asarray(point, dtype=np.float64), (2, 1))
-        inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], self._allowed)[0][:, 0]
+        inside = on_lines(place, ends[:, :, 0], ends[:, :, 1], self.allowed)[0][:, 0]
         return [self.member_names[m] for m in self.pieces.member[inside]]
 
     @property
-    def _allowed(self) -> float:
+    def allowed(self) -> float:
+        """Distance up to which coordinates count as one, m."""
         assert self.tolerance is not None  # since it was built
         return self.tolerance

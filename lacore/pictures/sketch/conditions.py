@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Bools, Floats
-from lacore.bodies.any_body import AnyBody, boundary_edges
+from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.frames.frame import Frame
@@ -59,7 +59,7 @@ def draw_support(sheet: Sheet, support: Fix, body: AnyBody, whole: bool, gid: st
     """
     names = _HOLDS | _AROUND_AXIS if has_axis([body]) else _HOLDS
     text = names[support.components]
-    edges = boundary_edges(body, support.where, "Fix.where")[1]
+    edges = body.boundary(support.where, "Fix.where")[1]
     if isinstance(body, Frame):
         _draw_held_nodes(sheet, support, edges, text, gid)
     elif support.components == "xy":

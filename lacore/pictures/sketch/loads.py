@@ -5,7 +5,7 @@ import shapely
 from matplotlib.lines import Line2D
 
 from lacore.arrays import Floats
-from lacore.bodies.any_body import AnyBody, boundary_edges
+from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
@@ -139,7 +139,7 @@ def _crossings(sheet: Sheet, way: tuple[Floats, Floats]) -> int:
 def _draw_footing(
     sheet: Sheet, load: RigidFooting, body: AnyBody, colour: str, live: bool, gid: str
 ) -> None:
-    edges = boundary_edges(body, load.where, "RigidFooting.where")[1]
+    edges = body.boundary(load.where, "RigidFooting.where")[1]
     low = _BAR[0] if load.rough else _ROLL
     high = low + _BAR[1] - _BAR[0]
     corners = sheet.band(edges, low if not load.rough else 0.0, high)
@@ -208,7 +208,7 @@ def _between(places: Floats) -> Floats:
 def _loaded(load: Traction | Pressure, body: AnyBody) -> tuple[Edges, str]:
     """What a load is spread over, and its unit; of a member the side that the load comes from."""
     if not isinstance(body, Frame):
-        return boundary_edges(body, load.where, "where")[1], "Pa"
+        return body.boundary(load.where, "where")[1], "Pa"
     assert isinstance(load, Traction)  # frames take no pressure
     names = (load.where,) if isinstance(load.where, str) else load.where
     pieces = np.isin(body.member_names, names)[body.pieces.member]  # type: ignore[arg-type]

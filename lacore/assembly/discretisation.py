@@ -1,0 +1,90 @@
+"""An assembled problem: its programs, and which of their numbers stand for what."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lacore.arrays import Bools, Ints, Sparse
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.jumps import Jumps
+from lacore.bodies.continuum.slip import Slip
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.contact.rows import ContactPoints
+from lacore.problem.problem import Problem
+from lacore.program import KinematicProgram
+from lacore.scales import Scales
+from lacore.showing import Facts, Picture, Shown, counted, listed, sized
+from lacore.status import Scope
+
+
+@dataclass(frozen=True, repr=False)
+class Discretisation(Shown):
+    """An assembled problem.
+
+    Attributes:
+        problem: what was assembled.
+        full: the program for all unknowns, SI units.
+        program: the program for the free unknowns q, SI units.
+        free_basis: ``U = free_basis @ q``.
+        held_nodes: which nodes a support or a footing acts on, shape (nodes of all continua,).
+        bodies: continua by name.
+        assemblies: rigid blocks by name.
+        frames: frames by name; their hinges are the groups of these names.
+        jumps: velocity jumps of the continua (T23), by name: of those whose space has them, and
+            of those that slip along boundaries. Groups of the programs: the continua, these, the
+            hinges of frames.
+        slips: the boundaries along which continua slip past what holds them, by name.
+        points: geometry of the contact points.
+        shared_corners: contact points with friction at corners that are in contact on both sides:
+            the reactions there, and with them the load factor, may not be unique, shape (m,).
+        footings: unknowns of the footings, each the speed of one along its direction, in the order
+            of the loads, shape (f,).
+        natural: scales in which the quantities of the answer are of order one (T20).
+    """
+
+    problem: Problem
+    full: KinematicProgram
+    program: KinematicProgram
+    free_basis: Sparse
+    held_nodes: Bools
+    bodies: Mapping[str, BodyDofs]
+    assemblies: Mapping[str, RigidDofs]
+    frames: Mapping[str, FrameDofs]
+    jumps: Mapping[str, Jumps]
+    slips: Mapping[str, Slip]
+    points: ContactPoints
+    shared_corners: Bools
+    footings: Ints
+    natural: Scales
+
+    @property
+    def scope(self) -> Scope:
+        """Of which problem its load factors are."""
+        return Scope.DISCRETE if self.bodies else Scope.ITSELF
+
+    @property
+    def contents(self) -> str:
+        """``576 elements, 2401 unknowns, 12 contact points``."""
+        return sized(self.n_elements, self.program.n, self.program.contact.count)
+
+    def facts(self) -> Facts:
+        """What it consists of."""
+        natural, free = self.natural, counted(self.program.n, "free unknown")
+        told = {
+            "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
+            "bodies": listed(self.problem.bodies),
+            "contact": listed(self.points.names) or "none",
+            "scales": f"{natural.length:.4g} m, {natural.stress:.4g} Pa",
+        }
+        return Facts(f"Discretisation: {free}, of {self.scope.value}", told)
+
+    def picture(self) -> Picture:
+        """The problem."""
+        return Picture(self.problem.plot(), "the problem")
+
+    @property
+    def n_elements(self) -> int:
+        """Elements of meshes, rigid blocks and rigid pieces of members."""
+        elements = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
+        blocks = sum(len(dofs.body.names) for dofs in self.assemblies.values())
+        return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())

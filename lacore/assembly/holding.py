@@ -1,0 +1,62 @@
+"""What supports and footings leave free of all unknowns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import block_diag, csr_matrix
+
+from lacore.arrays import Bools, Sparse
+from lacore.assembly.ordering import column_order
+from lacore.assembly.unknowns import Unknowns
+from lacore.bodies.continuum.held import footing_of, support_of
+from lacore.bodies.continuum.slip import Slip
+from lacore.conditions.elimination import free_basis, held, join
+from lacore.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class Held:
+    """What supports and footings leave free.
+
+    Attributes:
+        basis: all unknowns from the free ones, shape (n, free).
+        nodes: which nodes of continua a support or a footing acts on, shape (nodes,).
+    """
+
+    basis: Sparse
+    nodes: Bools
+
+
+def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip]) -> Held:
+    """What the supports and footings of a problem leave free, where bodies may slip past them.
+
+    Raises:
+        InputError: a footing that cannot move, a polygon held in place of an arc.
+    """
+    bodies, node_dofs = unknowns.continua, unknowns.node_dofs
+    asked = [
+        *(
+            support_of(support, bodies[support.body], slipping.get(support.body))
+            for support in problem.supports
+            if support.body in bodies
+        ),
+        *(
+            footing_of(footing, bodies[footing.body], slipping.get(footing.body), number)
+            for number, footing in enumerate(unknowns.footings)
+        ),
+        *(slip.conditions(bodies[name]) for name, slip in slipping.items()),
+    ]
+    conditions = join(asked)
+    slid = [slip.nodes(bodies[name]).ravel() for name, slip in slipping.items()]
+    nodes = np.isin(np.arange(node_dofs.shape[1]), np.concatenate([conditions.nodes, *slid]))
+    # On an axis u_r = 0 follows from continuity: no support, and no reaction.
+    axes = np.concatenate([np.zeros(0, dtype=np.int64), *(b.axis_nodes for b in bodies.values())])
+    conditions = join([conditions, held(axes, np.tile([1.0, 0.0], (axes.size, 1)))])
+    deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
+    rigid = [
+        own.free([support for support in problem.supports if support.body == name])
+        for name, own in unknowns.rigid.items()
+    ]
+    basis = csr_matrix(block_diag([deforming, *rigid], format="csr"))
+    return Held(csr_matrix(basis[:, column_order(basis, unknowns.assemblies)]), nodes)

@@ -1,0 +1,40 @@
+"""Scales in which the quantities of an answer are of order one (T20)."""
+
+from math import fsum, sqrt
+
+import numpy as np
+
+from lacore.assembly.unknowns import Unknowns
+from lacore.errors import InputError
+from lacore.program import KinematicProgram
+from lacore.scales import Scales
+
+
+def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: float) -> Scales:
+    """Scales of the answer: strengths of continua, else of hinges, else those of the dead load.
+
+    Raises:
+        InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
+    """
+    length = sqrt(fsum(own.extent for own in unknowns.dofs.values()))
+    bodies = unknowns.continua
+    yielding = program.groups[: len(bodies)] or program.groups
+    strengths = [sqrt(3) * float(group.bound.max()) for group in yielding]
+    if not strengths:
+        limit = program.contact.limit
+        strengths = [
+            fsum(np.abs(program.dead_load)) / length,  # whatever the order
+            float(limit[np.isfinite(limit)].max(initial=0.0)),
+        ]
+    if not max(strengths) > 0:
+        raise InputError(
+            "Problem.dead_loads",
+            None,
+            "rigid bodies under no dead load, without cohesion: nothing sets a scale of forces, the"
+            " load factor would always be 0",
+            "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields",
+        )
+    volume = sum(float(body.weights.sum()) for body in bodies.values())
+    area = sum(body.extent for body in bodies.values())
+    thickness = volume / area if any(b.axisymmetric for b in bodies.values()) else 1.0
+    return Scales(length, max(strengths), velocity, thickness)

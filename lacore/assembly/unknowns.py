@@ -1,0 +1,84 @@
+"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import fsum
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.assembly.loading import footings_of
+from lacore.bodies.any_body import Dofs, RigidParts, numbered
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.frames.dofs import FrameDofs
+from lacore.bodies.frames.frame import Frame
+from lacore.conditions.loads import RigidFooting
+from lacore.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """What the numbers of a velocity stand for.
+
+    Attributes:
+        continua, assemblies, frames: those of bodies, by name.
+        footings: the unknown of each, its speed along its direction.
+        n: how many there are.
+    """
+
+    continua: Mapping[str, BodyDofs]
+    assemblies: Mapping[str, RigidDofs]
+    frames: Mapping[str, FrameDofs]
+    footings: Mapping[RigidFooting, int]
+    n: int
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Unknowns":
+        """Number all, one after the other."""
+        footings = footings_of(problem)
+        continua = numbered(problem.bodies, Body, 0)
+        first = sum(own.count for own in continua.values())
+        n = first + len(footings)
+        assemblies = numbered(problem.bodies, BlockAssembly, n)
+        n += sum(own.count for own in assemblies.values())
+        frames = numbered(problem.bodies, Frame, n)
+        n += sum(own.count for own in frames.values())
+        numbers = {footing: first + place for place, footing in enumerate(footings)}
+        return cls(continua, assemblies, frames, numbers, n)
+
+    @property
+    def rigid(self) -> dict[str, RigidParts]:
+        """Bodies whose supports are a matter of their own, in the order of their unknowns."""
+        return {**self.assemblies, **self.frames}
+
+    @property
+    def dofs(self) -> dict[str, Dofs]:
+        """All bodies, in the order of their unknowns."""
+        return {**self.continua, **self.rigid}
+
+    @property
+    def node_dofs(self) -> Ints:
+        """Unknowns (x, y) of the nodes of all continua, shape (2, nodes)."""
+        none = np.zeros((2, 0), dtype=np.int64)
+        return np.concatenate([none, *(own.dofs for own in self.continua.values())], axis=1)
+
+    @property
+    def parts(self) -> Ints:
+        """What each belongs to, shape (n,): a continuum with its footings, a block, a frame."""
+        parts, count, first = np.zeros(self.n, dtype=np.int64), 0, {}
+        for name, own in self.dofs.items():
+            pieces, first[name] = own.pieces_of_unknowns, count
+            parts[own.offset : own.offset + own.count] = count + pieces
+            count += int(pieces.max(initial=-1)) + 1
+        for footing, place in self.footings.items():
+            parts[place] = first[footing.body]
+        return parts
+
+    def load_size(self, load: Floats) -> float:
+        """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m."""
+        node_dofs = self.node_dofs
+        nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
+        return float(nodal + fsum(np.abs(load[node_dofs.size :])))

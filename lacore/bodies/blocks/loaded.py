@@ -1,0 +1,97 @@
+"""Loads on rigid blocks: which blocks carry them, where, and how much."""
+
+from collections.abc import Sequence
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from lacore.arrays import Floats, Ints
+from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.errors import InputError, suggest
+
+if TYPE_CHECKING:
+    from lacore.bodies.blocks.block_assembly import BlockAssembly
+
+Carried = tuple[Ints, Floats, Floats]
+"""Blocks (k,), points of attack (2, k) in m, forces (2, k) in N/m."""
+
+
+@singledispatch
+def carried(load: Load, body: "BlockAssembly") -> Carried:
+    """What blocks carry of a load.
+
+    Raises:
+        InputError: a load that acts on no block, or on several; a footing.
+    """
+    raise TypeError(f"not a load: {type(load).__name__}")
+
+
+@carried.register(Traction)
+@carried.register(Pressure)
+def _boundary(load: Traction | Pressure, body: "BlockAssembly") -> Carried:
+    edges = body.outline(load.where, f"{type(load).__name__}.where")
+    start, end = body.edges.start[:, edges], body.edges.end[:, edges]
+    length = np.linalg.norm(end - start, axis=0)
+    vectors = load.on(body.edges.normal[:, edges]) * length
+    return body.edges.block[edges], (start + end) / 2, vectors
+
+
+@carried.register(RigidFooting)
+def _footing(load: RigidFooting, body: "BlockAssembly") -> Carried:
+    raise InputError(
+        "RigidFooting.body", load.body, "its blocks are rigid already", "load the blocks"
+    )
+
+
+@carried.register(BodyForce)
+def _volume(load: BodyForce, body: "BlockAssembly") -> Carried:
+    blocks = named(body, load.where, "BodyForce.where")
+    return blocks, body.centroid[:, blocks], np.outer(load.vector, body.area[blocks])
+
+
+@carried.register(PointForce)
+def _point(load: PointForce, body: "BlockAssembly") -> Carried:
+    blocks, points = _loaded_block(body, load)
+    return blocks, points, np.reshape(np.asarray(load.vector, dtype=float), (2, 1))
+
+
+def named(body: "BlockAssembly", where: str | tuple[str, ...] | None, field: str) -> Ints:
+    """Numbers of blocks from their names; None: of all."""
+    if where is None:
+        return np.arange(len(body.names))
+    if not isinstance(where, str | Sequence):
+        raise InputError(field, where, "no names of blocks", "give a name, or a tuple of names")
+    number = {name: index for index, name in enumerate(body.names)}
+    names = (where,) if isinstance(where, str) else tuple(where)
+    for place, name in enumerate(names):
+        if not isinstance(name, str) or name not in number:
+            raise InputError(field, name, "no such block", suggest(str(name), number))
+        if name in names[:place]:
+            raise InputError(field, name, "this block is given twice", "give each block once")
+    return np.array([number[name] for name in names], dtype=np.int64)
+
+
+def _loaded_block(body: "BlockAssembly", load: PointForce) -> tuple[Ints, Floats]:
+    """The block that a point force acts on, and where, shapes (1,) and (2, 1)."""
+    if isinstance(load.at, str):
+        block = named(body, load.at, "PointForce.at")
+        if load.where not in (None, load.at):
+            raise InputError(
+                "PointForce.where", load.where, f"`at` names {load.at!r}", "leave `where` out"
+            )
+        return block, body.centroid[:, block]
+    away = shapely.distance(
+        [shapely.Polygon(ring) for ring in body.polygons.values()], shapely.Point(load.at)
+    )
+    blocks = np.flatnonzero(away <= body.allowed)
+    if load.where is not None:
+        blocks = np.intersect1d(blocks, named(body, load.where, "PointForce.where"))
+    names = [body.names[block] for block in blocks]
+    if len(names) != 1:
+        why = f"lies on the blocks {', '.join(names)}" if names else "lies on no block"
+        nearest = body.names[int(np.argmin(away))]
+        mend = "say by `where` which one carries it" if names else f"the nearest is {nearest!r}"
+        raise InputError("PointForce.at", load.at, why, mend)
+    return blocks, np.reshape(np.asarray(load.at, dtype=float), (2, 1))

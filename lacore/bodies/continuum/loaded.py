@@ -1,0 +1,126 @@
+"""Loads on a continuum: checked where a problem is stated, and as forces on its unknowns."""
+
+from dataclasses import replace
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+from skfem import Basis, FacetBasis, LinearForm
+from skfem.mesh import MeshTri1
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.boundaries import boundary_facets, vertex_at
+from lacore.conditions.loads import (
+    BodyForce,
+    Fix,
+    Load,
+    PointForce,
+    Pressure,
+    RigidFooting,
+    Traction,
+)
+from lacore.errors import InputError
+from lacore.meshes.curved import is_curved
+
+if TYPE_CHECKING:
+    from lacore.bodies.continuum.body import Body
+    from lacore.bodies.continuum.dofs import BodyDofs
+
+# Exact: velocities of degree 2, times an area that is linear on straight quadrilaterals; on curved
+# ones it is cubic in either direction, and the radius is quadratic.
+_LOAD_ORDER, _CURVED_ORDER = 3, 7
+
+
+@singledispatch
+def check_load(load: Load, body: "Body", field: str) -> None:
+    """Raise `InputError` where a body cannot carry a load; it names the `field` of the load."""
+    raise TypeError(f"not a load: {type(load).__name__}")
+
+
+@check_load.register(Traction)
+@check_load.register(Pressure)
+@check_load.register(RigidFooting)
+def _check_boundary(load: Traction | Pressure | RigidFooting, body: "Body", field: str) -> None:
+    boundary_facets(body, load.where, f"{field}.where")
+
+
+@check_load.register(PointForce)
+def _check_point(load: PointForce, body: "Body", field: str) -> None:
+    vertex_at(body, load.at, f"{field}.at")
+
+
+@check_load.register(BodyForce)
+def _check_volume(load: BodyForce, body: "Body", field: str) -> None:
+    if load.where is not None:
+        raise InputError(f"{field}.where", load.where, "a continuum has no blocks", "leave it out")
+
+
+@singledispatch
+def force(load: Load, dofs: "BodyDofs") -> Floats:
+    """Nodal forces of a load on the unknowns of its body, shape (count,), N/m."""
+    raise TypeError(f"no forces at nodes: {type(load).__name__}")
+
+
+@force.register(Traction)
+@force.register(Pressure)
+def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
+    basis, centre = _facet_basis(dofs, facets_of(load, dofs.body))
+    return _power(dofs, basis, centre, load.on)
+
+
+@force.register(BodyForce)
+def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
+    basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_load_order(dofs))
+    return _power(dofs, basis, np.zeros(2), lambda _: load.vector)
+
+
+@force.register(PointForce)
+def _of_point(load: PointForce, dofs: "BodyDofs") -> Floats:
+    total = np.zeros(dofs.count)
+    vertex = vertex_at(dofs.body, load.at, "PointForce.at")
+    nodes = dofs.vertex_nodes(vertex)  # where velocities jump, on their mean
+    total[dofs.dofs[:, nodes] - dofs.offset] = np.reshape(load.vector, (2, 1)) / nodes.size
+    return total
+
+
+def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, on) -> Floats:  # type: ignore[no-untyped-def]
+    """Of forces per area or volume, by their normals, on the shape functions."""
+
+    @LinearForm
+    def power(v, w):  # type: ignore[no-untyped-def]
+        vector = on(w.n if isinstance(basis, FacetBasis) else None)
+        thickness = dofs.body.thickness(w.x + centre[:, None, None])
+        return thickness * (vector[0] * v[0] + vector[1] * v[1])
+
+    return np.asarray(power.assemble(basis))
+
+
+def facets_of(part: Traction | Pressure | RigidFooting | Fix, body: "Body") -> Ints:
+    """The part of the boundary of a body that a load or a support acts on."""
+    return boundary_facets(body, part.where, f"{type(part).__name__}.where")
+
+
+def area(dofs: "BodyDofs", facets: Ints) -> float:
+    """Of a part of the boundary, m^2; m per unit thickness."""
+    basis, centre = _facet_basis(dofs, facets)
+    places = np.asarray(basis.global_coordinates()) + centre[:, None, None]
+    return float(np.sum(basis.dx * dofs.body.thickness(places)))
+
+
+def _load_order(dofs: "BodyDofs") -> int:
+    curved = is_curved(dofs.body.mesh) or dofs.body.axisymmetric
+    return _CURVED_ORDER if curved else _LOAD_ORDER
+
+
+def _facet_basis(dofs: "BodyDofs", facets: Ints) -> tuple[FacetBasis, Floats]:
+    """Of a part of the boundary, in coordinates from a centre, and that centre.
+
+    Maps that are not affine are inverted to a fixed 1e-12, which far from the origin is below the
+    round-off of coordinates.
+    """
+    mesh, centre = dofs.body.mesh, np.zeros(2)
+    if is_curved(mesh) or not isinstance(mesh, MeshTri1):
+        centre = mesh.doflocs.mean(axis=1)
+        mesh = replace(mesh, doflocs=mesh.doflocs - centre[:, None])
+    order = _load_order(dofs)
+    return FacetBasis(mesh, dofs.basis.elem, facets=facets, intorder=order), centre

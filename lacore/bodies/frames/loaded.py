@@ -1,0 +1,77 @@
+"""Loads on frames: forces at nodes, and along members."""
+
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.conditions.loads import Load, PointForce, Traction
+from lacore.errors import InputError, suggest
+
+if TYPE_CHECKING:
+    from lacore.bodies.frames.frame import Frame
+
+
+@singledispatch
+def nodal(load: Load, body: "Frame") -> Floats:
+    """Forces and moments of a load at the nodes, shape (N, 3), N/m and 0.
+
+    Raises:
+        InputError: a load that frames do not carry, or at no node or member.
+    """
+    raise InputError(
+        f"{type(load).__name__}.body",
+        load.body,
+        "a frame, whose members have neither width nor sides",
+        "give Traction along members (own weight: N/m per m of member), or PointForce",
+    )
+
+
+@nodal.register(PointForce)
+def _point(load: PointForce, body: "Frame") -> Floats:
+    total = np.zeros((len(body.names), 3))
+    total[_loaded_node(load, body), :2] = load.vector
+    return total
+
+
+@nodal.register(Traction)
+def _along(load: Traction, body: "Frame") -> Floats:
+    total = np.zeros((len(body.names), 3))
+    half = (line_load(load, body) * body.pieces.length / 2).T
+    for nodes in (body.pieces.start, body.pieces.end):
+        np.add.at(total[:, :2], nodes, half)
+    return total
+
+
+def _loaded_node(load: PointForce, body: "Frame") -> int:
+    if load.where is not None:
+        raise InputError(
+            "PointForce.where", load.where, "a node of a frame needs none", "leave it out"
+        )
+    if isinstance(load.at, str):
+        return int(body.find(load.at, "PointForce.at")[0])
+    node = body.node_at(load.at)
+    if node is None:
+        away = body.position - np.reshape(load.at, (2, 1))
+        nearest = body.names[int(np.argmin(np.linalg.norm(away, axis=0)))]
+        raise InputError(
+            "PointForce.at",
+            load.at,
+            "lies on no member of the frame",
+            f"the nearest node is {nearest!r}",
+        )
+    return node
+
+
+def line_load(load: Traction, body: "Frame") -> Floats:
+    """A traction along members on all pieces, N/m per m, (2, P): 0 on those of others."""
+    wanted = (load.where,) if isinstance(load.where, str) else load.where
+    if not isinstance(wanted, tuple):
+        raise InputError("Traction.where", None, "not a member", "give the name of a member")
+    for name in wanted:
+        if name not in body.member_names:
+            mend = suggest(str(name), body.member_names)
+            raise InputError("Traction.where", name, "no such member", mend)
+    loaded = np.isin(body.member_names, wanted)[body.pieces.member]
+    return np.outer(load.vector, loaded)
