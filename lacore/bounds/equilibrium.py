@@ -19,6 +19,9 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
+from lacore.bodies.continuum.loaded import facets_of
+from lacore.bounds.static_loads import multiplied
+from lacore.conditions.loads import Load, RigidFooting
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
@@ -39,9 +42,19 @@ class EquilibriumDofs(Compact):
     first_node: int
 
     @property
-    def count(self) -> int:
+    def n_nodes(self) -> int:
         """Number of its nodes."""
         return int(2 * self.body.mesh.nfacets + self.body.mesh.nelements)
+
+    @property
+    def offset(self) -> int:
+        """Number of its first unknown."""
+        return 2 * self.first_node
+
+    @property
+    def count(self) -> int:
+        """Number of its unknowns."""
+        return 2 * self.n_nodes
 
     @property
     def strength(self) -> float:
@@ -98,6 +111,19 @@ class EquilibriumDofs(Compact):
             volumetric_factor=form.volumetric_factor,
         )
 
+    @property
+    def areas(self) -> Floats:
+        """Areas of the elements, m^2, shape (elements,)."""
+        return element_geometry(self.body)[0]
+
+    def force(self, load: Load) -> Floats:
+        """Forces of a load on the multipliers, shape (count,), N/m."""
+        return multiplied(load, self)
+
+    def area(self, footing: RigidFooting) -> float:
+        """Length of what a footing touches, m: m^2 per unit thickness."""
+        return float(self.lengths(facets_of(footing, self.body)).sum())
+
     def lengths(self, facets: Ints) -> Floats:
         """Lengths of boundary facets, m, shape (k,)."""
         start, end, _ = facet_geometry(self.body, facets)
@@ -110,7 +136,7 @@ def number_multipliers(bodies: Mapping[str, Body]) -> dict[str, EquilibriumDofs]
     first = 0
     for name, body in bodies.items():
         numbered[name] = EquilibriumDofs(body, first)
-        first += numbered[name].count
+        first += numbered[name].n_nodes
     return numbered
 
 

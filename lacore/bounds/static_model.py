@@ -1,6 +1,6 @@
 """From a `Problem` to the kinematic dual of its lower bound program (T26b)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -9,22 +9,21 @@ from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
+from lacore.assembly.loading import footings_of, load_vector, require_power
+from lacore.bodies.any_body import numbered
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.continuum.boundaries import facet_geometry
+from lacore.bodies.continuum.loaded import facets_of
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
 from lacore.conditions.elimination import free_basis, join
 from lacore.conditions.loads import (
-    BodyForce,
     Fix,
-    Load,
     PointForce,
-    Pressure,
     RigidFooting,
-    Traction,
 )
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
@@ -34,8 +33,6 @@ from lacore.program import KinematicProgram
 from lacore.reduction import kept_points, reduced
 from lacore.scales import Scales
 from lacore.showing import Facts, Shown, counted, listed, sized
-
-_ROUND_OFF = 1e-12  # of the load that remains where supports take all of it
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,23 +97,20 @@ def static_model(problem: Problem) -> StaticModel:
         )
     bodies = number_multipliers(_continua(problem))
     _check_statable(problem)
-    loads = [*problem.reference_loads, *problem.dead_loads]
-    footings = list(dict.fromkeys(_unloaded(f) for f in loads if isinstance(f, RigidFooting)))
-    nodes = sum(dofs.count for dofs in bodies.values())
-    node_dofs = np.arange(2 * nodes).reshape(-1, 2).T
-    n = 2 * nodes + len(footings)
-    assemblies: dict[str, RigidDofs] = {}
-    for name, body in problem.bodies.items():
-        if isinstance(body, BlockAssembly):
-            assemblies[name] = RigidDofs(body, n)
-            n += assemblies[name].count
-
-    contact, points = traction_rows(problem.interfaces, {**bodies, **assemblies}, n)
+    first = sum(dofs.count for dofs in bodies.values())
+    node_dofs = np.arange(first).reshape(-1, 2).T
+    footings = {footing: first + place for place, footing in enumerate(footings_of(problem))}
+    assemblies: dict[str, RigidDofs] = numbered(
+        problem.bodies, BlockAssembly, first + len(footings)
+    )
+    n = first + len(footings) + sum(own.count for own in assemblies.values())
+    dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
+    contact, points = traction_rows(problem.interfaces, dofs, n)
     full = KinematicProgram(
-        groups=tuple(dofs.group(name, n) for name, dofs in bodies.items()),
+        groups=tuple(own.group(name, n) for name, own in bodies.items()),
         contact=contact,
-        reference_load=_load_vector(problem.reference_loads, bodies, assemblies, footings, n),
-        dead_load=_load_vector(problem.dead_loads, bodies, assemblies, footings, n),
+        reference_load=load_vector(problem.reference_loads, dofs, bodies, footings, n),
+        dead_load=load_vector(problem.dead_loads, dofs, bodies, footings, n),
     )
     conditions = join(
         [
@@ -136,8 +130,8 @@ def static_model(problem: Problem) -> StaticModel:
             [
                 free_basis(conditions, node_dofs, [footing.name for footing in footings]),
                 *(
-                    dofs.free([s for s in problem.supports if s.body == name])
-                    for name, dofs in assemblies.items()
+                    own.free([s for s in problem.supports if s.body == name])
+                    for name, own in assemblies.items()
                 ),
             ],
             format="csr",
@@ -149,13 +143,7 @@ def static_model(problem: Problem) -> StaticModel:
     kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
     size = float(np.abs(full.reference_load).sum())
-    if np.sum(np.abs(program.reference_load)) <= _ROUND_OFF * size:
-        raise InputError(
-            "Problem.reference_loads",
-            None,
-            "they do no power (F0 = 0): they cancel, or act where supports hold the body",
-            "load a boundary that can move, or release the support",
-        )
+    require_power(program.reference_load, size)
     return StaticModel(
         problem=problem,
         full=full,
@@ -165,7 +153,7 @@ def static_model(problem: Problem) -> StaticModel:
         points=points.kept(kept),
         natural=Scales(
             length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
-            stress=sqrt(3) * max(dofs.strength for dofs in bodies.values()),
+            stress=sqrt(3) * max(own.strength for own in bodies.values()),
             velocity=1 / size,
         ),
     )
@@ -241,55 +229,8 @@ def _check_statable(problem: Problem) -> None:
             )
 
 
-def _facets(dofs: EquilibriumDofs, part: Fix | Traction | Pressure | RigidFooting) -> Ints:
-    return boundary_facets(dofs.body, part.where, f"{type(part).__name__}.where")
-
-
-def _unloaded(footing: RigidFooting) -> RigidFooting:
-    return replace(footing, pressure=1.0)
-
-
-def _load_vector(
-    loads: Sequence[Load],
-    bodies: Mapping[str, EquilibriumDofs],
-    assemblies: Mapping[str, RigidDofs],
-    footings: Sequence[RigidFooting],
-    n: int,
-) -> Floats:
-    """Forces on the multipliers, shape (n,), N/m; those of a footing on its own unknown."""
-    total = np.zeros(n)
-    first = 2 * sum(dofs.count for dofs in bodies.values())  # of the footings
-    for load in loads:
-        if load.body in assemblies:
-            own = assemblies[load.body]
-            total[own.offset : own.offset + own.count] += own.force(load)
-            continue
-        dofs = bodies[load.body]
-        if isinstance(load, BodyForce):
-            force = element_geometry(dofs.body)[0] * np.reshape(load.vector, (2, 1))
-            nodes = dofs.element_nodes
-        elif isinstance(load, RigidFooting):
-            place = first + footings.index(_unloaded(load))
-            total[place] += load.pressure * float(dofs.lengths(_facets(dofs, load)).sum())
-            continue
-        else:
-            assert isinstance(load, Traction | Pressure)
-            facets = _facets(dofs, load)
-            start, end, outward = facet_geometry(dofs.body, facets)
-            vector = (
-                -load.value * outward
-                if isinstance(load, Pressure)
-                else np.reshape(load.vector, (2, 1))
-            )
-            half = np.linalg.norm(end - start, axis=0) / 2 * vector
-            force, nodes = np.tile(half, 2), dofs.facet_nodes(facets).ravel()
-        for axis in (0, 1):
-            np.add.at(total, 2 * nodes + axis, force[axis])
-    return total
-
-
 def _ends(dofs: EquilibriumDofs, part: Fix | RigidFooting) -> tuple[Ints, Floats]:
     """Nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
-    facets = _facets(dofs, part)
+    facets = facets_of(part, dofs.body)
     _, _, outward = facet_geometry(dofs.body, facets)
     return dofs.facet_nodes(facets).ravel(), np.tile(outward.T, (2, 1))

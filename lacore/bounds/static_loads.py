@@ -1,0 +1,42 @@
+"""Loads as forces on the multipliers of equilibrium elements (T25)."""
+
+from functools import singledispatch
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.boundaries import facet_geometry
+from lacore.bodies.continuum.loaded import facets_of
+from lacore.conditions.loads import BodyForce, Load, Pressure, Traction
+
+if TYPE_CHECKING:
+    from lacore.bounds.equilibrium import EquilibriumDofs
+
+
+@singledispatch
+def multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
+    """Forces of a load, shape (count,), N/m; point forces are refused before."""
+    raise TypeError(f"no forces on multipliers: {type(load).__name__}")
+
+
+@multiplied.register(Traction)
+@multiplied.register(Pressure)
+def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
+    facets = facets_of(load, dofs.body)
+    start, end, outward = facet_geometry(dofs.body, facets)
+    half = np.linalg.norm(end - start, axis=0) / 2 * load.on(outward)
+    return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(half, 2))
+
+
+@multiplied.register(BodyForce)
+def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
+    force = dofs.areas * np.reshape(load.vector, (2, 1))
+    return _at(dofs, dofs.element_nodes, force)
+
+
+def _at(dofs: "EquilibriumDofs", nodes: Ints, force: Floats) -> Floats:
+    """Forces (2, k) at nodes (k,), which may be there twice."""
+    total = np.zeros((dofs.n_nodes, 2))
+    np.add.at(total, nodes - dofs.first_node, force.T)
+    return total.ravel()
