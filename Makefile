@@ -14,7 +14,7 @@ FRAGILE := $(addprefix tests/backends/test_, scipy.py regularised.py ipopt_stati
 	strong_bodies.py light_blocks.py claims.py static_bound.py kinematic_bound.py) \
 	$(addprefix tests/verification/test_, path_cases.py reference_report.py)
 
-.PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme reference clean
+.PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme architecture reference clean
 
 help:
 	@echo "make compare   a first look at every case with every backend, and reports/compare/index.html"
@@ -28,6 +28,7 @@ help:
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-page   write docs/benchmarks.md from that JSON"
 	@echo "make readme    write the table, the times and the pictures of README and guide afresh"
+	@echo "make architecture   draw the rooms and their imports for docs/architecture.md"
 	@echo "make reference  write the committed report under reports/reference afresh"
 	@echo "make clean     remove the environment and all generated reports"
 	@sed -n '/<!-- times -->/,/<!-- end times -->/{//!p}' README.md
@@ -77,6 +78,9 @@ bench-page: $(READY)
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py
+
+architecture: $(READY)
+	$(BIN)/python docs/architecture.py
 
 reference: $(READY)
 	$(BIN)/python docs/reference_report.py

@@ -5,6 +5,7 @@ Links of all pages lead somewhere, and what pages and docstrings name exists.
 
 import re
 import shlex
+import tomllib
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -101,6 +102,13 @@ def test_every_formula_that_is_cited_is_in_the_theory():
             assert cited <= defined, path
 
 
+def test_the_citation_is_of_this_version():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    for field in ("version", "license"):
+        assert f"\n{field}: {project[field]}\n" in citation
+
+
 NAME = re.compile(r"(?<![\w./-])(?:lacore|verification|backends)(?:\.[A-Za-z_]\w+)+")
 FILE = re.compile(r"(?<![\w./-])(?:lacore|verification|backends|docs|examples|tests)/[\w./-]*\w")
 GROUPS = {"lacore.backends", "lacore.cases"}  # of entry points, not modules
@@ -115,7 +123,8 @@ def test_modules_and_files_that_are_named_exist():
         text = path.read_text(encoding="utf-8")
         names = {name for name in NAME.findall(text) if not name.endswith((".py", ".md"))}
         wrong = [name for name in names - GROUPS if not _known(name)]
-        wrong += [file for file in set(FILE.findall(text)) if not (ROOT / file).exists()]
+        named = {file for file in FILE.findall(text) if "NAME" not in file}
+        wrong += [file for file in named if not (ROOT / file).exists()]
         dead += [f"{path.relative_to(ROOT)}: {name}" for name in wrong]
     assert not dead
 

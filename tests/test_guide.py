@@ -24,7 +24,11 @@ ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?:<!-- (slow|from \S+) -->\n)?```(\w+)\n(.*?)```", flags=re.DOTALL)
 PAGES = {
     page.stem: page.read_text(encoding="utf-8")
-    for page in (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
+    for page in (
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        *sorted((ROOT / "docs" / "guide").glob("*.md")),
+    )
 }
 BLOCKS = {name: BLOCK.findall(text) for name, text in PAGES.items()}
 NUMBER = r"[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|inf)"

@@ -1,6 +1,7 @@
 """The rooms of the house and who may enter which (DESIGN)."""
 
 import ast
+import importlib.util
 import re
 import subprocess
 import sys
@@ -140,6 +141,18 @@ def test_a_room_is_seen_at_a_glance(house):
                 long[str(path.relative_to(ROOT))] = lines
     assert not crowded
     assert not long
+
+
+def test_pictures_of_the_rooms_are_those_of_the_code():
+    """Drawn by docs/architecture.py, which reads the lists above and the imports."""
+    spec = importlib.util.spec_from_file_location("architecture", ROOT / "docs" / "architecture.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    for name, drawn in script.pictures().items():
+        kept = (ROOT / "docs" / name).read_text(encoding="utf-8")
+        assert kept == drawn, (
+            f"docs/{name} shows other rooms or imports: run python docs/architecture.py"
+        )
 
 
 @pytest.mark.parametrize("path", files("backends"))

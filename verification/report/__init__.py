@@ -1,1 +1,1 @@
-"""The report of a comparison: figures, and one page that loads nothing from elsewhere."""
+"""Reports: an index, a page a case and a study, and the pictures that they share."""
