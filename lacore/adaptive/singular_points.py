@@ -9,7 +9,6 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.conditions.loads import BodyForce, PointForce
-from lacore.contact.segments import interface_segments
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
@@ -35,8 +34,7 @@ def singular_points(problem: Problem, name: str) -> list[int]:
         if not isinstance(part, BodyForce | PointForce) and part.body == name
     ]
     alike = [boundary_facets(body, where, "where") for where in wheres]
-    for index, pair in enumerate(problem.interfaces):
-        segments = interface_segments(pair, problem.bodies, f"Problem.interfaces[{index}]")
+    for pair, segments in zip(problem.interfaces, problem.segments, strict=True):
         for (own, _), facets in zip(pair.sides, segments.edges, strict=False):
             if own == name:
                 alike.append(facets)

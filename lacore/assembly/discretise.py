@@ -19,13 +19,15 @@ from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.jumps import jumps, movable
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
+from lacore.contact.segments import Segments
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.program import ContactRows, KinematicProgram
 from lacore.reduction import kept_points, reduced
 
 Contact = Callable[
-    [Sequence[Interface], Mapping[str, Dofs], int], tuple[ContactRows, ContactPoints]
+    [Sequence[Interface], Sequence[Segments], Mapping[str, Dofs], int],
+    tuple[ContactRows, ContactPoints],
 ]
 """Rows of interfaces for n unknowns of bodies: see `lacore.contact.rows.contact_rows`."""
 
@@ -44,7 +46,7 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
     continua, dofs, n = unknowns.continua, unknowns.dofs, unknowns.n
     footings = tuple(unknowns.footings)
     interfaces = yielding(problem, continua, footings)
-    contact, points = contact_of(interfaces, dofs, n)
+    contact, points = contact_of(interfaces, problem.segments, dofs, n)
     slipping = slips(problem, continua, footings, unknowns.node_dofs.size)
     held = held_by(problem, unknowns, slipping)
     jumping = {

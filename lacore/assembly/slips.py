@@ -21,7 +21,6 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.conditions.elimination import NodeConditions, contradictory, join
 from lacore.conditions.loads import RigidFooting
 from lacore.conditions.nodes import footing_conditions, support_conditions
-from lacore.contact.segments import interface_segments
 from lacore.problem.problem import Problem
 
 _NONE = np.zeros(0, dtype=np.int64)
@@ -79,9 +78,8 @@ def asked_of(
 
 def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
     """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
-    interface = problem.interfaces[index]
-    segments = interface_segments(interface, problem.bodies, f"Problem.interfaces[{index}]")
-    sides = zip(interface.sides, segments.edges, strict=False)
+    edges = problem.segments[index].edges
+    sides = zip(problem.interfaces[index].sides, edges, strict=False)
     return {name: np.unique(edges) for (name, _), edges in sides}
 
 

@@ -17,6 +17,22 @@ TOUCH = 1e-9  # of the body size: coordinates written in double precision agree 
 NEAR = 0.01  # of the shorter edge: a gap below it is more likely a slip of the pen than meant
 
 
+@dataclass(frozen=True)
+class Touched:
+    """Where an interface touches a body.
+
+    Attributes:
+        field, name: of the interface, for messages.
+        edges: of the body.
+        by_obstacle: whether what touches it is no body.
+    """
+
+    field: str
+    name: str
+    edges: Ints
+    by_obstacle: bool
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Edges(Compact):
     """Straight edges of outlines: `start`, `end`, unit outward `normal`, each (2, n), in m."""

@@ -17,7 +17,7 @@ from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, Station, interface_station, joined, laws_of
-from lacore.contact.segments import Segments, interface_segments
+from lacore.contact.segments import Segments
 from lacore.errors import InputError
 from lacore.program import ContactRows
 
@@ -30,24 +30,27 @@ _PLACES = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
 
 
 def traction_rows(
-    interfaces: Sequence[Interface], bodies: Mapping[str, StaticDofs], n: int
+    interfaces: Sequence[Interface],
+    segments: Sequence[Segments],
+    bodies: Mapping[str, StaticDofs],
+    n: int,
 ) -> tuple[ContactRows, ContactPoints]:
     """Tractions at the ends of facets: linear between, they obey the convex law there too."""
     rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
     stations = []
-    for index, interface in enumerate(interfaces):
+    for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
         if all(name in rigid for name, _ in interface.sides):
-            stations.append(interface_station(interface, index, rigid, n))
+            stations.append(interface_station(interface, own, index, rigid, n))
         else:
-            stations.append(_station(interface, index, bodies, n))
+            stations.append(_station(interface, own, index, bodies, n))
     return joined(stations, interfaces, rigid, n)
 
 
-def _station(interface: Interface, index: int, bodies: Mapping[str, StaticDofs], n: int) -> Station:
+def _station(
+    interface: Interface, segments: Segments, index: int, bodies: Mapping[str, StaticDofs], n: int
+) -> Station:
     """Two points a facet of the deformable side, of the slave where both are."""
     field = f"Problem.interfaces[{index}]"
-    geometry = {name: dofs.body for name, dofs in bodies.items()}
-    segments = interface_segments(interface, geometry, field)
     meeting = zip(interface.sides, segments.edges, strict=False)
     sides = [(bodies[name], edges) for (name, _), edges in meeting]
     strength = min(dofs.strength for dofs, _ in sides)

@@ -105,7 +105,7 @@ def static_model(problem: Problem) -> StaticModel:
     )
     n = first + len(footings) + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
-    contact, points = traction_rows(problem.interfaces, dofs, n)
+    contact, points = traction_rows(problem.interfaces, problem.segments, dofs, n)
     full = KinematicProgram(
         groups=tuple(own.group(name, n) for name, own in bodies.items()),
         contact=contact,

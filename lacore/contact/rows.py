@@ -21,7 +21,7 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.contact.controls import controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
-from lacore.contact.segments import Segments, interface_segments
+from lacore.contact.segments import Segments
 from lacore.program import ContactRows
 from lacore.showing import Compact
 
@@ -90,11 +90,22 @@ class Station(Compact):
 
 
 def contact_rows(
-    interfaces: Sequence[Interface], bodies: Mapping[str, Dofs], n: int
+    interfaces: Sequence[Interface],
+    segments: Sequence[Segments],
+    bodies: Mapping[str, Dofs],
+    n: int,
 ) -> tuple[ContactRows, ContactPoints]:
-    """Contact rows of all interfaces and joints for n unknowns, and where they stand."""
+    """Contact rows of all interfaces and joints for n unknowns, and where they stand.
+
+    Args:
+        interfaces: of a problem, with the friction that counts.
+        segments: of each, see `Problem.segments`.
+        bodies: unknowns of all.
+        n: unknowns.
+    """
     stations = [
-        interface_station(interface, index, bodies, n) for index, interface in enumerate(interfaces)
+        interface_station(interface, own, index, bodies, n)
+        for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True))
     ]
     rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
     return joined(stations, interfaces, rigid, n)
@@ -146,11 +157,9 @@ def joined(
 
 
 def interface_station(
-    interface: Interface, index: int, bodies: Mapping[str, Dofs], n: int
+    interface: Interface, segments: Segments, index: int, bodies: Mapping[str, Dofs], n: int
 ) -> Station:
-    """Contact points of the interface with a number."""
-    geometry = {name: dofs.body for name, dofs in bodies.items()}
-    segments = interface_segments(interface, geometry, f"Problem.interfaces[{index}]")
+    """Contact points of the interface with a number, on its segments."""
     meeting = zip(interface.sides, segments.edges, strict=False)
     sides = [(bodies[name], bodies[name].parts(edges)) for (name, _), edges in meeting]
     count = segments.slave.size

@@ -55,13 +55,13 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
         _check_obstacle(slave, numbers, edges, interface, field)
         nothing = np.full(numbers.size, -1)
         normal = -edges.normal
-        if isinstance(slave, Frame):
+        if slave.pointwise:
             normal = _obstacle_normals(interface, edges.start, field)
         return Segments(numbers, nothing, edges.start, edges.end, normal)
     master = bodies[second[0][0]]
     others, facing = master.boundary(second[0][1], f"{field}.master")
     allowed = max(slave.allowed, master.allowed)
-    if isinstance(slave, Frame) and isinstance(master, Frame):
+    if slave.pointwise and master.pointwise:
         raise InputError(
             field,
             interface.name,

@@ -13,6 +13,7 @@ from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints
+from lacore.contact.segments import Segments
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.paths.approach import approaching_rows
@@ -116,7 +117,7 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     """
 
     def contact(
-        _: Sequence[Interface], bodies: Mapping[str, Dofs], n: int
+        _: Sequence[Interface], __: Sequence[Segments], bodies: Mapping[str, Dofs], n: int
     ) -> tuple[ContactRows, ContactPoints]:
         deform = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, BodyDofs)}
         return approaching_rows(stage.obstacles, deform, n, moment.begin, moment.duration)

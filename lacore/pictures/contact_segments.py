@@ -15,7 +15,7 @@ from lacore.bodies.frames.dofs import FrameDofs
 from lacore.contact.controls import controls, segment_curves
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.rows import moving_sides
-from lacore.contact.segments import Segments, interface_segments
+from lacore.contact.segments import Segments
 from lacore.limit.state import LimitState
 
 _MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
@@ -115,7 +115,7 @@ def segmented_contacts(
     ]
     joints = []
     for index, interface in enumerate(d.problem.interfaces):
-        segments = interface_segments(interface, d.problem.bodies, f"Problem.interfaces[{index}]")
+        segments = d.problem.segments[index]
         meeting = zip(interface.sides, segments.edges, strict=False)
         sides = [(dofs[name], dofs[name].parts(edges)) for (name, _), edges in meeting]
         number = np.full(segments.slave.size, index)

@@ -3,16 +3,17 @@
 Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.blocks.checks import check_contact
 from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_names
 from lacore.bodies.blocks.loaded import carried
 from lacore.bodies.blocks.meeting_corners import Meetings, meetings
@@ -25,7 +26,7 @@ from lacore.bodies.blocks.polygons import (
     require_apart,
     require_no_slits,
 )
-from lacore.bodies.touching import Edges
+from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import edges_inside
 from lacore.errors import InputError, require_known, require_positive
@@ -75,6 +76,7 @@ class BlockAssembly(Shown):
     friction: float | Friction
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
+    pointwise: ClassVar[bool] = False  # it touches others along edges
     names: tuple[str, ...] = field(init=False, repr=False)
     area: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -185,6 +187,16 @@ class BlockAssembly(Shown):
     def check_load(self, load: Load, field: str) -> None:
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
+
+    def with_points(self, points: Iterable[Sequence[float]]) -> "BlockAssembly":
+        """Itself: point forces act anywhere on blocks."""
+        return self
+
+    def check_contact(
+        self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    ) -> None:
+        """Raise `InputError` where a block touches nothing, or by a corner only."""
+        check_contact(self, field, supports, touched)
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""

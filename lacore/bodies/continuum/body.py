@@ -1,7 +1,8 @@
 """Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from skfem import MeshQuad, MeshTri
@@ -13,7 +14,7 @@ from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.continuum.loaded import check_load
 from lacore.bodies.continuum.locking import crossed_quadrilaterals
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
-from lacore.bodies.touching import TOUCH, Edges
+from lacore.bodies.touching import TOUCH, Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
@@ -67,6 +68,7 @@ class Body(Shown):
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
+    pointwise: ClassVar[bool] = False  # it touches others along edges
 
     def __post_init__(self) -> None:
         require_known("Body.kinematics", self.kinematics, KINEMATICS)
@@ -184,6 +186,15 @@ class Body(Shown):
     def check_load(self, load: Load, field: str) -> None:
         """Raise `InputError` where it cannot carry a load; it names the `field`."""
         check_load(load, self, field)
+
+    def with_points(self, points: Iterable[Sequence[float]]) -> "Body":
+        """Itself: point forces act at vertices that it has."""
+        return self
+
+    def check_contact(
+        self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    ) -> None:
+        """Nothing: what touches or holds any part of it holds all of it."""
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from lacore.bodies.frames.members import (
     require_single,
     split_members,
 )
-from lacore.bodies.touching import Edges
+from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
 from lacore.meshes.curved import EdgeCurves
@@ -66,6 +66,7 @@ class Frame(Shown):
     plastic_moment: float | Mapping[str, float]
     releases: Sequence[tuple[str, str]] = ()
     tolerance: float | None = None
+    pointwise: ClassVar[bool] = True  # it touches others in single nodes
     names: tuple[str, ...] = field(init=False, repr=False)
     member_names: tuple[str, ...] = field(init=False, repr=False)
     position: Floats = field(init=False, repr=False)
@@ -178,6 +179,15 @@ class Frame(Shown):
     def check_load(self, load: Load, field: str) -> None:
         """Raise `InputError` where it does not carry a load."""
         nodal(load, self)
+
+    def with_points(self, points: Iterable[Sequence[float]]) -> "Frame":
+        """With a node wherever a point lies on a member: it may hinge there."""
+        return self.split_at(points)
+
+    def check_contact(
+        self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    ) -> None:
+        """Nothing: what touches or holds any node of it holds all of it."""
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
