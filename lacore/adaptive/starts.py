@@ -7,6 +7,7 @@ from skfem import MeshTri
 
 from lacore.adaptive.same_domain import difference
 from lacore.adaptive.singular_points import sectors_for, singular_points
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
@@ -75,7 +76,8 @@ def starts(
 
 def only_body(problem: Problem) -> tuple[str, Body]:
     """Name of the body whose mesh is refined, and that body; rigid blocks have no mesh."""
-    meshed = {n: b for n, b in problem.bodies.items() if not isinstance(b, BlockAssembly)}
+    rigid = of_kind(problem.bodies, BlockAssembly)
+    meshed = {name: body for name, body in problem.bodies.items() if name not in rigid}
     if not meshed:
         raise InputError(
             "Problem.bodies",

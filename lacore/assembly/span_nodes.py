@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
 from lacore.conditions.loads import Fix
@@ -21,15 +22,14 @@ def spanned(problem: Problem) -> Problem:
     Applied again it changes nothing.
     """
     places = {}
-    for name, frame in problem.bodies.items():
-        if isinstance(frame, Frame):
-            loaded = np.zeros(frame.pieces.length.size, dtype=bool)
-            dofs = FrameDofs(frame, 0)
-            for loads in (problem.reference_loads, problem.dead_loads):
-                loaded |= dofs.load_across([load for load in loads if load.body == name]) != 0
-            loaded &= ~_passing(problem, name)[frame.pieces.nodes].any(axis=1)
-            half = np.full(int(loaded.sum()), 0.5)
-            places[name] = places_on(frame, np.flatnonzero(loaded), half)
+    for name, frame in of_kind(problem.bodies, Frame).items():
+        loaded = np.zeros(frame.pieces.length.size, dtype=bool)
+        dofs = FrameDofs(frame, 0)
+        for loads in (problem.reference_loads, problem.dead_loads):
+            loaded |= dofs.load_across([load for load in loads if load.body == name]) != 0
+        loaded &= ~_passing(problem, name, frame)[frame.pieces.nodes].any(axis=1)
+        half = np.full(int(loaded.sum()), 0.5)
+        places[name] = places_on(frame, np.flatnonzero(loaded), half)
     return with_nodes(problem, problem, places)
 
 
@@ -39,9 +39,7 @@ def with_nodes(given: Problem, problem: Problem, places: dict[str, Floats]) -> P
         return given
     bodies = dict(given.bodies)
     for name, place in places.items():
-        frame = bodies[name]
-        assert isinstance(frame, Frame)
-        bodies[name] = frame.split_at(place.T.tolist())
+        bodies[name] = bodies[name].with_points(place.T.tolist())
     return replace(
         given,
         bodies=bodies,
@@ -52,8 +50,8 @@ def with_nodes(given: Problem, problem: Problem, places: dict[str, Floats]) -> P
 
 def _named(support: Fix, problem: Problem) -> Fix:
     """A support by the names of the nodes that it holds: a predicate would hold new ones, too."""
-    frame = problem.bodies[support.body]
-    if not (isinstance(frame, Frame) and callable(support.where)):
+    frame = of_kind(problem.bodies, Frame).get(support.body)
+    if frame is None or not callable(support.where):
         return support
     nodes = frame.find(support.where, "Fix.where")
     return replace(support, where=tuple(frame.names[node] for node in nodes))
@@ -64,17 +62,15 @@ def _named_interface(interface: Interface, problem: Problem) -> Interface:
     for side, part in zip(("slave", "master"), interface.sides, strict=False):
         if not callable(part[1]):
             continue
-        frame = problem.bodies[part[0]]
-        if isinstance(frame, Frame):
+        frame = of_kind(problem.bodies, Frame).get(part[0])
+        if frame is not None:
             nodes = frame.find(part[1], "Interface")
             sides[side] = (part[0], tuple(frame.names[node] for node in nodes))
     return replace(interface, **sides) if sides else interface
 
 
-def _passing(problem: Problem, name: str) -> Bools:
+def _passing(problem: Problem, name: str, frame: Frame) -> Bools:
     """Nodes inside one member that nothing else holds, (N,)."""
-    frame = problem.bodies[name]
-    assert isinstance(frame, Frame)
     pieces, count = frame.pieces, len(frame.names)
     nodes = pieces.nodes.ravel()
     member = np.repeat(pieces.member, 2)

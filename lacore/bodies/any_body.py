@@ -4,7 +4,7 @@ A new kind is a folder beside this file, and a line in `KINDS`.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -20,6 +20,7 @@ from lacore.meshes.curved import EdgeCurves
 from lacore.program import DissipationGroup
 
 AnyBody = Body | BlockAssembly | Frame
+Kind = TypeVar("Kind", Body, BlockAssembly, Frame)
 
 
 class Stated(Protocol):
@@ -146,11 +147,15 @@ KINDS: Mapping[type, Callable[[Any, int], Dofs]] = {
 """Bodies, and their unknowns from a number on: in this order among all."""
 
 
+def of_kind(bodies: Mapping[str, object], kind: type[Kind]) -> dict[str, Kind]:
+    """The bodies of one kind, by name."""
+    return {name: body for name, body in bodies.items() if isinstance(body, kind)}
+
+
 def numbered(bodies: Mapping[str, AnyBody], kind: type, first: int) -> dict[str, Any]:
     """The unknowns of the bodies of a kind, one after the other from a number on."""
     found: dict[str, Dofs] = {}
-    for name, body in bodies.items():
-        if isinstance(body, kind):
-            found[name] = KINDS[kind](body, first)
-            first += found[name].count
+    for name, body in of_kind(bodies, kind).items():
+        found[name] = KINDS[kind](body, first)
+        first += found[name].count
     return found

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.materials.friction import SMOOTH, Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
@@ -10,7 +11,7 @@ from lacore.problem.problem import Problem
 
 def has_coulomb(problem: Problem) -> bool:
     """Whether there is Coulomb friction that is not associated, in interfaces or joints."""
-    joints = (body.joints for body in problem.bodies.values() if isinstance(body, BlockAssembly))
+    joints = (body.joints for body in of_kind(problem.bodies, BlockAssembly).values())
     return any(_follows_pressure(pair.law) for pair in problem.interfaces) or any(
         bool((own.coefficient > 0).any()) for own in joints
     )
@@ -37,7 +38,7 @@ def _follows_pressure(law: Friction) -> bool:
 def _with_laws(problem: Problem, changed: Callable[[Friction], Friction]) -> Problem:
     if not has_coulomb(problem):
         return problem
-    bodies = {
+    blocks = {
         name: replace(
             body,
             friction=changed(friction_law(body.friction, "BlockAssembly.friction")),
@@ -46,9 +47,7 @@ def _with_laws(problem: Problem, changed: Callable[[Friction], Friction]) -> Pro
                 for pair, law in (body.joint_friction or {}).items()
             },
         )
-        if isinstance(body, BlockAssembly)
-        else body
-        for name, body in problem.bodies.items()
+        for name, body in of_kind(problem.bodies, BlockAssembly).items()
     }
     pairs = [replace(pair, friction=changed(pair.law)) for pair in problem.interfaces]
-    return replace(problem, bodies=bodies, interfaces=pairs)
+    return replace(problem, bodies={**problem.bodies, **blocks}, interfaces=pairs)

@@ -10,12 +10,13 @@ from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import footings_of, load_vector, require_power
-from lacore.bodies.any_body import numbered
+from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
+from lacore.bodies.frames.frame import Frame
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
@@ -160,18 +161,16 @@ def static_model(problem: Problem) -> StaticModel:
 
 
 def _continua(problem: Problem) -> dict[str, Body]:
-    bodies: dict[str, Body] = {}
-    for name, body in problem.bodies.items():
-        if isinstance(body, BlockAssembly):
-            continue
-        if not isinstance(body, Body):
-            raise InputError(
-                f"Problem.bodies[{name!r}]",
-                type(body).__name__,
-                "a lower bound takes deformable bodies and rigid blocks only",
-                "make it a lacore.Body or a BlockAssembly; `solve` bounds problems of frames by"
-                " coupling='frictionless' and 'associated'",
-            )
+    for name in of_kind(problem.bodies, Frame):
+        raise InputError(
+            f"Problem.bodies[{name!r}]",
+            "Frame",
+            "a lower bound takes deformable bodies and rigid blocks only",
+            "make it a lacore.Body or a BlockAssembly; `solve` bounds problems of frames by"
+            " coupling='frictionless' and 'associated'",
+        )
+    bodies = of_kind(problem.bodies, Body)
+    for name, body in bodies.items():
         if type(body.mesh) is not MeshTri1:
             raise InputError(
                 f"Problem.bodies[{name!r}].mesh",
@@ -187,7 +186,6 @@ def _continua(problem: Problem) -> dict[str, Body]:
                 " r",
                 "take `solve`, whose value converges, and is no bound",
             )
-        bodies[name] = body
     if not bodies:
         raise InputError(
             "Problem.bodies",
@@ -200,15 +198,15 @@ def _continua(problem: Problem) -> dict[str, Body]:
 
 
 def _check_statable(problem: Problem) -> None:
-    for attribute in ("reference_loads", "dead_loads"):
-        for index, load in enumerate(getattr(problem, attribute)):
-            if isinstance(load, PointForce) and isinstance(problem.bodies[load.body], Body):
-                raise InputError(
-                    f"Problem.{attribute}[{index}]",
-                    load.vector,
-                    "stresses that are linear in a triangle cannot carry a point force",
-                    "spread it over an edge as a Traction",
-                )
+    deforming = of_kind(problem.bodies, Body)
+    for field, load in problem.loads.items():
+        if isinstance(load, PointForce) and load.body in deforming:
+            raise InputError(
+                field,
+                load.vector,
+                "stresses that are linear in a triangle cannot carry a point force",
+                "spread it over an edge as a Traction",
+            )
     for index, interface in enumerate(problem.interfaces):
         if interface.law.terms().coefficient > 0:
             raise InputError(
@@ -218,8 +216,8 @@ def _check_statable(problem: Problem) -> None:
                 "give Coulomb(mu, associated=True), or SMOOTH, whose lower bound is one of every"
                 " Coulomb load factor too, as `bracket` takes it",
             )
-    for name, body in problem.bodies.items():
-        if isinstance(body, BlockAssembly) and np.any(body.joints.coefficient > 0):
+    for name, body in of_kind(problem.bodies, BlockAssembly).items():
+        if np.any(body.joints.coefficient > 0):
             raise InputError(
                 f"Problem.bodies[{name!r}].friction",
                 None,

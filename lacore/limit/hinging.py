@@ -10,6 +10,7 @@ O(e^2), and so is the next node: a few rounds give all digits, as Newton's metho
 import numpy as np
 
 from lacore.assembly.span_nodes import places_on, with_nodes
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.frames.frame import Frame
 from lacore.limit.span_moments import span_excess, span_moments
 from lacore.limit.state import LimitState
@@ -40,8 +41,7 @@ def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
         beyond = moments.inside > (1 + tolerance) * frame.pieces.plastic_moment
         chosen = np.flatnonzero(beyond)
         new = places_on(frame, chosen, moments.peaks[chosen])
-        first = given.bodies[name]
-        assert isinstance(first, Frame)
+        first = of_kind(given.bodies, Frame)[name]
         old = frame.position[:, ~np.isin(frame.names, first.names)]
         near = _APART * moments.length[chosen]
         away = np.linalg.norm(old[:, :, None] - new[:, None, :], axis=0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.conditions.loads import RigidFooting
@@ -79,8 +80,9 @@ class PointTravel(Compact):
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""
-        body = problem.bodies.get(self.body) if isinstance(self.body, str) else None
-        if not isinstance(body, Body):
+        deforming = of_kind(problem.bodies, Body)
+        body = deforming.get(self.body) if isinstance(self.body, str) else None
+        if body is None:
             known = ", ".join(sorted(problem.bodies))
             raise InputError(
                 "PointTravel.body", self.body, "no body that deforms", f"give one of {known}"

@@ -7,6 +7,7 @@ import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
 
 from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.bodies.continuum.dofs import number
@@ -54,12 +55,10 @@ def restaged(
     if not isinstance(meshes, Mapping) or not meshes:
         raise InputError("remesh", meshes, "returned no meshes", "return {'body': mesh}")
     now = stage.at(configuration)
-    bodies = dict(now.bodies)
+    bodies = of_kind(now.bodies, Body)
     for name, mesh in meshes.items():
         require_known("remesh", name, bodies)
-        body = bodies[name]
-        assert isinstance(body, Body)
-        bodies[name] = _on(name, body, mesh, stage.obstacles)
+        bodies[name] = _on(name, bodies[name], mesh, stage.obstacles)
     new = staged(replace(now, bodies=bodies), stage.interfaces)
     start = new.start
     before, after = (number(own) for own in (stage.bodies_at(configuration), new.bodies))

@@ -15,6 +15,7 @@ from skfem import Mesh
 from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
 from lacore.bodies.continuum.spaces import SPACES
@@ -51,7 +52,7 @@ class Stage(Compact):
     @property
     def bodies(self) -> dict[str, Body]:
         """The bodies where they are at the beginning."""
-        return {name: body for name, body in self.problem.bodies.items() if isinstance(body, Body)}
+        return of_kind(self.problem.bodies, Body)
 
     @cached_property
     def turns(self) -> dict[str, Floats]:

@@ -1,12 +1,14 @@
 """What bodies of revolution cannot have (T27): x is the radius r >= 0, y the axis z."""
 
 from collections.abc import Mapping, Sequence
+from functools import singledispatch
 
 import numpy as np
 
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body, on_axis
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.conditions.loads import BodyForce, Fix, Load, PointForce, RigidFooting
+from lacore.conditions.loads import Fix, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
@@ -31,37 +33,44 @@ def check_axisymmetry(
         InputError: bodies of other kinematics beside it, a footing or a force on the axis that
             moves across it, loads, supports of u_z and interfaces along the axis.
     """
-    round_ones = {n: b for n, b in bodies.items() if isinstance(b, Body) and b.axisymmetric}
+    continua = of_kind(bodies, Body)
+    round_ones = {name: body for name, body in continua.items() if body.axisymmetric}
     if not round_ones:
         return
     for name, body in bodies.items():
         if name not in round_ones:
             raise InputError(
                 f"Problem.bodies[{name!r}]",
-                body.kinematics if isinstance(body, Body) else type(body).__name__,
+                continua[name].kinematics if name in continua else type(body).__name__,
                 "plane, beside an axisymmetric body",
                 "make it a Body(kinematics='axisymmetric') too, or a RigidObstacle",
             )
     for field, load in loads.items():
-        _check_load(field, load, round_ones[load.body])
+        _check_load(load, field, round_ones[load.body])
     for index, support in enumerate(supports):
         if support.components not in ("x", "normal"):
             field = f"Problem.supports[{index}].where"
             _check_off_axis(round_ones[support.body], support.where, field)
     for index, interface in enumerate(interfaces):
-        for side, part in (("slave", interface.slave), ("master", interface.master)):
-            if isinstance(part, tuple):
-                field = f"Problem.interfaces[{index}].{side}"
-                _check_off_axis(round_ones[part[0]], part[1], field)
+        for side, part in zip(("slave", "master"), interface.sides, strict=False):
+            field = f"Problem.interfaces[{index}].{side}"
+            _check_off_axis(round_ones[part[0]], part[1], field)
 
 
-def _check_load(field: str, load: Load, body: Body) -> None:
-    if isinstance(load, BodyForce):
-        return
-    if isinstance(load, PointForce):
-        _check_point(field, load, body)
-        return
-    if isinstance(load, RigidFooting) and abs(load.direction[0]) > _ROUND_OFF:
+@singledispatch
+def _check_load(load: Load, field: str, body: Body) -> None:
+    """Refuse a load that has no meaning on a body of revolution; on its volume all have."""
+
+
+@_check_load.register(Traction)
+@_check_load.register(Pressure)
+def _check_boundary(load: Traction | Pressure, field: str, body: Body) -> None:
+    _check_off_axis(body, load.where, f"{field}.where")
+
+
+@_check_load.register(RigidFooting)
+def _check_footing(load: RigidFooting, field: str, body: Body) -> None:
+    if abs(load.direction[0]) > _ROUND_OFF:
         raise InputError(
             f"{field}.direction",
             load.direction,
@@ -71,7 +80,8 @@ def _check_load(field: str, load: Load, body: Body) -> None:
     _check_off_axis(body, load.where, f"{field}.where")
 
 
-def _check_point(field: str, load: PointForce, body: Body) -> None:
+@_check_load.register(PointForce)
+def _check_point(load: PointForce, field: str, body: Body) -> None:
     assert not isinstance(load.at, str)  # a continuum has no named points
     if load.vector[0] and on_axis(body, np.reshape(load.at, (2, 1)))[0]:
         raise InputError(
