@@ -37,7 +37,7 @@ FLOORS = {
 COLOURS = dict(zip(FLOORS, ("#e8e6df", "#d9e6f2", "#f6e3c9", "#dcebd6", "#efdcea"), strict=True))
 _OTHER = "#eeeeee"
 _FONT = "font-family='Helvetica, Arial, sans-serif'"
-_CELL, _NAME, _TEXT = 17, 112, 560  # px: of the matrix, for names, for what rooms are for
+_ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: of the matrix, names, what rooms are for
 
 
 def imported(house: str) -> dict[str, set[str]]:
@@ -70,22 +70,21 @@ def matrix(house: str) -> str:
     """An SVG: a row a room, the ground below; dots in the columns of the rooms that it imports."""
     needs = imported(house)
     rooms, count = list(needs), len(needs)
-    wide, high = _NAME + count * _CELL + 16 + _TEXT, (count + 1) * _CELL + _NAME
+    wide, high = _NAME + count * _COLUMN + 12 + _TEXT, (count + 1) * _ROW + _NAME
     drawn = []
     for row, name in enumerate(reversed(rooms)):
-        y, own = (row + 0.5) * _CELL + 8, rooms.index(name)
-        fill = colour(name, house)
-        drawn.append(_box(0, y - _CELL / 2, wide, _CELL, fill))
+        y, own = (row + 0.5) * _ROW + 8, rooms.index(name)
+        drawn.append(_box(0, y - _ROW / 2, wide, _ROW, colour(name, house)))
         drawn.append(_text(_NAME - 6, y, name, anchor="end", weight="bold"))
-        drawn.append(_box(_NAME + own * _CELL, y - _CELL / 2, _CELL, _CELL, "#7a7a72"))
+        drawn.append(_box(_NAME + own * _COLUMN, y - _ROW / 2, _COLUMN, _ROW, "#7a7a72"))
         drawn += [
-            f"<circle cx='{_NAME + (rooms.index(other) + 0.5) * _CELL:g}' cy='{y:g}' r='4'/>"
+            f"<circle cx='{_NAME + (rooms.index(other) + 0.5) * _COLUMN:g}' cy='{y:g}' r='3.6'/>"
             for other in rooms
             if other in needs[name]
         ]
-        drawn.append(_text(_NAME + count * _CELL + 12, y, purpose(house, name)))
+        drawn.append(_text(_NAME + count * _COLUMN + 8, y, purpose(house, name)))
     for column, name in enumerate(rooms):
-        x, y = _NAME + (column + 0.5) * _CELL, count * _CELL + 16
+        x, y = _NAME + (column + 0.5) * _COLUMN, count * _ROW + 16
         turned = f"<g transform='translate({x:g} {y:g}) rotate(-90)'>"
         drawn.append(f"{turned}{_text(0, 0, name, anchor='end')}</g>")
     return _svg(wide, high, drawn)

@@ -51,7 +51,7 @@ def table(outcomes: list[Outcome]) -> str:
 
 
 def _percent(error: float) -> str:
-    return "" if isnan(error) else f"{100 * error:+.4f} %"
+    return "" if isnan(error) else f"{round(100 * error, 4) + 0.0:+.4f} %"  # no minus before 0
 
 
 def times(folder: Path) -> str:
@@ -75,6 +75,15 @@ def _processor() -> float:
     return used.ru_utime + used.ru_stime
 
 
+def between(text: str, first: str, last: str, new: str) -> str:
+    """A text with all that stands between two marks replaced."""
+    before, mark, rest = text.partition(f"{first}\n")
+    _, end, after = rest.partition(last)
+    if not (mark and end):
+        raise SystemExit(f"README.md: {first} ... {last} is not there: nothing is written")
+    return f"{before}{mark}{new}\n{end}{after}"
+
+
 def picture_of_path() -> None:
     """That of the code in the guide."""
     page = (ROOT / "docs" / "guide" / "large-deformation.md").read_text(encoding="utf-8")
@@ -94,18 +103,9 @@ def main() -> None:
         outcomes = run_all(runs, Path(folder) / "results.sqlite")
         measured = times(Path(folder))
     readme = ROOT / "README.md"
-    text = re.sub(
-        r"(<!-- comparison -->\n).*?(<!-- end -->)",
-        lambda marks: f"{marks[1]}{table(outcomes)}\n{marks[2]}",
-        readme.read_text(encoding="utf-8"),
-        flags=re.DOTALL,
-    )
-    text = re.sub(
-        r"(<!-- times -->\n).*?(<!-- end times -->)",
-        lambda marks: f"{marks[1]}{measured}\n{marks[2]}",
-        text,
-        flags=re.DOTALL,
-    )
+    text = readme.read_text(encoding="utf-8")
+    text = between(text, "<!-- comparison -->", "<!-- end -->", table(outcomes))
+    text = between(text, "<!-- times -->", "<!-- end times -->", measured)
     readme.write_text(text, encoding="utf-8")
     for name, shown in PICTURES.items():
         case, (variant,) = find(shown)

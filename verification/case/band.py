@@ -5,11 +5,7 @@ from __future__ import annotations  # not evaluated: names of lacore in them loa
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    pass
-
+from typing import Any
 
 SOLVER = 1e-6  # relative: bar of the certificate, so what a certified value may be off by
 

@@ -4,13 +4,8 @@ from __future__ import annotations  # not evaluated: names of lacore in them loa
 
 from dataclasses import dataclass
 from math import inf, isclose, isfinite, isnan, nan
-from typing import TYPE_CHECKING
 
 import lacore as la
-
-if TYPE_CHECKING:
-    pass
-
 
 UNKNOWN_KINDS = ("none", "no closed form", "unknown")
 """Kinds that say that nothing is known; only with them a reference may be NaN."""

@@ -4,7 +4,6 @@ from __future__ import annotations  # not evaluated: what they name is not loade
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -23,9 +22,6 @@ from verification.commands.options import (
     resumable,
     time_limit_option,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command()
