@@ -80,8 +80,8 @@ class Body(Shown):
                 "Body.criterion",
                 self.criterion,
                 "not a yield criterion",
-                "give lacore.VonMises(shear_strength=...), or an object with strength, label, law and"
-                " conic_form (lacore.materials.criterion.Criterion)",
+                "give lacore.VonMises(shear_strength=...), or an object with strength, label, law"
+                " and conic_form (lacore.materials.criterion.Criterion)",
             )
         space = SPACES[self.space]
         if self.axisymmetric and space.strict:
