@@ -1,1 +1,1 @@
-"""Which runs there are, and all of them: comparisons, sweeps, random problems."""
+"""Which runs comparisons, sweeps and random problems have, and doing them all."""

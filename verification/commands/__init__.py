@@ -1,1 +1,1 @@
-"""The command line: a file a command, and what they print."""
+"""The command line: commands, the options that they share, and what they print."""

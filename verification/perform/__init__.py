@@ -1,1 +1,1 @@
-"""One run: here, in a process of its own, or on a cluster."""
+"""One run, of a limit state, bracket or path: here, in a process of its own, on a cluster."""

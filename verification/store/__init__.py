@@ -1,1 +1,1 @@
-"""Durable rows, what must hold before they are believed, and tables of them."""
+"""Durable rows, where they come from, what they are believed by, and tables of them."""

@@ -1,1 +1,1 @@
-"""Pass or FAIL, and why: of load factors, brackets and paths; and how many of each."""
+"""Pass or FAIL, and why: of limit states, brackets and paths; and how many of each."""

@@ -1,1 +1,1 @@
-"""Charts: axes, lines, colours, as SVG."""
+"""Charts: figures of results, their axes, lines and colours, as SVG."""
