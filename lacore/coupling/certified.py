@@ -205,7 +205,7 @@ def _vanishes(run: Run, static: ProgramState) -> bool:
 
 
 def _undecided(run: Run, first: Iterate) -> Coupled:
-    """No certificate within the budget: the bracket of T14, and no number."""
+    """No certificate within the budget: the Coulomb bounds of T14, and no number."""
     trivial = next((iterate for iterate in run.iterates if run.free(iterate)), None)
     if trivial is not None:
         return replace(run.end(Status.FREE, trivial), note=_TRIVIAL)

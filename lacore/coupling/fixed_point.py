@@ -1,4 +1,4 @@
-"""Single solves of the bracket (T14) and the fixed-point loops (T9-T11).
+"""Single solves that bound Coulomb load factors (T14), and the fixed-point loops (T9-T11).
 
 A loop freezes the friction bounds ``mu t_n``, or the shifts ``mu ||u_t||``, or a share of both,
 solves the convex program, reads them off its answer and starts again.
