@@ -32,6 +32,18 @@ def pytest_configure(config):
 ROOT = Path(__file__).parents[1]
 
 
+SLOW = frozenset((Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines())
+"""Tests that took long when all were measured, and whose lines others run too: see `tests.slow`."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Those of the list are slow, like those that are marked."""
+    for item in items:
+        if not SLOW.isdisjoint((item.nodeid, item.nodeid.partition("::")[0])):
+            item.add_marker(pytest.mark.slow)
+
+
 def pytest_addoption(parser):
     parser.addoption(
         "--require-browser",
