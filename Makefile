@@ -10,9 +10,10 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --
 # What sums, in another order on each processor, decide most: tried under two BLAS kernels of others.
 KERNELS := Haswell Nehalem
 FRAGILE := $(addprefix tests/backends/test_, scipy.py regularised.py ipopt_static.py clarabel_regularised.py) \
-	$(addprefix tests/lacore/test_, intervals.py sequential.py path_states.py path_drift.py \
-	strong_bodies.py light_blocks.py claims.py static_bound.py kinematic_bound.py) \
-	$(addprefix tests/verification/test_, path_cases.py reference_report.py)
+	$(addprefix tests/lacore/, coupling/test_intervals.py claims/test_claims.py inner/test_strong_bodies.py \
+	inner/test_light_blocks.py bounds/test_static_bound.py bounds/test_kinematic_bound.py \
+	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
+	$(addprefix tests/verification/, cases/test_path_cases.py report/test_reference_report.py)
 
 .PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme architecture reference clean
 
@@ -61,7 +62,7 @@ test-kernels: $(READY)
 	  --backends slsqp,newton,ipopt --meshes coarse --fresh --out reports/kernels || exit 1; done
 
 test-browser: $(READY)
-	$(BIN)/python -m pytest tests/verification/test_page_browser.py --require-browser
+	$(BIN)/python -m pytest tests/verification/report/test_page_browser.py --require-browser
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -57,9 +57,10 @@ def main() -> None:
     la.solve(problem)
     files = visited(problem)
     rooms = [room(files[0]), *(room(b) for a, b in pairwise(files) if room(a) != room(b))]
-    print(f"{len(set(files))} files of {len(set(rooms))} rooms are entered")
+    lines = [f"{len(set(files))} files of {len(set(rooms))} rooms are entered"]
     for name, count in Counter(rooms).most_common():
-        print(f"{name:20} entered {count} times, first as number {rooms.index(name) + 1}")
+        lines.append(f"{name:20} entered {count} times, first as number {rooms.index(name) + 1}")
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

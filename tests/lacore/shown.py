@@ -11,7 +11,7 @@ from lacore.adaptive.bracket import Ending as BracketEnding
 from lacore.paths.path import Ending as PathEnding
 from lacore.status import Rigor, Status
 from tests.lacore.models import cantilever, deformable_block, punch, square
-from tests.lacore.path_billets import pressed, quad_billet
+from tests.lacore.paths.path_billets import pressed, quad_billet
 
 LONG = 'a name that somebody has made up of <b>html</b> & "quotes" ' * 200
 MANY = tuple(f"block number {index}" for index in range(1000))

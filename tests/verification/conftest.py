@@ -1,5 +1,5 @@
 """Fixtures of all tests of pages."""
 
-from tests.verification.browser import chromium, visit
+from tests.verification.report.browser import chromium, visit
 
 __all__ = ["chromium", "visit"]

@@ -1,0 +1,166 @@
+"""A backend that hangs, dies or answers nonsense costs its own row and no other."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from math import isnan
+from pathlib import Path
+
+import pytest
+
+from tests.broken_backends import BACKENDS, UNUSABLE, plant
+from tests.processes import alive, hear_ctrl_c, marked, wait_for
+from verification.campaigns.comparison import plan
+from verification.perform.processes import run_in_processes
+from verification.store.results import load_results
+from verification.store.store import NAME
+from verification.verdicts.words import FAIL, PASS, SKIPPED
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+ROOT = Path(__file__).parents[3]
+GOOD = ["Works", "Talks", "AnswersAtLength", "TakesMemory"]
+BROKEN = {
+    "SleepsInPrepare": ("time limit", r"had not come back after 3 s and was stopped"),
+    "Sleeps": ("time limit", r"had not come back"),
+    "HoldsTheInterpreter": ("time limit", r"had not come back"),
+    "IgnoresSignals": ("time limit", r"had not come back"),
+    "StartsAProgram": ("time limit", r"had not come back"),
+    "SleepsInClose": ("time limit", r"had not come back"),
+    "Exits": ("failed", r"ended by itself \(exit code 3\)"),
+    "ExitsInPrepare": ("failed", r"ended by itself \(exit code 4\)"),
+    "Segfaults": ("failed", r"ended by itself \(signal 11, Segmentation fault\)"),
+    "Raises": ("failed", r"ZeroDivisionError: planted"),
+    "RaisesOddly": ("failed", r"OddError: this and that"),
+    "RunsOutOfMemory": ("failed", r"MemoryError: Unable to allocate"),
+    "AnswersNone": ("failed", r"answered 'None' instead of an InnerSolution"),
+    "AnswersALambda": ("failed", r"lambda"),
+    "AnswersNoPoint": ("failed", r"no point with status SOLVED"),
+    "AnswersNaN": ("failed", r"a velocity with NaN"),
+    "AnswersWrongShapes": ("failed", r"a velocity of shape \(117,\) instead of \(118,\)"),
+    "AnswersWrongStress": ("not certified", r"do not prove the answer"),
+}
+HANGING = [name for name, row in BROKEN.items() if row[0] == "time limit"]
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """Every backend, each followed by one that works; those that hang with a limit of their own."""
+    folder = tmp_path_factory.mktemp("broken")
+    plant(folder)
+    kinds = [kind.__name__ for kind in BACKENDS]
+    hanging = [name for name in kinds if name in HANGING]
+    others = [name for name in kinds if name not in HANGING]
+    outcomes = []
+    with marked() as mark, pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(folder))
+        for names, limit in ((hanging, 1.0), (others + list(UNUSABLE), 60.0)):
+            runs = {
+                run.backend: run
+                for run in plan(["shear-patch:sliding"], [*names, "clarabel"], ["coarse"])
+            }
+            order = [runs[each] for name in names for each in (name, "clarabel")]
+            outcomes += run_in_processes(order, jobs=2, time_limit=limit)
+        # Those that solved end by themselves as soon as nobody can ask them any more.
+        wait_for(lambda: not alive(mark), patience=10.0)
+        left = alive(mark)
+    return outcomes, left
+
+
+def test_every_planted_backend_is_expected():
+    assert {kind.__name__ for kind in BACKENDS} == {*GOOD, *BROKEN}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_backend_is_a_row_that_says_how(compared, name):
+    (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
+    status, why = BROKEN[name]
+    assert (row.status, row.verdict) == (status, FAIL)
+    assert re.search(why, row.message)
+    assert isnan(row.load_factor)
+
+
+@pytest.mark.parametrize("name", UNUSABLE)
+def test_a_package_that_cannot_be_loaded_is_skipped(compared, name):
+    (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
+    assert (row.status, row.verdict) == ("skipped", SKIPPED)
+    assert UNUSABLE[name][1] in row.message
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_noise_and_size_break_nothing(compared, name):
+    (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
+    assert (row.status, row.verdict) == ("solved", PASS), row.message
+
+
+def test_the_next_backend_is_none_the_worse(compared):
+    rows = [outcome.row for outcome in compared[0] if outcome.row.backend == "clarabel"]
+    assert len(rows) == len(BACKENDS) + len(UNUSABLE)
+    assert {row.verdict for row in rows} == {PASS}
+    assert len({row.load_factor for row in rows}) == 1
+
+
+def test_peak_memory_is_that_of_the_backend(compared):
+    peak = {outcome.row.backend: outcome.row.peak_memory_mb for outcome in compared[0]}
+    assert 30 < peak["Works"] < 1000
+    assert peak["TakesMemory"] > 200  # which it takes; an interpreter with a solver has less
+    assert peak["TakesMemory"] > peak["Works"]
+    assert isnan(peak["SleepsInPrepare"])
+
+
+def test_no_process_is_left(compared):
+    assert compared[1] == []
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Start `lacore compare` with a backend that hangs after one that works; see to its end."""
+    plant(tmp_path)
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    results = tmp_path / "out" / NAME
+
+    def start(backend, time_limit):
+        command = [sys.executable, "-m", "verification", "compare", "shear-patch:sliding"]
+        command += ["--backends", f"clarabel,{backend}", "--meshes", "coarse"]
+        command += ["--time-limit", str(time_limit), "--out", str(results.parent)]
+        process = subprocess.Popen(
+            command,
+            env=os.environ | {"PYTHONPATH": path},
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=hear_ctrl_c,
+        )
+        wait_for(lambda: results.exists() and len(load_results(results)) == 1)
+        return process, results
+
+    return start
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["Sleeps", "HoldsTheInterpreter"])
+def test_kill_9_keeps_the_finished_rows_and_leaves_no_process(started, backend):
+    """Where the solver holds the interpreter, its process ends when its time limit is over."""
+    with marked() as mark:
+        process, results = started(backend, time_limit=1)
+        assert len(alive(mark)) >= 2
+        process.kill()
+        process.communicate()
+    wait_for(lambda: not alive(mark))
+    row = load_results(results).squeeze()
+    assert (row["backend"], row["verdict"]) == ("clarabel", PASS)
+
+
+def test_ctrl_c_stops_at_once_and_keeps_the_finished_rows(started):
+    with marked() as mark:
+        process, results = started("IgnoresSignals", time_limit=600)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        assert process.returncode == 130
+        assert not alive(mark)
+    assert "give the same command again to go on" in err
+    assert "Traceback" not in out + err
+    row = load_results(results).squeeze()
+    assert (row["backend"], row["verdict"]) == ("clarabel", PASS)

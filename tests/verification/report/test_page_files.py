@@ -1,0 +1,84 @@
+"""A page as files: pictures, tables as CSV and Markdown, in the folder and nowhere else."""
+
+from dataclasses import replace
+from html import unescape
+
+import pandas as pd
+import pytest
+from markdown_it import MarkdownIt  # comes with rich
+from matplotlib.figure import Figure
+
+from tests.verification.report.test_page import HOSTILE, TABLE, fitted
+from verification.report import files
+from verification.report.blocks import (
+    Column,
+    Document,
+    Drawing,
+    Gallery,
+    Picture,
+    Report,
+    Section,
+    Table,
+)
+from verification.report.charts.figures import png
+from verification.report.files import case_files, markdown, pictures
+
+
+def test_table_as_markdown():
+    assert markdown(TABLE) == (
+        "| name | value % | verdict |\n| --- | --: | --- |\n"
+        "| b | 200.0 | pass |\n| a10 |  | FAIL |\n| a9 | inf | skipped |\n"
+    )
+
+
+@pytest.mark.parametrize("name", [*HOSTILE, "**bold** `code` ~x~ [a](b) <b> | end"])
+def test_any_name_is_text_in_a_table(name):
+    """Read again by a parser of Markdown, the cell says the name."""
+    table = Table([Column("name")], pd.DataFrame({"name": [name]}))
+    read = MarkdownIt().enable("table").render(markdown(table))
+    (cell,) = [line for line in read.splitlines() if line.startswith("<td>")]
+    shown = unescape(cell.removeprefix("<td>").removesuffix("</td>"))
+    assert shown == " ".join(name.split()).replace("\x00", "\ufffd")
+
+
+@pytest.mark.parametrize("name", ["../../etc/x", ".hidden", "a/b", "a\\b", "W" * 400, "ü:*?"])
+def test_files_stay_in_their_folder(name, tmp_path):
+    drawing = Drawing(name, name, fitted())
+    sections = [Section("one", name, [Gallery([drawing]), replace(TABLE, caption=name)])]
+    picture = Picture(name, name, png(Figure((1, 1))))
+    sections.append(Section("two", name, [picture]))
+    pages = {"index.html": Document(name, name, sections)}
+    (file,) = case_files([name]).values()
+    files.write(Report(pages | {file: Document(name, name, sections)}), tmp_path / "out")
+    written = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
+    assert [path.parts[1] for path in written] == [
+        "cases",
+        "index.html",
+        "pictures",
+        *4 * ["tables"],
+    ]
+    assert all(path.parts[0] == "out" for path in written)
+    assert not any(path.name.startswith(".") for path in written)
+
+
+def test_pages_share_their_pictures(tmp_path):
+    """One file, whatever page it is on."""
+    picture = Picture("shown", "", png(Figure((1, 1))))
+    page = Document("", "", [Section("one", "", [Gallery([picture]), picture])])
+    files.write(Report({"index.html": page, "cases/a.html": page}), tmp_path)
+    assert [path.name for path in (tmp_path / "pictures").iterdir()] == ["shown.png"]
+    assert 'src="pictures/shown.png"' in (tmp_path / "index.html").read_text()
+    assert 'src="../pictures/shown.png"' in (tmp_path / "cases" / "a.html").read_text()
+
+
+def test_a_picture_says_its_size():
+    assert Picture("a", "", png(Figure((2, 1)), dpi=50)).size == (100, 50)
+
+
+def test_each_picture_has_a_file_of_its_own():
+    names = ["a b", "a/b", "a-b-2", "漢", "字", "W" * 400, "W" * 401]
+    shown = [Picture(name, "", b"") for name in names]
+    page = Document("", "", [Section("one", "", [Gallery(shown)])])
+    written = pictures(Report({"index.html": page}))
+    assert [picture.name for picture in written.values()] == names
+    assert [*written][:3] == ["a-b", "a-b-2", "a-b-2-2"]
