@@ -143,6 +143,14 @@ def test_a_room_is_seen_at_a_glance(house):
     assert not long
 
 
+def test_the_list_of_slow_tests_names_tests():
+    """Of one that was renamed nobody would notice that it is fast again."""
+    for line in (ROOT / "tests" / "slow.txt").read_text(encoding="utf-8").splitlines():
+        file, _, name = line.partition("::")
+        function = name.partition("[")[0]
+        assert f"def {function}(" in (ROOT / file).read_text(encoding="utf-8") or not name, line
+
+
 def test_pictures_of_the_rooms_are_those_of_the_code():
     """Drawn by docs/architecture.py, which reads the lists above and the imports."""
     spec = importlib.util.spec_from_file_location("architecture", ROOT / "docs" / "architecture.py")
