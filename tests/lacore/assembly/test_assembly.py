@@ -348,3 +348,23 @@ def test_internal_force_of_a_uniform_stress_is_its_boundary_traction():
         tangential_reaction=np.zeros((0, 1)),
     )
     assert np.allclose(internal_force(d.full, state), d.full.dead_load, atol=ROUND_OFF)
+
+
+def test_a_footing_is_a_part_of_the_body_under_it():
+    """Residuals are judged part by part: its force belongs to that body, whichever comes first."""
+    bodies = {
+        "left": la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), CRITERION),
+        "right": la.Body(la.meshes.rectangle((2, 3), (0, 1), 1, 1), CRITERION),
+        "block": la.RigidBlock([[4, 0], [5, 0], [5, 1], [4, 1]]),
+    }
+    problem = la.Problem(
+        bodies,
+        [la.RigidFooting("right", "top", (0, -1)), la.Traction("left", "top", (0, -1))],
+        [la.Fix(name, "bottom") for name in ("left", "right")],
+        [la.Interface(("block", lambda x: x[1] < 1e-9), la.RigidObstacle(), 0.3)],
+        dead_loads=[la.BodyForce("block", (0, -1))],
+    )
+    d = la.discretise(problem)
+    parts = d.full.parts
+    assert parts[d.footings].tolist() == [parts[d.bodies["right"].offset]]
+    assert len(set(parts.tolist())) == 3

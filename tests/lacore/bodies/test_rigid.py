@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.bodies.blocks.dofs import RigidDofs
 from tests.rigid_problems import box, problem
 
 BAR = 1e-6
@@ -38,6 +39,33 @@ def test_block_slides_or_topples(mu, y, expected, backend):
     state = la.solve(block_on_floor(mu=mu, y=y), backend=backend, throw=True)
     exact = state.rigor is la.Rigor.DISCRETE
     assert state.load_factor == pytest.approx(expected, rel=BAR if exact else 0.02)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["x", "y", "xy", "normal", "tangential"]))
+def test_what_is_held_does_not_move(seed, components):
+    """At both ends of an edge of a block of any shape, whatever motions supports leave free."""
+    rng = np.random.default_rng(seed)
+    turn = np.sort(rng.uniform(0, 2 * np.pi, 3)) + np.array([0, 2.0, 4.0])
+    block = la.RigidBlock(np.column_stack([np.cos(turn), rng.uniform(0.5, 1.5) * np.sin(turn)]))
+    start, end = block.edges.start[:, 0], block.edges.end[:, 0]
+    along = (end - start) / np.linalg.norm(end - start)
+
+    def edge(x):
+        away = x - start[:, None]
+        return np.abs(along[0] * away[1] - along[1] * away[0]) < 1e-9
+
+    dofs = RigidDofs(block, 0)
+    free = dofs.free([la.Fix("block", edge, components)])
+    x, y = (
+        (rows @ free).toarray()
+        for rows in dofs.velocity_rows(np.zeros(2, np.int64), np.stack([start, end], axis=1), 3)
+    )
+    normal = block.edges.normal[:, 0]
+    across, past = normal[0] * x + normal[1] * y, normal[0] * y - normal[1] * x
+    held = {"x": [x], "y": [y], "xy": [x, y], "normal": [across], "tangential": [past]}
+    for own in held[components]:
+        assert own == pytest.approx(np.zeros(own.shape), abs=1e-9)  # directions are told apart so
+    assert free.shape[1] == (0 if components == "xy" else 2 if components == "tangential" else 1)
 
 
 @given(
