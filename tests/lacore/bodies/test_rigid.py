@@ -41,8 +41,9 @@ def test_block_slides_or_topples(mu, y, expected, backend):
     assert state.load_factor == pytest.approx(expected, rel=BAR if exact else 0.02)
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from(["x", "y", "xy", "normal", "tangential"]))
-def test_what_is_held_does_not_move(seed, components):
+@pytest.mark.parametrize("components", ["x", "y", "xy", "normal", "tangential"])
+@given(seed=st.integers(0, 2**32 - 1))
+def test_what_is_held_does_not_move(components, seed):
     """At both ends of an edge of a block of any shape, whatever motions supports leave free."""
     rng = np.random.default_rng(seed)
     turn = np.sort(rng.uniform(0, 2 * np.pi, 3)) + np.array([0, 2.0, 4.0])
