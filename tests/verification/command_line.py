@@ -23,12 +23,14 @@ def lacore(*words):
 def one_interpreter():
     """Nothing below starts a process of ours; backends that need one of their own have it."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("verification.perform.processes.run_in_processes", _run)
+        patch.setattr("verification.perform.processes.run_in_processes", run_in_order)
         patch.setattr("verification.report.drawing._TOGETHER", 1000)
         yield
 
 
-def _run(runs, jobs, time_limit, on_start):
+def run_in_order(runs, jobs=1, *, time_limit, on_start):
+    """An executor that runs here."""
+
     def begun():
         for run in runs:
             on_start(run)

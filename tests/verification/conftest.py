@@ -1,5 +1,5 @@
 """Fixtures of all tests of pages."""
 
-from tests.verification.report.browser import chromium, visit
+from tests.verification.report.browser import chromium, idle_pages, visit
 
-__all__ = ["chromium", "visit"]
+__all__ = ["chromium", "idle_pages", "visit"]

@@ -7,11 +7,11 @@ import pytest
 from click.testing import CliRunner
 
 import lacore as la
-import verification.commands.cli as cli
+from tests.verification.command_line import lacore, run_in_order
 from verification.campaigns.sweep import plan
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue, find
-from verification.perform.processes import run_in_processes
+from verification.commands.cli import main
 from verification.store.results import load_results
 from verification.store.store import NAME
 
@@ -19,7 +19,8 @@ BLOCK = "deformable-block"
 
 
 def command(*arguments):
-    return CliRunner().invoke(cli.main, ["sweep", *arguments])
+    """Where runs are performed as a test says."""
+    return CliRunner().invoke(main, ["sweep", *arguments])
 
 
 def test_variants_from_a_parameter_and_their_reference():
@@ -121,8 +122,8 @@ def test_unknown_names(tmp_path, words, message):
 
 def test_a_bad_row_does_not_stop_the_rest(tmp_path):
     """A negative friction coefficient: only the problem itself refuses it."""
-    result = command(
-        BLOCK, "--vary", "mu=-1,0.5", "--backends", "clarabel", "--meshes", "coarse",
+    result = lacore(
+        "sweep", BLOCK, "--vary", "mu=-1,0.5", "--backends", "clarabel", "--meshes", "coarse",
         "--out", str(tmp_path),
     )  # fmt: skip
     assert result.exit_code == 1, result.output
@@ -137,9 +138,9 @@ def swept(tmp_path_factory):
     out = tmp_path_factory.mktemp("sweep")
     words = [
         "prandtl-punch:smooth", "--vary", "r=1e-1:1e-4:7:log", "--backends", "newton,clarabel",
-        "--meshes", "coarse", "--out", str(out), "--jobs", "2",
+        "--meshes", "coarse", "--out", str(out),
     ]  # fmt: skip
-    return command(*words), words, out
+    return lacore("sweep", *words), words, out
 
 
 def test_sweep_leaves_a_store_a_table_and_slopes(swept):
@@ -173,8 +174,7 @@ def test_resume_is_the_default(swept, monkeypatch):
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
     def interrupted(runs, jobs, **more):
-        finished = run_in_processes(runs[:2], jobs, **more)
-        yield from finished
+        yield from run_in_order(runs[:2], **more)
         raise KeyboardInterrupt
 
     monkeypatch.setattr("verification.perform.processes.run_in_processes", interrupted)
@@ -184,8 +184,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
     assert "give the same command again" in result.output
     kept = load_results(tmp_path)
     assert len(kept) == 2
-    monkeypatch.undo()
-    assert command(*words, "--out", str(tmp_path)).exit_code == 0
+    assert lacore("sweep", *words, "--out", tmp_path).exit_code == 0
     whole = load_results(tmp_path)
     assert len(whole) == 5
     pd.testing.assert_frame_equal(whole[whole["run"].isin(kept["run"])], kept)

@@ -44,18 +44,32 @@ BROKEN = {
 HANGING = [name for name, row in BROKEN.items() if row[0] == "time limit"]
 
 
+# A process that hangs, one that ends, an answer that is none, and one that is wrong; all with the
+# slow tests: each takes an interpreter or two.
+FAST = {
+    *("HoldsTheInterpreter", "Segfaults", "RaisesOddly"),
+    *("AnswersNaN", "AnswersWrongStress", "TakesMemory", "CannotStart"),
+}
+
+
+def each(names):
+    return [pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow]) for name in names]
+
+
 @pytest.fixture(scope="module")
-def compared(tmp_path_factory):
-    """Every backend, each followed by one that works; those that hang with a limit of their own."""
+def compared(request, tmp_path_factory):
+    """Those that are tested now, each followed by one that works; of hanging ones a short limit."""
     folder = tmp_path_factory.mktemp("broken")
     plant(folder)
-    kinds = [kind.__name__ for kind in BACKENDS]
-    hanging = [name for name in kinds if name in HANGING]
-    others = [name for name in kinds if name not in HANGING]
+    mine = [item for item in request.session.items if item.path == request.path]
+    asked = {item.callspec.params.get("name") for item in mine if hasattr(item, "callspec")}
+    asked &= {*GOOD, *BROKEN, *UNUSABLE}
+    hanging = [name for name in HANGING if name in asked]
+    others = [name for name in (*GOOD, *BROKEN, *UNUSABLE) if name in asked - {*HANGING}]
     outcomes = []
     with marked() as mark, pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(folder))
-        for names, limit in ((hanging, 1.0), (others + list(UNUSABLE), 60.0)):
+        for names, limit in ((hanging, 1.0), (others, 60.0)):
             runs = {
                 run.backend: run
                 for run in plan(["shear-patch:sliding"], [*names, "clarabel"], ["coarse"])
@@ -72,7 +86,7 @@ def test_every_planted_backend_is_expected():
     assert {kind.__name__ for kind in BACKENDS} == {*GOOD, *BROKEN}
 
 
-@pytest.mark.parametrize("name", BROKEN)
+@pytest.mark.parametrize("name", each(BROKEN))
 def test_a_broken_backend_is_a_row_that_says_how(compared, name):
     (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
     status, why = BROKEN[name]
@@ -81,14 +95,14 @@ def test_a_broken_backend_is_a_row_that_says_how(compared, name):
     assert isnan(row.load_factor)
 
 
-@pytest.mark.parametrize("name", UNUSABLE)
+@pytest.mark.parametrize("name", each(UNUSABLE))
 def test_a_package_that_cannot_be_loaded_is_skipped(compared, name):
     (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
     assert (row.status, row.verdict) == ("skipped", SKIPPED)
     assert UNUSABLE[name][1] in row.message
 
 
-@pytest.mark.parametrize("name", GOOD)
+@pytest.mark.parametrize("name", each(GOOD))
 def test_noise_and_size_break_nothing(compared, name):
     (row,) = [outcome.row for outcome in compared[0] if outcome.row.backend == name]
     assert (row.status, row.verdict) == ("solved", PASS), row.message
@@ -96,17 +110,17 @@ def test_noise_and_size_break_nothing(compared, name):
 
 def test_the_next_backend_is_none_the_worse(compared):
     rows = [outcome.row for outcome in compared[0] if outcome.row.backend == "clarabel"]
-    assert len(rows) == len(BACKENDS) + len(UNUSABLE)
+    assert len(rows) == len(compared[0]) / 2 >= 1
     assert {row.verdict for row in rows} == {PASS}
     assert len({row.load_factor for row in rows}) == 1
 
 
 def test_peak_memory_is_that_of_the_backend(compared):
     peak = {outcome.row.backend: outcome.row.peak_memory_mb for outcome in compared[0]}
-    assert 30 < peak["Works"] < 1000
+    assert 30 < peak["clarabel"] < 1000
     assert peak["TakesMemory"] > 200  # which it takes; an interpreter with a solver has less
-    assert peak["TakesMemory"] > peak["Works"]
-    assert isnan(peak["SleepsInPrepare"])
+    assert peak["TakesMemory"] > peak["clarabel"]
+    assert isnan(peak["HoldsTheInterpreter"])
 
 
 def test_no_process_is_left(compared):
@@ -123,7 +137,7 @@ def started(tmp_path):
     def start(backend, time_limit):
         command = [sys.executable, "-m", "verification", "compare", "shear-patch:sliding"]
         command += ["--backends", f"clarabel,{backend}", "--meshes", "coarse"]
-        command += ["--time-limit", str(time_limit), "--out", str(results.parent)]
+        command += ["--time-limit", str(time_limit), "--out", str(results.parent), "--jobs", "1"]
         process = subprocess.Popen(
             command,
             env=os.environ | {"PYTHONPATH": path},

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
-from click.testing import CliRunner
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from tests.verification.command_line import lacore
 from tests.verification.report.browser import WIDTHS
 from tests.verification.report.test_page import FITS, SWEEP, R
 from verification.catalogue.catalogue import find
-from verification.commands.cli import main
 from verification.report import files
 from verification.report.blocks import (
     Anchor,
@@ -56,9 +55,9 @@ HOSTILE = (
 def compared(tmp_path_factory):
     """The page of a comparison: numbers, an interval, a skipped run, a sweep, pictures."""
     out = tmp_path_factory.mktemp("report")
-    names = ["wall-1", "deformable-block"]
-    options = ["--meshes", "coarse", "--backends", "clarabel,newton", "--out", str(out)]
-    result = CliRunner().invoke(main, ["compare", *names, *options])
+    block = [f"deformable-block:{variant}" for variant in ("sliding", "crushing", "mu-0.7")]
+    options = ["--meshes", "coarse", "--backends", "clarabel,newton", "--out", out]
+    result = lacore("compare", "wall-1:mu-0.65", *block, *options)
     assert result.exit_code == 0, result.output
     return out / "index.html"
 
@@ -133,8 +132,7 @@ def test_nothing_is_asked_for_elsewhere_and_nothing_goes_wrong(visit, request, p
     assert any("/pictures/" in url for url in seen.requests)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(("width", "scheme"), [*zip(WIDTHS, ["light", "dark"], strict=True)])
 @pytest.mark.parametrize("place", ["compared", "page_of_case"])
 def test_page_never_scrolls_sideways(visit, request, place, width, scheme):
     seen = visit(request.getfixturevalue(place), width=width, scheme=scheme)
@@ -307,17 +305,16 @@ def test_every_link_has_its_target(visit, compared):
     """Also on the page of another case, and in other files."""
     dead = "links => links.map(a => a.hash.slice(1)).filter(id => !document.getElementById(id))"
     pages = [compared, *(compared.parent / "cases").iterdir()]
-    ids = {}
+    ids, links = {}, {}
     for path in pages:
         page = visit(path).page
         assert page.locator("a[href^='#']").evaluate_all(dead) == []
         ids[path] = set(page.locator("[id]").evaluate_all("parts => parts.map(one => one.id)"))
-    for path in pages:
-        page = visit(path).page
-        links = page.locator("a[href]:not([href^='#'])").evaluate_all(
+        links[path] = page.locator("a[href]:not([href^='#'])").evaluate_all(
             "links => links.map(a => a.getAttribute('href'))"
         )
-        for link in links:
+    for path in pages:
+        for link in links[path]:
             file, _, name = link.partition("#")
             target = (path.parent / file).resolve()
             assert target.is_file(), link

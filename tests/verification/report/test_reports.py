@@ -5,27 +5,27 @@ import re
 import sqlite3
 
 import pytest
-from click.testing import CliRunner
 
-from verification.commands import cli
+from tests.verification.command_line import lacore as run
+from tests.verification.command_line import run_in_order
+from verification.campaigns import sweep
+from verification.campaigns.comparison import plan
+from verification.campaigns.run_all import run_all
 from verification.store.store import NAME
 
 CASES = ["shear-patch", "deformable-block:crushing", "wedge-extraction:rough"]
 LINK = re.compile(r"""(?:src|href)\s*=\s*["']([^"']*)""")
 
 
-def run(*arguments):
-    return CliRunner().invoke(cli.main, list(map(str, arguments)))
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Some cases with two backends, and r varied."""
+    """Some cases with two backends, and r varied, as `compare` and `sweep` leave them."""
     folder = tmp_path_factory.mktemp("results")
-    options = ("--backends", "clarabel,newton", "--meshes", "coarse", "--out", folder)
-    assert run("compare", *CASES, *options).exit_code == 0
-    vary = ("--vary", "r=1e-1:1e-3:5:log")
-    assert run("sweep", "deformable-block:crushing", *vary, *options).exit_code == 0
+    backends, meshes = ["clarabel", "newton"], ["coarse"]
+    compared = plan(CASES, backends, meshes)
+    swept = sweep.plan(["deformable-block:crushing"], ["r=1e-1:1e-3:5:log"], backends, meshes)
+    for runs in (compared, swept):
+        run_all(runs, folder / NAME, executor=run_in_order)
     return folder
 
 
