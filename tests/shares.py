@@ -7,11 +7,12 @@ import pytest
 
 
 def one_in(every: int, values: Iterable[Any]) -> list[Any]:
-    """Values (or tuples of them) for `parametrize`: one in `every` is fast, the others are slow."""
-    return [
-        pytest.param(
-            *(value if isinstance(value, tuple) else (value,)),
-            marks=[pytest.mark.slow] if number % every else [],
-        )
-        for number, value in enumerate(values)
-    ]
+    """Values for `parametrize` (tuples, or made by `pytest.param`): one in `every` is fast."""
+    return [_marked(value, number % every > 0) for number, value in enumerate(values)]
+
+
+def _marked(value: Any, slow: bool) -> Any:
+    marks = [pytest.mark.slow] if slow else []
+    if hasattr(value, "marks"):
+        return pytest.param(*value.values, marks=[*value.marks, *marks], id=value.id)
+    return pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=marks)

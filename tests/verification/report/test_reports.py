@@ -32,7 +32,7 @@ def results(tmp_path_factory):
 @pytest.fixture(scope="module")
 def reported(results, tmp_path_factory):
     out = tmp_path_factory.mktemp("report")
-    result = run("report", results, "--out", out)
+    result = run("report", results, "--out", out, "--pictures", 1)
     assert result.exit_code == 0, result.output
     return out
 
@@ -86,7 +86,7 @@ def test_tables_are_the_same_as_csv_and_markdown(reported):
 
 
 def test_manual_has_a_page_a_case(results, tmp_path):
-    result = run("manual", "--results", results, "--out", tmp_path)
+    result = run("manual", "--results", results, "--out", tmp_path, "--pictures", 0)
     assert result.exit_code == 0, result.output
     assert "Next:" in result.stdout
     pages = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.html")}
