@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-for name, examples in {"fast": 10, "all": 40}.items():
+for name, examples in {"fast": 5, "all": 40}.items():
     settings.register_profile(
         name,
         derandomize=True,

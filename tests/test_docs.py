@@ -49,6 +49,7 @@ def test_registration_is_that_of_the_example():
     assert text in (EXAMPLE / "pyproject.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_commands_run(with_example):
     """The first is what the fixture does."""
     (text,) = of("sh")

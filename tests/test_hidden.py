@@ -13,6 +13,7 @@ import pytest
 import lacore as la
 from lacore_start import PACKAGES, hidden, place
 from lacore_start.__main__ import main
+from tests.shares import one_in
 from verification.commands import doctor
 
 ROOT = Path(__file__).parents[1]
@@ -74,7 +75,7 @@ def explains(text, own):
     ("name", "how"),
     [
         ("backends", ("-S", "work.py")),
-        ("backends.py", ("work.py",)),
+        pytest.param("backends.py", ("work.py",), marks=pytest.mark.slow),
         pytest.param("backends", ("-S", "-c", CLARABEL), marks=pytest.mark.slow),
         pytest.param("backends.py", ("-m", "work"), marks=pytest.mark.slow),
     ],
@@ -89,6 +90,7 @@ def test_solve_names_what_hides_the_backends(tmp_path, name, how):
     assert explains(last, own)
 
 
+@pytest.mark.slow
 def test_a_folder_without_python_hides_editable_packages_only(tmp_path):
     (tmp_path / "backends").mkdir()
     (tmp_path / "work.py").write_text(CLARABEL)
@@ -126,7 +128,7 @@ def test_the_installed_command_is_the_one_that_looks():
     assert command.partition(".")[0] not in PACKAGES
 
 
-@pytest.mark.parametrize("name", ["backends.py", "lacore.py"])
+@pytest.mark.parametrize("name", one_in(2, ["backends.py", "lacore.py"]))
 def test_child_processes_name_what_hides_packages_from_them(tmp_path, name):
     """The folder is changed after ours are loaded: the process that is started finds others."""
     own = hide(tmp_path, name)

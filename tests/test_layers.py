@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
 from itertools import chain
@@ -36,8 +37,13 @@ MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
+@cache
 def imports(path, run=False):
     """Packages and full names that a file imports, wherever in it; `run`: but for types alone."""
+    return [*_imports(path, run)]
+
+
+def _imports(path, run):
     tree = ast.parse(path.read_text(encoding="utf-8"))
     typed = {
         inner
@@ -224,9 +230,9 @@ def test_names_load_what_they_need_only(code, more):
     assert loaded_of(code, banned) == []
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
+def test_help_and_slips_of_the_keyboard_load_nothing_that_solves_or_draws():
+    """One after the other: none of them does."""
+    asked = [
         ["--help"],
         ["compar"],
         ["compare", "--help"],
@@ -235,16 +241,14 @@ def test_names_load_what_they_need_only(code, more):
         ["sweep", "wall-9", "--vary", "mu=0.1,0.2"],
         ["manual", "prandl-punch"],
         ["fuzz", "--help"],
-    ],
-    ids=" ".join,
-)
-def test_help_and_slips_of_the_keyboard_load_nothing_that_solves_or_draws(arguments):
+    ]
     call = f"""
-try:
-    from verification.commands.cli import main
-    main({arguments!r})
-except SystemExit:
-    pass"""
+from verification.commands.cli import main
+for arguments in {asked!r}:
+    try:
+        main(arguments)
+    except SystemExit:
+        pass"""
     banned = [*HEAVY, "backends", "lacore.limit.solve", "verification.perform.processes"]
     assert loaded_of(call, [*banned, "verification.cases.prandtl_punch"]) == []
 
@@ -280,7 +284,7 @@ def test_what_is_imported_is_installed_with_us(room):
     stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = [*stated["dependencies"], *chain(*stated["optional-dependencies"].values())]
     named = {_normal(re.split(r"[^\w.-]", line)[0]) for line in lines}
-    owners = packages_distributions()
+    owners = owners_of_packages()
     missing = {
         f"{path.relative_to(ROOT)}: {top}"
         for path in (ROOT / room).rglob("*.py")
@@ -289,6 +293,11 @@ def test_what_is_imported_is_installed_with_us(room):
         and not named & set(map(_normal, owners.get(top, [top])))
     }
     assert not missing
+
+
+@cache
+def owners_of_packages():
+    return packages_distributions()
 
 
 def _normal(distribution):

@@ -18,6 +18,7 @@ from lacore.meshes.fans import fanned
 from lacore.meshes.refinement import bisected, doerfler, grown
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
+from tests.shares import one_in
 
 PRANDTL = 2 + pi
 CUT = (3.77, 3.78)  # gamma H/k of a vertical cut (Pastor, Thai & Francescato 2000)
@@ -101,7 +102,7 @@ def test_punch_from_a_fan_by_hand():
     assert found.history.elements.max() < 500
 
 
-@pytest.mark.parametrize("meshes", ["separate", "shared"])
+@pytest.mark.parametrize("meshes", one_in(2, ["separate", "shared"]))
 def test_cut(meshes):
     found = proven(la.bracket(cut(), 0.02, meshes=meshes))
     assert found.status is la.Ending.REACHED
@@ -159,7 +160,7 @@ def test_a_target_that_is_not_reached_is_not_hidden(limits, ending):
 
 
 @pytest.mark.parametrize("meshes", ["separate", "shared"])
-@pytest.mark.parametrize("factor", [0.5, 0.999, -1.0])
+@pytest.mark.parametrize("factor", one_in(3, [0.5, 0.999, -1.0]))
 def test_bounds_that_cross_prove_nothing(monkeypatch, meshes, factor):
     """Whatever the cause, such as an upper bound that is too low, here planted."""
 
@@ -314,7 +315,7 @@ def test_a_mesh_of_another_domain_is_refused(other, words):
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("offset", [0.0, 1e3, 1e6])  # sizes away from the origin
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", one_in(3, range(3)))
 def test_domains_are_the_same_to_the_precision_of_coordinates(size, offset, seed):
     """Outlines turned about, and sides divided anew by fans and by halves: oblique, with holes."""
 

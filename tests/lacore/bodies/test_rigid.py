@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
@@ -75,7 +75,6 @@ def test_what_is_held_does_not_move(components, seed):
     angle=st.floats(0, 6.28),
     shift=st.tuples(st.floats(-10, 10), st.floats(-10, 10)),
 )
-@settings(max_examples=25, deadline=None)
 def test_units_axes_and_place_do_not_matter(length, force, angle, shift):
     """A wall of six blocks, in other units (powers of ten), turned and moved."""
     unit, weight = 10.0**length, 10.0**force

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import lacore as la
@@ -77,7 +77,6 @@ def half_space(space, nx, ny, **grade):
 
 @pytest.mark.parametrize("kinematics", ["plane_strain", "plane_stress"])
 @pytest.mark.parametrize("space", SPACES)
-@settings(max_examples=10)
 @given(seed=st.integers(0, 10**6))
 def test_strain_rates_of_polynomials(space, kinematics, seed):
     """Any field of the degree of the space, at all strain points; it has no jumps."""
@@ -146,7 +145,6 @@ def test_a_cut_through_a_body_costs_its_length(space, kinematics):
         assert np.abs(d.full.groups[1].volumetric @ u).max() > 1
 
 
-@settings(max_examples=20)
 @given(seed=st.integers(0, 10**6))
 def test_jumps_are_over_estimated(seed):
     """Of any jump the control values cost at least the integral along the edge (T23)."""
@@ -170,9 +168,8 @@ def test_jumps_are_over_estimated(seed):
 # What they prove.
 
 
-@pytest.mark.parametrize("rough", [False, True])
+@pytest.mark.parametrize("rough", one_in(2, [False, True]))
 @pytest.mark.parametrize("space", ["p2-vertex", *DISCONTINUOUS])
-@settings(max_examples=6)
 @given(seed=st.integers(0, 10**6))
 def test_strict_on_any_mesh(space, rough, seed):
     state = la.solve(punch(space, moved(half_space(space, 8, 4), seed), rough), throw=True)
@@ -194,7 +191,7 @@ def test_discontinuous_velocities_are_worth_their_unknowns():
 
 
 @pytest.mark.parametrize("rough", one_in(2, [False, True]))
-@pytest.mark.parametrize("space", SPACES)
+@pytest.mark.parametrize("space", one_in(3, SPACES))
 def test_order_of_refinement(space, rough):
     """Order 1 on uniform meshes, whatever the space: the edge of the footing is singular."""
     errors = []
@@ -221,7 +218,7 @@ def test_geometry_decides_too(space):
     assert state.rigor is la.Rigor.DISCRETE
 
 
-@pytest.mark.parametrize("kinematics", ["plane_strain", "plane_stress"])
+@pytest.mark.parametrize("kinematics", one_in(2, ["plane_strain", "plane_stress"]))
 @given(seed=st.integers(0, 10**6))
 def test_larger_spaces_have_lower_bounds(kinematics, seed):
     """On any problem: who holds the velocities of another, at no more dissipation, is below it.
@@ -386,10 +383,9 @@ def test_two_bodies_of_any_spaces(space):
     )
     state = la.solve(problem, throw=True)
     assert state.load_factor == pytest.approx(0.05, rel=1e-5)
-    assert state.plot().axes
 
 
-@pytest.mark.parametrize("rough", [False, True])
+@pytest.mark.parametrize("rough", one_in(2, [False, True]))
 @pytest.mark.parametrize("space", SPACES)
 def test_everything_that_a_state_tells(space, rough):
     """Power, stresses, supports: of the same sums whatever the space."""
@@ -409,8 +405,13 @@ def test_everything_that_a_state_tells(space, rough):
     assert table[["force_x", "force_y"]].sum().abs().max() < 1e-5
     balance = internal_force(d.full, point) - contact_force(d.full, point)
     assert np.abs(balance[dofs.dofs].sum(axis=1)).max() < 1e-6
-    assert state.plot().axes
-    assert punch(space, half_space(space, 8, 4), rough).plot().axes
+
+
+@pytest.mark.parametrize("space", one_in(3, SPACES))
+def test_pictures(space):
+    problem = punch(space, half_space(space, 4, 2))
+    assert problem.plot().axes
+    assert la.solve(problem, throw=True).plot().axes
 
 
 # Refusals.

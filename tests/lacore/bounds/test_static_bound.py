@@ -5,7 +5,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
@@ -383,7 +383,6 @@ def turned(angle, length=1.0, stress=1.0):
     )
 
 
-@settings(max_examples=15)
 @given(angle=st.floats(0, 2 * pi), length=st.floats(-3, 6), stress=st.floats(-3, 9))
 def test_turned_and_rescaled(angle, length, stress):
     expected = la.lower_bound(turned(0.0)).load_factor
@@ -395,7 +394,7 @@ def test_turned_and_rescaled(angle, length, stress):
 def test_random_problems(first):
     """A bound is proven and below the upper one, and the gap splits into shares >= 0 (T26)."""
     compared = 0
-    for seed in range(first, first + (25 if first == 0 else 200)):
+    for seed in range(first, first + (10 if first == 0 else 200)):
         try:
             stated = random_problem(seed)
             lower, upper = la.lower_bound(stated), la.solve(stated)
@@ -413,4 +412,4 @@ def test_random_problems(first):
             # Both sides carry round-off of solves with 1e-10, whatever the gap.
             assert identity.total == pytest.approx(gap, rel=1e-5, abs=1e-9 * scale), seed
             assert identity.least >= -1e-8 * scale, seed
-    assert compared >= 8
+    assert compared >= 3

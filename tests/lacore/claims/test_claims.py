@@ -134,7 +134,7 @@ def test_a_light_block_that_falls_makes_a_structure_unsafe(light, backend):
     assert abs(program.reference_load @ fall.velocity) <= 1e-6 * np.abs(fall.velocity).max()
 
 
-def green(share, cells=4):
+def green(share, cells=3):
     """A weightless rigid block on soil under a load inclined by 20 degrees."""
     angle = np.radians(20.0)
     mesh = la.meshes.rectangle((-4, 6), (-3, 0), 5 * cells, 2 * cells)

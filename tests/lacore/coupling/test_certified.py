@@ -8,12 +8,13 @@ from statistics import median
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
 from tests.lacore.whole.test_random_walls import random_wall
 from tests.rigid_problems import PROBLEMS, incline, wedge
+from tests.shares import one_in
 from verification.catalogue.catalogue import find
 
 BAR = 1e-6
@@ -26,7 +27,6 @@ def rate(mu, slope):
 
 
 @given(mu=st.floats(0.1, 1.0), slope=st.floats(0.1, 0.75))
-@settings(max_examples=20, deadline=None)
 def test_block_pushed_against_an_incline(mu, slope):
     """C2c: tan(slope + phi), as long as that is an angle below a right one with room to spare."""
     if rate(mu, slope) > 0.9:  # the error of alpha is 1/(1 - lambda) times that of the gap (T15)
@@ -60,12 +60,12 @@ def test_contraction_of_the_kappa_family(mu, slope, kappa, start, expected):
     assert state.contraction == pytest.approx(theory, rel=1e-3)
 
 
-def test_ends_of_the_family_are_the_reaction_and_the_shift_loop():
-    for kappa, name in ((0.0, "reaction"), (1.0, "shift")):
-        one = la.solve(PROBLEMS["wall-3"](), coupling="kappa", kappa=kappa)
-        other = la.solve(PROBLEMS["wall-3"](), coupling=name)
-        assert one.status is other.status
-        assert np.allclose(one.history["load_factor"], other.history["load_factor"], rtol=1e-9)
+@pytest.mark.parametrize(("kappa", "name"), one_in(2, [(0.0, "reaction"), (1.0, "shift")]))
+def test_ends_of_the_family_are_the_reaction_and_the_shift_loop(kappa, name):
+    one = la.solve(PROBLEMS["wall-3"](), coupling="kappa", kappa=kappa)
+    other = la.solve(PROBLEMS["wall-3"](), coupling=name)
+    assert one.status is other.status
+    assert np.allclose(one.history["load_factor"], other.history["load_factor"], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("mu", "slope"), [(1.2, 0.8), (2.0, 0.6)])
@@ -185,7 +185,6 @@ def test_certified_needs_few_solves_where_the_loop_of_the_paper_needs_hundreds()
 
 
 @given(scale=st.floats(-6, 6))
-@settings(max_examples=10, deadline=None)
 def test_loads_scale(scale):
     """Weights in other units: a load of the same mechanism, which carries a range of them."""
     factor = 10.0**scale

@@ -18,6 +18,7 @@ from tests.lacore.limit.test_span_hinges import PROPPED, beam
 from tests.lacore.models import deformable_block, obstacle, square
 from tests.lacore.whole.test_random_walls import random_wall
 from tests.rigid_problems import wall
+from tests.shares import one_in
 
 BAR = 1e-6  # of `solve`
 SLOPE = 0.5  # rad
@@ -165,7 +166,7 @@ def test_without_friction_an_arch_falls_and_with_it_stands():
     assert la.solve(arch, coupling="frictionless").stability.standing is Standing.FALLS
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", one_in(3, range(6)))
 def test_two_backends_agree_on_what_is_carried(seed):
     problem, _ = random_wall(seed)
     found = [la.solve(problem, backend=name).stability for name in ("clarabel", "highs")]

@@ -23,6 +23,7 @@ from lacore.paths.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stored.progress import Progress
 from tests.lacore.paths.path_billets import billet, pressed
+from tests.shares import one_in
 
 ROOT = Path(__file__).parents[3]
 
@@ -71,7 +72,10 @@ def arrays(snapshot):
         pytest.param({"scheme": "implicit-midpoint"}, marks=pytest.mark.slow),
         pytest.param({"scheme": "explicit", "keep_every": 2}, marks=pytest.mark.slow),
         {"steps": la.AdaptiveSteps(tolerance=3e-3, first=0.2)},
-        {"steps": 5, "travel": 0.75, "billet": lambda: billet(crossed=True)},
+        pytest.param(
+            {"steps": 5, "travel": 0.75, "billet": lambda: billet(crossed=True)},
+            marks=pytest.mark.slow,
+        ),
         pytest.param({"control": la.PointTravel("billet", (0, 0), (0, 1))}, marks=pytest.mark.slow),
     ],
     ids=["leapfrog", "midpoint", "explicit", "adaptive", "folding", "point"],
@@ -196,7 +200,7 @@ def test_damaged(tmp_path):
     data = file.read_bytes()
     draw = np.random.default_rng(7)
     cases = [b"", b"nothing of ours\n", data[:-1], data[: len(data) // 2], data[100:]]
-    for place in draw.integers(len(data), size=60):
+    for place in draw.integers(len(data), size=20):
         changed = bytearray(data)
         changed[place] ^= 1 << int(draw.integers(8))
         cases.append(bytes(changed))
@@ -283,7 +287,7 @@ def test_all_that_a_step_needs_is_kept():
         assert [entry.name for entry in fields(kind)] == names
 
 
-@pytest.mark.parametrize("scheme", ["leapfrog", "implicit-midpoint"])
+@pytest.mark.parametrize("scheme", one_in(2, ["leapfrog", "implicit-midpoint"]))
 def test_states_of_steps_are_those_of_their_rows(tmp_path, scheme):
     """What the platen bears is what presses; on the way, at the end, and read from the disk."""
     path = pressed(3, scheme=scheme, checkpoint=tmp_path / "p")
@@ -306,7 +310,7 @@ def test_states_of_steps_are_those_of_their_rows(tmp_path, scheme):
     assert str(path) == "path of 3 steps to travel 0.2, reached: the travel asked for is reached"
 
 
-@pytest.mark.parametrize("scheme", ["explicit", "leapfrog", "implicit-midpoint"])
+@pytest.mark.parametrize("scheme", one_in(3, ["explicit", "leapfrog", "implicit-midpoint"]))
 def test_states_of_steps_dissipate_what_their_load_does(scheme):
     """With the hardening within the step; no dead loads."""
     state = pressed(2, scheme=scheme).state(1)
@@ -317,7 +321,7 @@ def test_states_of_steps_dissipate_what_their_load_does(scheme):
     assert plastic + friction == pytest.approx(state.load_factor, rel=1e-6)
 
 
-@pytest.mark.parametrize("keep_every", [1, 2, 3, 100])
+@pytest.mark.parametrize("keep_every", one_in(2, [1, 2, 3, 100]))
 def test_kept_snapshots(keep_every):
     path = pressed(5, keep_every=keep_every)
     wanted = sorted({*range(0, 6, keep_every), 5})

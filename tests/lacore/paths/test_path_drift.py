@@ -128,6 +128,7 @@ def test_no_number_of_steps_lets_it_drift(law, steps):
     assert errors(path, LAWS[law]).max() < allowed(steps)
 
 
+@pytest.mark.slow
 def test_the_least_norm_keeps_a_ring_of_uneven_elements_round():
     """They prefer some directions, by what their load errs; that the norm outweighs."""
     law = LAWS["perfect"]
@@ -138,11 +139,13 @@ def test_the_least_norm_keeps_a_ring_of_uneven_elements_round():
     assert errors(path, law).max() < 3e-3
 
 
+@pytest.mark.slow
 def test_paths_that_are_regular_have_no_such_event():
     assert kinds(pressed(4)) == []
     assert kinds(expanded(LAWS["linear"], 5)) == []
 
 
+@pytest.mark.slow
 def test_looking_takes_few_solves(monkeypatch):
     looked = []
 

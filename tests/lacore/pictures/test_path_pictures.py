@@ -17,6 +17,7 @@ from lacore.paths.path import Event
 from lacore.pictures.path import strain_scale
 from tests.lacore.paths.path_billets import PLATEN, billet, pressed, quad_billet
 from tests.lacore.pictures.readings import drawn, words
+from tests.shares import one_in
 
 plain = cache(pressed)
 """A path a number of steps; paths are not changed."""
@@ -30,7 +31,7 @@ def smooth(made):
     return replace(problem, bodies={"billet": body}, interfaces=[top])
 
 
-@pytest.mark.parametrize("made", [billet, quad_billet], ids=["triangles", "quads"])
+@pytest.mark.parametrize("made", one_in(2, [billet, quad_billet]), ids=["triangles", "quads"])
 def test_bodies_and_load(made):
     path = plain(3, billet=made)
     figure = drawn(path.plot())
@@ -69,6 +70,7 @@ def test_bodies_and_load(made):
         assert np.all((nodes > low) & (nodes < high))
 
 
+@pytest.mark.slow
 def test_colours_are_the_strain():
     """Of a homogeneous path: 2/sqrt(3) times the logarithm, the same everywhere (T33)."""
     path = la.sequential(smooth(billet), 0.3, 3, "implicit-midpoint")
@@ -81,6 +83,7 @@ def test_colours_are_the_strain():
     assert "friction" not in words(figure)
 
 
+@pytest.mark.slow
 def test_a_tube_with_a_peak():
     """It hardens at first faster than its wall grows thin."""
     mesh = la.meshes.quadrilaterals(x=(1, 2), y=(0, 0.5), nx=2, ny=1)

@@ -73,6 +73,7 @@ def test_the_two_problems_around_a_coulomb_one():
     assert not has_coulomb(deformable_block(la.Tresca(0.3)))
 
 
+@pytest.mark.slow
 def test_a_discrete_interval_is_not_called_one_of_the_continuum():
     """Its lower end lies above 2 + pi, what every Coulomb load factor of the continuum is."""
     found = la.coulomb_range(footing(0.3), restarts=0)
@@ -128,6 +129,7 @@ def test_messages_without_a_certificate_say_of_which_problem():
         assert words in state.message
 
 
+@pytest.mark.slow
 def test_what_bounds_the_continuum_is_missing_by_name():
     """Straight edges in place of curves, an axisymmetric body, a point force."""
     straight = deformable_block(0.3)

@@ -39,7 +39,7 @@ def assert_certified(state):
 @pytest.mark.parametrize(
     ("name", "mu"),
     [
-        pytest.param(*case, marks=[] if case == ("wall-1", 0.65) else [pytest.mark.slow])
+        pytest.param(*case, marks=[] if case == ("wall-3", 0.65) else [pytest.mark.slow])
         for case in LOWEST
     ],
 )
@@ -108,6 +108,7 @@ def test_a_unique_load_is_recognised_as_such():
     assert not wedge.highest_proven
 
 
+@pytest.mark.slow
 def test_a_body_that_yields():
     """C14, sliding: one mechanism, one load."""
     found = la.coulomb_range(deformable_block(0.5), restarts=0)

@@ -24,8 +24,8 @@ def squeezed(p):
 @pytest.mark.parametrize(
     ("backend", "p"),
     [
-        *(("ipopt", 1e3), ("ipopt", 1e6), ("newton", 1e3), ("newton", 1e6), ("slsqp", 1e3)),
-        pytest.param("slsqp", 1e6, marks=pytest.mark.slow),  # thousands of steps
+        *(("ipopt", 1e3), ("ipopt", 1e6), ("newton", 1e3), ("newton", 1e6)),
+        *(pytest.param("slsqp", p, marks=pytest.mark.slow) for p in (1e3, 1e6)),  # of many steps
     ],
 )
 def test_penalties_filled_by_a_dead_load_are_not_certified(backend, p):

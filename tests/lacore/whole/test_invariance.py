@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
@@ -77,7 +77,6 @@ def base():
     }
 
 
-@settings(max_examples=25)
 @given(
     angle=st.floats(0, 2 * np.pi),
     shift=st.tuples(st.floats(-100, 100), st.floats(-100, 100)),
@@ -95,7 +94,6 @@ def test_load_factor(base, angle, shift, length, stress, load, coupling, space):
     assert state.load_factor == pytest.approx(expected, rel=bar)
 
 
-@settings(max_examples=8)
 @given(angle=st.floats(0, 2 * np.pi), stress=st.floats(-3, 9), length=st.floats(-3, 6))
 def test_resultant_of_the_reactions(base, angle, stress, length):
     """Turns with the model; pressures point by point are not unique, their sum is here."""
@@ -109,7 +107,6 @@ def test_resultant_of_the_reactions(base, angle, stress, length):
     assert np.allclose(other.n_y, np.cos(angle), atol=1e-9)
 
 
-@settings(max_examples=6)
 @given(angle=st.floats(0, 2 * np.pi))
 def test_where_coulomb_loads_are_an_interval_each_answer_is_one_of_them(angle):
     """The guided block: certified from any side, and bracketed (T14), though not one number."""
@@ -141,7 +138,6 @@ def punch(angle, rough):
     )
 
 
-@settings(max_examples=8)
 @given(angle=st.floats(0, 2 * np.pi), rough=st.booleans())
 def test_footing(angle, rough):
     one, other = (la.solve(punch(a, rough), throw=True).load_factor for a in (0.0, angle))
@@ -162,7 +158,6 @@ def squeezed(angle, size, friction):
     )
 
 
-@settings(max_examples=8)
 @given(
     angle=st.floats(0, 2 * np.pi),
     size=st.floats(-3, 6).map(lambda e: 10**e),

@@ -7,7 +7,7 @@ import lacore as la
 from tests.coulomb_checker import accepts, residuals
 from tests.statements import stated
 
-FEW, ALL = 25, 200
+FEW, ALL = 8, 200
 UNDECIDED = 0.03  # of all walls may end without a certificate
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import lacore as la
 from tests.shares import one_in
+from tests.verification.command_line import run_in_order
 from verification.analysis import couplings
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
@@ -37,7 +38,7 @@ def value_of(state):
     return CLAIMS.get(state.status, state.load_factor)
 
 
-@pytest.mark.parametrize(("case", "variant"), one_in(3, VARIANTS), ids=NAMES)
+@pytest.mark.parametrize(("case", "variant"), one_in(6, VARIANTS), ids=NAMES)
 def test_bracket_of_coulomb_load_factors(case, variant):
     """Each to 1e-6, the bar of the certificate, of the load factor or the dead loads."""
     discretisation = la.discretise(case.problem(variant, next(iter(case.meshes))))
@@ -94,7 +95,7 @@ def test_structured_sweep_is_certified(tmp_path):
 def test_couplings_are_planned_and_counted(tmp_path):
     names = ["certified", "shift", "paper", "associated"]
     runs = plan(["wedge-extraction:rough"], ["clarabel", "newton"], couplings=names)
-    outcomes = run_all(runs, tmp_path / NAME)
+    outcomes = run_all(runs, tmp_path / NAME, executor=run_in_order)
     found = {(o.row.backend, o.row.coupling): o.row for o in outcomes}
     assert len(found) == 8
     assert found["clarabel", "certified"].verdict == PASS
@@ -111,7 +112,7 @@ def test_couplings_are_planned_and_counted(tmp_path):
 
 def test_a_loop_without_an_end_is_no_failure_unless_it_is_the_default(tmp_path):
     runs = plan(["symmetric-wedge:jam"], ["clarabel"], couplings=["shift", "certified"])
-    shift, certified = run_all(runs, tmp_path / NAME)
+    shift, certified = run_all(runs, tmp_path / NAME, executor=run_in_order)
     assert shift.row.verdict == NO_RESULT
     assert (certified.row.verdict, certified.row.status) == (PASS, "jam")
     (counted, _) = counts([shift, certified])
@@ -133,7 +134,7 @@ def test_a_wall_may_carry_what_is_not_listed():
 RIGID = [case for case in DEFAULT if not case.meshed]
 
 
-@pytest.mark.parametrize("case", one_in(3, RIGID), ids=[case.id for case in RIGID])
+@pytest.mark.parametrize("case", one_in(6, RIGID), ids=[case.id for case in RIGID])
 def test_mechanism_can_be_drawn(case):
     """Of the first variant that moves, where there is one."""
     states = (la.solve(case.problem(variant, "blocks")) for variant in case.variants)

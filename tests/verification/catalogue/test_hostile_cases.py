@@ -100,12 +100,12 @@ def test_build_that_ends_its_process_is_a_row_that_failed(
     """`verify` builds problems before it runs them: that must not end it, with exit code 0 even."""
     write(folder, f"hostile_{name}", does)
     code, out = lacore(
-        "verify", f"hostile-{name}", "--backends", "clarabel,highs", "--out", "found", "--json"
+        "verify", f"hostile-{name}", "--backends", "clarabel", "--out", "found", "--json"
     )
     assert (code, json.loads(out)["summary"]["passed"]) == (1, 0)
     assert lacore("report", "found")[0] == 0
     page = (folder / "found" / "index.html").read_text()
-    assert "1 case, 2 runs," in page
+    assert "1 case, 1 run," in page
     assert "None of the runs is solved." in page  # in place of empty charts
 
 

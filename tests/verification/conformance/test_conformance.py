@@ -34,8 +34,20 @@ def examined(backend, program, process=None):
     )
 
 
-@pytest.mark.parametrize("program", list(conformance.EXERCISES))
-@pytest.mark.parametrize("backend", READY)
+# Of a second and more; those of one like it are fast.
+DEAR = {
+    *(("trust-constr", name) for name in ("unsafe on friction", "repeated solves")),
+    *(("trust-constr", name) for name in ("friction down the slope", "badly scaled")),
+    ("slsqp", "one cone"),
+}
+CONFORMS = [
+    pytest.param(name, program, marks=[pytest.mark.slow] if (name, program) in DEAR else [])
+    for name in READY
+    for program in conformance.EXERCISES
+]
+
+
+@pytest.mark.parametrize(("backend", "program"), CONFORMS)
 def test_conforms(backend, program, process):
     findings = examined(backend, program, process)
     if set(findings.verdict) == {conformance.SKIPPED}:

@@ -17,7 +17,10 @@ from verification.verify.answers import answer, finish
 from verification.verify.finding import Finding
 from verification.verify.questions import ask
 
-CASES = ["tension:linear-1", "upsetting:mu-0.1"]  # a load factor; a force, with contact
+CASES = [  # a load factor; a force, with contact
+    "tension:linear-1",
+    pytest.param("upsetting:mu-0.1", marks=pytest.mark.slow),
+]
 
 
 @pytest.fixture(scope="module", params=CASES)

@@ -9,6 +9,7 @@ import lacore as la
 import verification.perform.one_run as harness
 from lacore.backend import Capabilities
 from lacore.regularization import RegularisedValues
+from tests.verification.command_line import run_in_order
 from verification.campaigns import comparison
 from verification.campaigns.comparison import capabilities, plan
 from verification.campaigns.run_all import run_all
@@ -171,7 +172,7 @@ def test_a_load_that_is_not_listed_is_named(state):
 
 def test_planted_wrong_reference_fails(tmp_path):
     runs = [Run(wrong_case(), VARIANT, "coarse", "clarabel")]
-    (outcome,) = run_all(runs, tmp_path / NAME)
+    (outcome,) = run_all(runs, tmp_path / NAME, executor=run_in_order)
     assert outcome.row.verdict == FAIL
     assert "not in" in outcome.row.why
 
@@ -183,6 +184,7 @@ def test_rows_are_on_disk_as_they_finish(tmp_path):
         plan(["shear-patch"], ["clarabel"], ["coarse"]),
         path,
         on_finish=lambda _: seen.append(len(load_results(path))),
+        executor=run_in_order,
     )
     assert seen == [1, 2]
     first = load_results(path).iloc[0]

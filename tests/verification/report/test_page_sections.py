@@ -108,7 +108,7 @@ def test_lines_are_named_by_what_tells_them_apart():
     assert named["line"].tolist() == ["a, r=0.1", "a", "b, r=0.1"]
 
 
-@pytest.mark.parametrize("name", one_in(3, HOSTILE))
+@pytest.mark.parametrize("name", one_in(6, HOSTILE))
 def test_any_name_can_be_in_results(name):
     names = dict.fromkeys(("case", "variant", "mesh"), name)
     results = pd.concat([swept(**names), refined(case=name).assign(backend=name + "2")])
