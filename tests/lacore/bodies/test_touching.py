@@ -1,6 +1,5 @@
 """Which edges touch, and where."""
 
-import time
 
 import numpy as np
 import pytest
@@ -120,12 +119,11 @@ def test_arcs_that_are_cut_differently_touch_within_the_sagitta():
     assert touching(coarse, fine, 0.1 * sagitta).length.sum() < coarse.length.sum() / 2
 
 
-def test_20000_edges_take_less_than_a_second():
-    n = 20_000  # 0.12 s where this was written
+def test_20000_edges():
+    """Of each side: a search over all pairs would want gigabytes."""
+    n = 20_000
     random = np.sort(np.random.default_rng(0).uniform(size=n - 1))
     first, second = line(np.linspace(0, 1, n + 1)), line([0, *random, 1], up=False)
-    begin = time.process_time()
     shared = touching(first, second, 1e-12)
-    assert time.process_time() - begin < 1.0
     assert shared.first.size > 2 * n - 10
     assert shared.length.sum() == pytest.approx(1, abs=1e-7)  # slivers: 2 n of 1e-12

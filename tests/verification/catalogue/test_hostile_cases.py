@@ -80,7 +80,7 @@ def test_what_build_prints_and_where_it_goes_changes_nothing(folder: Path) -> No
     """Standard output is the document alone, and relative folders are where they were."""
     write(folder, "hostile_talk", "print('hello'); os.chdir('/')")
     code, out = lacore(
-        "verify", "hostile-talk", "--backends", "clarabel", "--out", "found", "--json"
+        "verify", "hostile-talk", "--backends", "clarabel,highs", "--out", "found", "--json"
     )
     assert (code, json.loads(out)["summary"]["failed"]) == (0, 0)
     assert (folder / "found" / "results.sqlite").is_file()
@@ -100,12 +100,12 @@ def test_build_that_ends_its_process_is_a_row_that_failed(
     """`verify` builds problems before it runs them: that must not end it, with exit code 0 even."""
     write(folder, f"hostile_{name}", does)
     code, out = lacore(
-        "verify", f"hostile-{name}", "--backends", "clarabel", "--out", "found", "--json"
+        "verify", f"hostile-{name}", "--backends", "clarabel,highs", "--out", "found", "--json"
     )
     assert (code, json.loads(out)["summary"]["passed"]) == (1, 0)
     assert lacore("report", "found")[0] == 0
     page = (folder / "found" / "index.html").read_text()
-    assert "1 case, 1 run," in page
+    assert "1 case, 2 runs," in page
     assert "None of the runs is solved." in page  # in place of empty charts
 
 
@@ -125,7 +125,14 @@ def test_cases_leave_no_trace_in_others(folder: Path) -> None:
     write(folder, "hostile_a", "sys.path.clear(); os.environ.clear()")
     write(folder, "hostile_b", "pass")
     code, out = lacore(
-        "compare", "hostile-a", "hostile-b", "--backends", "clarabel", "--out", "found", "--json"
+        "compare",
+        "hostile-a",
+        "hostile-b",
+        "--backends",
+        "clarabel,highs",
+        "--out",
+        "found",
+        "--json",
     )
     rows = {row["case"]: row["verdict"] for row in json.loads(out)["rows"]}
     assert (code, rows) == (1, {"hostile-a": "FAIL", "hostile-b": "pass"})
