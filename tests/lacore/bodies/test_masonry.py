@@ -1,6 +1,5 @@
 """Builders of walls, stacks and arches."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,6 +1,5 @@
 """Which edges touch, and where."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given
