@@ -7,6 +7,7 @@ import re
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite, isnan
 from typing import Any, SupportsFloat, TypeGuard
 
@@ -116,10 +117,13 @@ class Table:
     anchor: Anchor | None = None
     sortable: bool = True
 
-    @property
+    @cached_property
     def records(self) -> list[dict[str, Any]]:
         """Its rows."""
-        return [{str(key): v for key, v in row.items()} for row in self.data.to_dict("records")]
+        # As `to_dict("records")`, which takes four times as long for a wide table of few rows.
+        names = [str(name) for name in self.data.columns]
+        rows = self.data.astype(object).to_numpy()
+        return [dict(zip(names, row, strict=True)) for row in rows]
 
     @property
     def plain(self) -> pd.DataFrame:

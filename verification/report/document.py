@@ -4,6 +4,7 @@ import posixpath
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from itertools import count
 from typing import Any
@@ -49,16 +50,22 @@ def render(document: Document, place: Place) -> str:
     """The page as text."""
     environment = templates()
     script = environment.get_template("script.html.j2").render()
-    environment.globals.update(draw=_numbered(), href=place.href, to=place.to, source=place.source)
     # Only this script runs on the page: one that came with a name would not, even if it got in.
     digest = b64encode(sha256(script.encode()).digest()).decode("ascii")
     return environment.get_template("document.html.j2").render(
-        document=document, script=Markup(script), script_source=f"sha256-{digest}"
+        document=document,
+        script=Markup(script),
+        script_source=f"sha256-{digest}",
+        draw=_numbered(),
+        href=place.href,
+        to=place.to,
+        source=place.source,
     )
 
 
+@cache
 def templates() -> Environment:
-    """The templates; all that they show is escaped."""
+    """The templates, compiled once; all that they show is escaped."""
     environment = Environment(
         loader=PackageLoader("verification.report", ""),
         autoescape=True,  # template names end in .j2, which a choice by extension would miss
