@@ -8,7 +8,6 @@ from skfem import MeshTri
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.conditions.loads import BodyForce, PointForce
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
@@ -24,16 +23,11 @@ def singular_points(problem: Problem, name: str) -> list[int]:
     body = problem.bodies[name]
     assert isinstance(body, Body)
     mesh = body.mesh
-    parts = [
-        *problem.supports,
-        *(load for load in (*problem.reference_loads, *problem.dead_loads)),
+    alike = [
+        boundary_facets(body, part.boundary, "where")
+        for part in (*problem.supports, *problem.loads.values())
+        if part.boundary is not None and part.body == name
     ]
-    wheres = [
-        part.where
-        for part in parts
-        if not isinstance(part, BodyForce | PointForce) and part.body == name
-    ]
-    alike = [boundary_facets(body, where, "where") for where in wheres]
     for pair, segments in zip(problem.interfaces, problem.segments, strict=True):
         for (own, _), facets in zip(pair.sides, segments.edges, strict=False):
             if own == name:

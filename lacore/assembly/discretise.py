@@ -1,6 +1,6 @@
 """From a `Problem` to the kinematic program (T6), vectorised."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,6 @@ from lacore.assembly.slips import slips
 from lacore.assembly.span_nodes import spanned
 from lacore.assembly.sticking import yielding
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.jumps import jumps, movable
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
@@ -26,13 +25,19 @@ from lacore.program import ContactRows, KinematicProgram
 from lacore.reduction import kept_points, reduced
 
 Contact = Callable[
-    [Sequence[Interface], Sequence[Segments], Mapping[str, Dofs], int],
-    tuple[ContactRows, ContactPoints],
+    [Sequence[Interface], Sequence[Segments], Unknowns], tuple[ContactRows, ContactPoints]
 ]
-"""Rows of interfaces for n unknowns of bodies: see `lacore.contact.rows.contact_rows`."""
+"""Rows of interfaces for the unknowns of a problem: see `touching`."""
 
 
-def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discretisation:
+def touching(
+    interfaces: Sequence[Interface], segments: Sequence[Segments], unknowns: Unknowns
+) -> tuple[ContactRows, ContactPoints]:
+    """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
+    return contact_rows(interfaces, segments, unknowns.dofs, unknowns.assemblies, unknowns.n)
+
+
+def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
     """Assemble a problem, its contact by `contact_of`.
 
     Raises:
@@ -46,7 +51,7 @@ def discretise(problem: Problem, contact_of: Contact = contact_rows) -> Discreti
     continua, dofs, n = unknowns.continua, unknowns.dofs, unknowns.n
     footings = tuple(unknowns.footings)
     interfaces = yielding(problem, continua, footings)
-    contact, points = contact_of(interfaces, problem.segments, dofs, n)
+    contact, points = contact_of(interfaces, problem.segments, unknowns)
     slipping = slips(problem, continua, footings, unknowns.node_dofs.size)
     held = held_by(problem, unknowns, slipping)
     jumping = {

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.conditions.loads import Load, RigidFooting
+from lacore.conditions.loads import Load, RigidFooting, footings
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 
@@ -42,15 +43,14 @@ class UnderFooting(Loaded, Protocol):
 
 def footings_of(problem: Problem) -> tuple[RigidFooting, ...]:
     """The footings of all loads, each once whatever its pressure."""
-    loads = [*problem.reference_loads, *problem.dead_loads]
-    return tuple(dict.fromkeys(_unloaded(load) for load in loads if isinstance(load, RigidFooting)))
+    return tuple(dict.fromkeys(map(_unloaded, footings(problem.loads.values()))))
 
 
 def load_vector(
     loads: Sequence[Load],
     bodies: Mapping[str, Loaded],
     standing: Mapping[str, UnderFooting],
-    footings: Mapping[RigidFooting, int],
+    speeds: Mapping[RigidFooting, int],
     n: int,
 ) -> Floats:
     """Forces of loads on n unknowns, N/m.
@@ -59,17 +59,37 @@ def load_vector(
         loads: of one kind.
         bodies: all of them.
         standing: those that footings stand on.
-        footings: the unknown of each, see `footings_of`: its load acts there.
+        speeds: the unknown of each footing, see `footings_of`: its load acts there.
         n: unknowns.
     """
     total = np.zeros(n)
     for load in loads:
-        if isinstance(load, RigidFooting):
-            total[footings[_unloaded(load)]] += load.pressure * standing[load.body].area(load)
-        else:
-            own = bodies[load.body]
-            total[own.offset : own.offset + own.count] += own.force(load)
+        first, force = _placed(load, bodies, standing, speeds)
+        total[first : first + force.size] += force
     return total
+
+
+@singledispatch
+def _placed(
+    load: Load,
+    bodies: Mapping[str, Loaded],
+    standing: Mapping[str, UnderFooting],
+    speeds: Mapping[RigidFooting, int],
+) -> tuple[int, Floats]:
+    """The first unknown that a load acts on, and its forces from there on, N/m."""
+    own = bodies[load.body]
+    return own.offset, own.force(load)
+
+
+@_placed.register(RigidFooting)
+def _on_footing(
+    load: RigidFooting,
+    bodies: Mapping[str, Loaded],
+    standing: Mapping[str, UnderFooting],
+    speeds: Mapping[RigidFooting, int],
+) -> tuple[int, Floats]:
+    force = load.pressure * standing[load.body].area(load)
+    return speeds[_unloaded(load)], np.array([force])
 
 
 def require_power(free: Floats, size: float) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import footings_of
-from lacore.bodies.any_body import Dofs, RigidParts, numbered
+from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
@@ -39,12 +39,12 @@ class Unknowns:
     def of(cls, problem: Problem) -> "Unknowns":
         """Number all, one after the other."""
         footings = footings_of(problem)
-        continua = numbered(problem.bodies, Body, 0)
+        continua = numbered(of_kind(problem.bodies, Body), BodyDofs.at)
         first = sum(own.count for own in continua.values())
         n = first + len(footings)
-        assemblies = numbered(problem.bodies, BlockAssembly, n)
+        assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, n)
         n += sum(own.count for own in assemblies.values())
-        frames = numbered(problem.bodies, Frame, n)
+        frames = numbered(of_kind(problem.bodies, Frame), FrameDofs, n)
         n += sum(own.count for own in frames.values())
         numbers = {footing: first + place for place, footing in enumerate(footings)}
         return cls(continua, assemblies, frames, numbers, n)

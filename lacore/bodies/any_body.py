@@ -1,19 +1,16 @@
 """Bodies of any kind: what a problem asks of them, and what assembling asks of their unknowns.
 
-A new kind is a folder beside this file, and a line in `KINDS`.
+A new kind is a folder beside this file, and a name in `AnyBody` and in `KINDS`.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Protocol, TypeVar
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Protocol, Self, TypeVar
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
-from lacore.bodies.touching import Edges
+from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.conditions.where import Where
 from lacore.meshes.curved import EdgeCurves
@@ -21,6 +18,7 @@ from lacore.program import DissipationGroup
 
 AnyBody = Body | BlockAssembly | Frame
 Kind = TypeVar("Kind", Body, BlockAssembly, Frame)
+Own = TypeVar("Own", bound="Counted")
 
 
 class Stated(Protocol):
@@ -29,6 +27,21 @@ class Stated(Protocol):
     @property
     def contents(self) -> str:
         """What it consists of, in a few words."""
+        ...
+
+    @property
+    def pointwise(self) -> bool:
+        """Whether it touches others in single nodes, not along edges."""
+        ...
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether it is a body of revolution, x the radius."""
+        ...
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of its bounding box, m, shape (2,) each."""
         ...
 
     @property
@@ -55,6 +68,16 @@ class Stated(Protocol):
 
     def check_support(self, support: Fix, field: str) -> None:
         """Raise `InputError` where a support cannot hold it."""
+        ...
+
+    def check_contact(
+        self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+    ) -> None:
+        """Raise `InputError` where a part of it touches nothing, or nothing that could hold it."""
+        ...
+
+    def with_points(self, points: Iterable[Sequence[float]]) -> Self:
+        """With whatever it needs where point forces act."""
         ...
 
 
@@ -139,12 +162,17 @@ class RigidParts(Dofs, Protocol):
         ...
 
 
-KINDS: Mapping[type, Callable[[Any, int], Dofs]] = {
-    Body: BodyDofs.at,
-    BlockAssembly: RigidDofs,
-    Frame: FrameDofs,
-}
-"""Bodies, and their unknowns from a number on: in this order among all."""
+KINDS: tuple[type[Stated], ...] = (Body, BlockAssembly, Frame)
+"""All kinds, in the order of their unknowns: type checkers find here what one lacks."""
+
+
+class Counted(Protocol):
+    """Unknowns that are numbered one after the other."""
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        ...
 
 
 def of_kind(bodies: Mapping[str, object], kind: type[Kind]) -> dict[str, Kind]:
@@ -152,10 +180,12 @@ def of_kind(bodies: Mapping[str, object], kind: type[Kind]) -> dict[str, Kind]:
     return {name: body for name, body in bodies.items() if isinstance(body, kind)}
 
 
-def numbered(bodies: Mapping[str, AnyBody], kind: type, first: int) -> dict[str, Any]:
-    """The unknowns of the bodies of a kind, one after the other from a number on."""
-    found: dict[str, Dofs] = {}
-    for name, body in of_kind(bodies, kind).items():
-        found[name] = KINDS[kind](body, first)
+def numbered(
+    bodies: Mapping[str, Kind], unknowns: Callable[[Kind, int], Own], first: int = 0
+) -> dict[str, Own]:
+    """The unknowns of bodies of a kind, one after the other from a number on, in their order."""
+    found: dict[str, Own] = {}
+    for name, body in bodies.items():
+        found[name] = unknowns(body, first)
         first += found[name].count
     return found

@@ -10,7 +10,6 @@ multiplier of traction continuity at an end of a facet, times L/2, v that of ``d
 times A.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +39,11 @@ class EquilibriumDofs(Compact):
 
     body: Body
     first_node: int
+
+    @classmethod
+    def at(cls, body: Body, offset: int) -> "EquilibriumDofs":
+        """The multipliers of a body from a number on; before it stand nodes of two each."""
+        return cls(body, offset // 2)
 
     @property
     def n_nodes(self) -> int:
@@ -128,16 +132,6 @@ class EquilibriumDofs(Compact):
         """Lengths of boundary facets, m, shape (k,)."""
         start, end, _ = facet_geometry(self.body, facets)
         return np.asarray(np.linalg.norm(end - start, axis=0))
-
-
-def number_multipliers(bodies: Mapping[str, Body]) -> dict[str, EquilibriumDofs]:
-    """Number the multipliers of bodies, one after the other, in their order."""
-    numbered: dict[str, EquilibriumDofs] = {}
-    first = 0
-    for name, body in bodies.items():
-        numbered[name] = EquilibriumDofs(body, first)
-        first += numbered[name].n_nodes
-    return numbered
 
 
 def element_geometry(body: Body) -> tuple[Floats, Floats]:

@@ -21,8 +21,6 @@ from lacore.contact.segments import Segments
 from lacore.errors import InputError
 from lacore.program import ContactRows
 
-StaticDofs = EquilibriumDofs | RigidDofs
-
 _SAME_PLACE = 1e-9  # of the body size
 _MISSING = 2.0  # times the distance up to which coordinates count as one: at either end
 # Gauss rule on (0, 1), exact up to degree 3: a shape function times the velocity of a block.
@@ -32,38 +30,44 @@ _PLACES = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
 def traction_rows(
     interfaces: Sequence[Interface],
     segments: Sequence[Segments],
-    bodies: Mapping[str, StaticDofs],
+    bodies: Mapping[str, EquilibriumDofs],
+    rigid: Mapping[str, RigidDofs],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
     """Tractions at the ends of facets: linear between, they obey the convex law there too."""
-    rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
     stations = []
     for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
         if all(name in rigid for name, _ in interface.sides):
             stations.append(interface_station(interface, own, index, rigid, n))
         else:
-            stations.append(_station(interface, own, index, bodies, n))
+            stations.append(_station(interface, own, index, bodies, rigid, n))
     return joined(stations, interfaces, rigid, n)
 
 
 def _station(
-    interface: Interface, segments: Segments, index: int, bodies: Mapping[str, StaticDofs], n: int
+    interface: Interface,
+    segments: Segments,
+    index: int,
+    bodies: Mapping[str, EquilibriumDofs],
+    rigid: Mapping[str, RigidDofs],
+    n: int,
 ) -> Station:
     """Two points a facet of the deformable side, of the slave where both are."""
     field = f"Problem.interfaces[{index}]"
-    meeting = zip(interface.sides, segments.edges, strict=False)
-    sides = [(bodies[name], edges) for (name, _), edges in meeting]
-    strength = min(dofs.strength for dofs, _ in sides)
-    turned = isinstance(sides[0][0], RigidDofs)
-    (carrier, touched), *others = sides[::-1] if turned else sides
-    assert isinstance(carrier, EquilibriumDofs)
+    names = [name for name, _ in interface.sides]
+    sides = list(zip(names, segments.edges, strict=False))
+    turned = names[0] in rigid
+    (name, touched), *others = sides[::-1] if turned else sides
+    carrier = bodies[name]
+    strength = min(bodies[name].strength for name in names if name in bodies)
     facets, facet = np.unique(touched, return_inverse=True)
     start, end, outward = facet_geometry(carrier.body, facets)
     nodes = carrier.facet_nodes(facets).ravel()
     x, y = _selected(nodes, n)
     moving = np.stack([nodes, np.full_like(nodes, -1)])
-    for other, edges in others:
-        if isinstance(other, RigidDofs):
+    for name, edges in others:
+        if name in rigid:
+            other = rigid[name]
             parts = _Parts.of(start, end, facet, segments)
             allowed = _MISSING * max(carrier.body.allowed, other.body.allowed)
             _check_covered(parts, interface, allowed, field)
@@ -71,7 +75,7 @@ def _station(
             facing, moving[1] = parts.means(other, blocks, n), np.tile(blocks[parts.first], 2)
         else:
             whole = start[:, facet], end[:, facet]
-            moving[1] = _matched(other, interface, edges, whole, field)
+            moving[1] = _matched(bodies[name], interface, edges, whole, field)
             facing = _selected(moving[1], n)
         x, y = csr_matrix(x - facing[0]), csr_matrix(y - facing[1])
     sign = -1.0 if turned else 1.0
@@ -189,7 +193,7 @@ def _check_covered(parts: _Parts, interface: Interface, allowed: float, field: s
 
 
 def _matched(
-    master: StaticDofs,
+    master: EquilibriumDofs,
     interface: Interface,
     facets: Ints,
     slaves: tuple[Floats, Floats],
@@ -200,7 +204,6 @@ def _matched(
     Raises:
         InputError: facets of both sides that are not the same.
     """
-    assert isinstance(master, EquilibriumDofs)
     (start, end), (a, b, _) = slaves, facet_geometry(master.body, facets)
     near = _SAME_PLACE * master.body.size
 

@@ -17,15 +17,11 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.frames.frame import Frame
-from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry, number_multipliers
+from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
 from lacore.conditions.elimination import free_basis, join
-from lacore.conditions.loads import (
-    Fix,
-    PointForce,
-    RigidFooting,
-)
+from lacore.conditions.loads import Fix, RigidFooting
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
@@ -96,17 +92,15 @@ def static_model(problem: Problem) -> StaticModel:
             "not a problem",
             "give a lacore.Problem; that of a state is state.discretisation.problem",
         )
-    bodies = number_multipliers(_continua(problem))
+    bodies = numbered(_continua(problem), EquilibriumDofs.at)
     _check_statable(problem)
     first = sum(dofs.count for dofs in bodies.values())
     node_dofs = np.arange(first).reshape(-1, 2).T
     footings = {footing: first + place for place, footing in enumerate(footings_of(problem))}
-    assemblies: dict[str, RigidDofs] = numbered(
-        problem.bodies, BlockAssembly, first + len(footings)
-    )
+    assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, first + len(footings))
     n = first + len(footings) + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
-    contact, points = traction_rows(problem.interfaces, problem.segments, dofs, n)
+    contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
     full = KinematicProgram(
         groups=tuple(own.group(name, n) for name, own in bodies.items()),
         contact=contact,
@@ -200,10 +194,10 @@ def _continua(problem: Problem) -> dict[str, Body]:
 def _check_statable(problem: Problem) -> None:
     deforming = of_kind(problem.bodies, Body)
     for field, load in problem.loads.items():
-        if isinstance(load, PointForce) and load.body in deforming:
+        if load.point is not None and load.body in deforming:
             raise InputError(
                 field,
-                load.vector,
+                load.told,
                 "stresses that are linear in a triangle cannot carry a point force",
                 "spread it over an edge as a Traction",
             )

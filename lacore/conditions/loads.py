@@ -4,9 +4,10 @@ Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all 
 are those of the whole circumference, in N.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import hypot
+from typing import ClassVar
 
 import numpy as np
 
@@ -61,6 +62,11 @@ class Fix(Compact):
         require_known("Fix.components", self.components, COMPONENTS)
 
     @property
+    def boundary(self) -> Where:
+        """The part of the boundary that it holds."""
+        return self.where
+
+    @property
     def told(self) -> str:
         """In a few words."""
         return f"{self.components} of {self.body}.{where_name(self.where)}"
@@ -87,9 +93,15 @@ class Traction(Compact):
     body: str
     where: Where
     vector: tuple[float, float]
+    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_vector("Traction.vector", self.vector, "Pa")
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary, or the member, that it acts on."""
+        return self.where
 
     @property
     def told(self) -> str:
@@ -109,9 +121,15 @@ class Pressure(Compact):
     body: str
     where: Where
     value: float = 1.0
+    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_size("Pressure.value", self.value, "Pa")
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary that it acts on."""
+        return self.where
 
     @property
     def told(self) -> str:
@@ -136,6 +154,8 @@ class BodyForce(Compact):
     body: str
     vector: tuple[float, float]
     where: str | tuple[str, ...] | None = None
+    boundary: ClassVar[None] = None
+    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_vector("BodyForce.vector", self.vector, "N/m^3")
@@ -163,6 +183,7 @@ class PointForce(Compact):
     at: tuple[float, float] | str
     vector: tuple[float, float]
     where: str | None = None
+    boundary: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_vector("PointForce.vector", self.vector, "N/m")
@@ -170,6 +191,11 @@ class PointForce(Compact):
             raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
         if not isinstance(self.at, str):
             require_place("PointForce.at", self.at)
+
+    @property
+    def point(self) -> tuple[float, float] | None:
+        """Where it acts, m; None where `at` is a name."""
+        return None if isinstance(self.at, str) else self.at
 
     @property
     def told(self) -> str:
@@ -198,6 +224,7 @@ class RigidFooting(Compact):
     direction: tuple[float, float]
     pressure: float = 1.0
     rough: bool = True
+    point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_vector("RigidFooting.direction", self.direction, "any unit")
@@ -205,6 +232,11 @@ class RigidFooting(Compact):
         # Footings are told apart by value, so a direction given as a list has to be hashable.
         length = hypot(*self.direction)
         object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
+
+    @property
+    def boundary(self) -> Where:
+        """The part of the boundary under it."""
+        return self.where
 
     @property
     def name(self) -> str:
@@ -221,3 +253,9 @@ class RigidFooting(Compact):
 
 
 Load = Traction | Pressure | BodyForce | PointForce | RigidFooting
+"""Each says its `boundary`, None where it acts on none, and its `point`, None where on none."""
+
+
+def footings(loads: Iterable[Load]) -> tuple[RigidFooting, ...]:
+    """The rigid footings among loads, which hold what they load."""
+    return tuple(load for load in loads if isinstance(load, RigidFooting))

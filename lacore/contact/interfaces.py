@@ -6,6 +6,7 @@ slave, ``t_n >= 0`` is compression.
 """
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from lacore.conditions.where import Where, where_name
 from lacore.contact.obstacles import RigidObstacle, Shape
@@ -71,8 +72,7 @@ class Interface(Compact):
     @property
     def sides(self) -> tuple[tuple[str, Where], ...]:
         """The boundaries of bodies: the slave, and the master where that is one."""
-        master = self.master
-        return (self.slave,) if isinstance(master, RigidObstacle) else (self.slave, master)
+        return (self.slave, self.master) if _is_boundary(self.master) else (self.slave,)
 
     @property
     def law(self) -> Friction:
@@ -85,5 +85,5 @@ class Interface(Compact):
         return "|".join(f"{body}.{where_name(where)}" for body, where in self.sides)
 
 
-def _is_boundary(side: object) -> bool:
+def _is_boundary(side: object) -> TypeGuard[tuple[str, Where]]:
     return isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], str)

@@ -93,6 +93,7 @@ def contact_rows(
     interfaces: Sequence[Interface],
     segments: Sequence[Segments],
     bodies: Mapping[str, Dofs],
+    jointed: Mapping[str, RigidDofs],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact rows of all interfaces and joints for n unknowns, and where they stand.
@@ -101,25 +102,25 @@ def contact_rows(
         interfaces: of a problem, with the friction that counts.
         segments: of each, see `Problem.segments`.
         bodies: unknowns of all.
+        jointed: of those bodies that have joints of their own.
         n: unknowns.
     """
     stations = [
         interface_station(interface, own, index, bodies, n)
         for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True))
     ]
-    rigid = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, RigidDofs)}
-    return joined(stations, interfaces, rigid, n)
+    return joined(stations, interfaces, jointed, n)
 
 
 def joined(
     stations: Sequence[Station],
     interfaces: Sequence[Interface],
-    rigid: Mapping[str, RigidDofs],
+    jointed: Mapping[str, RigidDofs],
     n: int,
 ) -> tuple[ContactRows, ContactPoints]:
     """Rows of the stations of interfaces and, numbered after them, of all joints of blocks."""
     stations, names = list(stations), [interface.name for interface in interfaces]
-    for name, dofs in rigid.items():
+    for name, dofs in jointed.items():
         if dofs.body.joints.slave.size:
             stations.append(_joints(dofs, len(names), n))
             names += [f"{name}: {joint}" for joint in dofs.body.joint_names]

@@ -8,7 +8,6 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.corners import loose_corners
-from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges, near_misses, touching
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
@@ -68,11 +67,11 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
             "nodes of two frames: there is no face whose normal they could slide across",
             "join the frames, or let one of them stand on a body",
         )
-    if isinstance(slave, Frame):
-        face, normal = _faces(slave, numbers, facing, allowed, interface, field)
+    if slave.pointwise:
+        face, normal = _faces(edges.start, facing, allowed, interface, field)
         return Segments(numbers, others[face], edges.start, edges.end, normal)
-    if isinstance(master, Frame):
-        face, normal = _faces(master, others, edges, allowed, interface, field)
+    if master.pointwise:
+        face, normal = _faces(facing.start, edges, allowed, interface, field)
         return Segments(numbers[face], others, facing.start, facing.end, -normal)
     shared = touching(edges, facing, allowed)
     for gap in near_misses(edges, facing, allowed).gap[:1]:
@@ -176,22 +175,22 @@ def _obstacle_normals(interface: Interface, places: Floats, field: str) -> Float
 
 
 def _faces(
-    frame: Frame, nodes: Ints, faces: Edges, allowed: float, interface: Interface, field: str
+    nodes: Floats, faces: Edges, allowed: float, interface: Interface, field: str
 ) -> tuple[Ints, Floats]:
-    """The face that each node of a frame lies on: numbers (k,) and outward normals (2, k)."""
+    """The face that each node, (2, k), lies on: numbers (k,) and outward normals (2, k)."""
     along = faces.end - faces.start
     length = np.linalg.norm(along, axis=0)
-    away = frame.position[:, nodes, None] - faces.start[:, None, :]  # (2, nodes, faces)
+    away = nodes[:, :, None] - faces.start[:, None, :]  # (2, nodes, faces)
     share = np.clip(np.sum(away * along[:, None, :], axis=0) / length**2, 0.0, 1.0)
     gap = np.linalg.norm(away - share * along[:, None, :], axis=0)
     face = np.argmin(gap, axis=1)
     normal = faces.normal[:, face]
-    least = gap[np.arange(nodes.size), face]
+    least = gap[np.arange(face.size), face]
     for node in np.flatnonzero(least > allowed)[:1]:
         raise InputError(
             field,
             interface.name,
-            f"the node {frame.names[nodes[node]]!r} is {least[node]:.3g} m from the other side",
+            f"its node at {nodes[:, node]} is {least[node]:.3g} m from the other side",
             "move one body so that they touch",
         )
     cosine = np.einsum("ik,ij->kj", normal, faces.normal)
@@ -199,7 +198,7 @@ def _faces(
         raise InputError(
             field,
             interface.name,
-            f"the node {frame.names[nodes[node]]!r} stands on a corner, which has no normal",
+            f"its node at {nodes[:, node]} stands on a corner, which has no normal",
             "select the face that carries it, or move it off the corner",
         )
     return face, normal

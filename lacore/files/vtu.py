@@ -12,7 +12,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.dofs import BodyDofs, number
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
@@ -145,7 +145,7 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
 
 def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
     stage = path.stage_of(snapshot)
-    start, bodies = stage.start.nodes, number(stage.bodies_at(snapshot.configuration))
+    start, bodies = stage.start.nodes, stage.dofs_at(snapshot.configuration)
     for place, (name, dofs) in enumerate(bodies.items()):
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
         stress = dofs.body.law.stress(strain)
@@ -169,8 +169,8 @@ def _continuum(
 ) -> _Part:
     # Nodes of an element stand in the order of VTK: vertices, edges from the first on, the centre.
     cells = dofs.element_nodes.T
-    numbered = {"body": np.full(len(cells), body), **at_cells}
-    return _Part(_CELLS[cells.shape[1]], cells, dofs.nodes, at_points, numbered)
+    columns = {"body": np.full(len(cells), body), **at_cells}
+    return _Part(_CELLS[cells.shape[1]], cells, dofs.nodes, at_points, columns)
 
 
 def _spatial(vectors: Floats) -> Floats:

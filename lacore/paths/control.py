@@ -11,7 +11,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.loads import footings
 from lacore.errors import InputError, is_plane_vector, require_range
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
@@ -54,7 +54,7 @@ class FootingTravel(Compact):
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""
         loads = problem.reference_loads
-        if len(loads) != 1 or not isinstance(loads[0], RigidFooting):
+        if len(loads) != 1 or not footings(loads):
             raise InputError(
                 "control",
                 "FootingTravel",

@@ -9,7 +9,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.bodies.any_body import Dofs
+from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints
@@ -117,10 +117,10 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     """
 
     def contact(
-        _: Sequence[Interface], __: Sequence[Segments], bodies: Mapping[str, Dofs], n: int
+        _: Sequence[Interface], __: Sequence[Segments], unknowns: Unknowns
     ) -> tuple[ContactRows, ContactPoints]:
-        deform = {name: dofs for name, dofs in bodies.items() if isinstance(dofs, BodyDofs)}
-        return approaching_rows(stage.obstacles, deform, n, moment.begin, moment.duration)
+        bodies, n = unknowns.continua, unknowns.n
+        return approaching_rows(stage.obstacles, bodies, n, moment.begin, moment.duration)
 
     return discretise(stage.at(moment.at), contact)
 

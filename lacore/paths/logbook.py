@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lacore.bodies.continuum.dofs import BodyDofs, number
-from lacore.conditions.loads import RigidFooting
+from lacore.bodies.any_body import numbered
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.conditions.loads import footings
 from lacore.limit.state import LimitState
 from lacore.paths import drift
 from lacore.paths.approach import gaps
@@ -42,11 +43,11 @@ class Log:
 
     def __post_init__(self) -> None:
         self.now = self.stage
-        self.dofs = number(self.stage.bodies)
+        self.dofs = numbered(self.stage.bodies, BodyDofs.at)
 
     def enter(self, stage: Stage, gauge: Gauge, made: NewMeshes) -> None:
         """New meshes."""
-        self.now, self.gauge, self.dofs = stage, gauge, number(stage.bodies)
+        self.now, self.gauge, self.dofs = stage, gauge, numbered(stage.bodies, BodyDofs.at)
         self.later.append((made.step, stage))
         self.made.append(made)
 
@@ -129,7 +130,7 @@ class Log:
         self._contacts(here, there)
         self._peak("peak load", "load_factor")
         # The load factor of a footing is a pressure on an area that changes.
-        if any(isinstance(load, RigidFooting) for load in self.now.problem.reference_loads):
+        if footings(self.now.problem.reference_loads):
             self._peak("peak force", "force")
 
     def _contacts(self, here: Here, there: Here) -> None:

@@ -10,7 +10,6 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.bodies.continuum.dofs import number
 from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError, require_known
 from lacore.meshes.curved import is_curved
@@ -61,7 +60,7 @@ def restaged(
         bodies[name] = _on(name, bodies[name], mesh, stage.obstacles)
     new = staged(replace(now, bodies=bodies), stage.interfaces)
     start = new.start
-    before, after = (number(own) for own in (stage.bodies_at(configuration), new.bodies))
+    before, after = stage.dofs_at(configuration), new.dofs_at(start)
     strain = {
         name: transferred(before[name], own, after[name]) if name in meshes else own
         for name, own in configuration.strain.items()

@@ -6,7 +6,6 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Any
 
-from lacore.bodies.continuum.dofs import number
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.limit.solve import engine_for
@@ -254,7 +253,7 @@ def _volume(stage: Stage, there: Here) -> float:
         PathEndError: they are no bodies any more: elements overlap.
     """
     try:
-        numbered = number(stage.bodies_at(there.configuration))
+        now = stage.dofs_at(there.configuration)
     except InputError as wrong:
         raise PathEndError(Ending.OVERLAP, f"{wrong}; {Ending.OVERLAP.value}") from wrong
-    return sum(float(dofs.weights.sum()) for dofs in numbered.values())
+    return sum(float(dofs.weights.sum()) for dofs in now.values())

@@ -15,12 +15,13 @@ from skfem import Mesh
 from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import of_kind
+from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.bodies.touching import TOUCH
-from lacore.conditions.loads import BodyForce, Load, PointForce
+from lacore.conditions.loads import Load, PointForce
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle, Plane, RigidObstacle
@@ -86,6 +87,10 @@ class Stage(Compact):
         meshes = self.meshes_at(configuration)
         return {name: replace(body, mesh=meshes[name]) for name, body in self.bodies.items()}
 
+    def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
+        """The unknowns of the bodies on a configuration, by name; see `at` for errors."""
+        return numbered(self.bodies_at(configuration), BodyDofs.at)
+
     def at(self, configuration: Configuration) -> Problem:
         """The problem on a configuration.
 
@@ -131,7 +136,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     names = _Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 
     def renamed(part: Any) -> Any:
-        if isinstance(part, BodyForce | PointForce):
+        if part.boundary is None:
             return part
         kind = type(part).__name__
         return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
@@ -146,9 +151,9 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
     grips = [
-        vertex_at(bodies[load.body], load.at, "PointForce.at")
+        vertex_at(bodies[load.body], load.point, "PointForce.at")
         for load in (*reference, *dead)
-        if isinstance(load, PointForce)
+        if load.point is not None
     ]
     _check_once(obstacles, bodies)
     return Stage(

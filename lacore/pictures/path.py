@@ -17,9 +17,8 @@ from matplotlib.tri import Triangulation
 from skfem import Mesh
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.continuum.dofs import number
 from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.loads import footings
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
 from lacore.paths.path import Path, Snapshot
@@ -251,7 +250,7 @@ def _box(path: Path) -> tuple[Floats, Floats]:
 
 def _coloured(path: Path, snapshot: Snapshot) -> Iterable[tuple[Mesh, Floats]]:
     """Meshes of a snapshot, and the equivalent strain at their vertices."""
-    for name, dofs in number(path.stage_of(snapshot).bodies_at(snapshot.configuration)).items():
+    for name, dofs in path.stage_of(snapshot).dofs_at(snapshot.configuration).items():
         yield dofs.body.mesh, vertex_means(dofs, snapshot.configuration.strain[name])
 
 
@@ -277,10 +276,9 @@ def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
 def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
     """Rigid footings, where they are."""
     meshes, drawn = path.stage_of(snapshot).meshes_at(snapshot.configuration), False
-    for load in path.stage.problem.reference_loads:
-        if isinstance(load, RigidFooting):
-            mesh = meshes[load.body]
-            lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(load.where)]))
-            axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
-            drawn = True
+    for footing in footings(path.stage.problem.reference_loads):
+        mesh = meshes[footing.body]
+        lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(footing.where)]))
+        axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
+        drawn = True
     return [Line2D([], [], color=_PLASTIC, lw=3.0, label="rigid footing")] if drawn else []

@@ -82,8 +82,8 @@ def _check_footing(load: RigidFooting, field: str, body: Body) -> None:
 
 @_check_load.register(PointForce)
 def _check_point(load: PointForce, field: str, body: Body) -> None:
-    assert not isinstance(load.at, str)  # a continuum has no named points
-    if load.vector[0] and on_axis(body, np.reshape(load.at, (2, 1)))[0]:
+    at = load.point
+    if load.vector[0] and at is not None and on_axis(body, np.reshape(at, (2, 1)))[0]:
         raise InputError(
             f"{field}.vector",
             load.vector,

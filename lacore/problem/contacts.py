@@ -6,7 +6,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.touching import Touched
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.loads import footings
 from lacore.errors import InputError
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def _check_joined(problem: "Problem") -> None:
     """Each of several bodies has an interface or a support."""
     held = {support.body for support in problem.supports}
     held |= {name for interface in problem.interfaces for name, _ in interface.sides}
-    held |= {load.body for load in problem.loads.values() if isinstance(load, RigidFooting)}
+    held |= {footing.body for footing in footings(problem.loads.values())}
     loose = [name for name in problem.bodies if name not in held]
     if loose and len(problem.bodies) > 1:
         raise InputError(

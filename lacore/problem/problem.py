@@ -7,12 +7,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from lacore import views
-from lacore.bodies.any_body import AnyBody
-from lacore.conditions.loads import (
-    Fix,
-    Load,
-    PointForce,
-)
+from lacore.bodies.any_body import KINDS, AnyBody
+from lacore.conditions.loads import Fix, Load
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError, suggest
@@ -83,7 +79,7 @@ class Problem(Shown):
                 "give bodies={'name': Body(...)}",
             )
         for name, body in self.bodies.items():
-            if not isinstance(body, AnyBody):
+            if not isinstance(body, KINDS):
                 raise InputError(
                     f"Problem.bodies[{name!r}]",
                     body,
@@ -103,10 +99,11 @@ class Problem(Shown):
                 "there is none, so nothing that the load factor could multiply",
                 "give at least one load",
             )
-        self._split_frames()
         for where, load in self.loads.items():
             if not isinstance(load, Load):
                 raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
+        self._split_frames()
+        for where, load in self.loads.items():
             self._body(load.body, where).check_load(load, where)
         for index, support in enumerate(self.supports):
             where = f"Problem.supports[{index}]"
@@ -144,10 +141,8 @@ class Problem(Shown):
         """Put a node wherever a point force acts on a member: it may hinge there."""
         bodies = dict(self.bodies)
         for load in (*self.reference_loads, *self.dead_loads):
-            if isinstance(load, PointForce) and not isinstance(load.at, str):
-                body = bodies.get(load.body)
-                if body is not None:
-                    bodies[load.body] = body.with_points([load.at])
+            if load.point is not None and load.body in bodies:
+                bodies[load.body] = bodies[load.body].with_points([load.point])
         object.__setattr__(self, "bodies", MappingProxyType(bodies))
 
     def _body(self, name: str, where: str) -> AnyBody:

@@ -77,6 +77,7 @@ class BlockAssembly(Shown):
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
     pointwise: ClassVar[bool] = False  # it touches others along edges
+    axisymmetric: ClassVar[bool] = False
     names: tuple[str, ...] = field(init=False, repr=False)
     area: Floats = field(init=False, repr=False)
     centroid: Floats = field(init=False, repr=False)
@@ -144,6 +145,11 @@ class BlockAssembly(Shown):
             "size": f"{self.area.sum():.4g} m^2, {self.size:.4g} m across",
         }
         return Facts(f"BlockAssembly: {self.contents}", told)
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of the bounding box of all, m, shape (2,) each."""
+        return self.edges.start.min(axis=1), self.edges.start.max(axis=1)
 
     @property
     def polygons(self) -> Mapping[str, Floats]:

@@ -118,7 +118,7 @@ class Body(Shown):
 
     def facts(self) -> Facts:
         """What it consists of."""
-        (left, low), (right, high) = self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
+        (left, low), (right, high) = self.box
         told = {
             "criterion": short(self.criterion),
             "size": f"{self.mesh.nvertices} vertices, {left:.4g} to {right:.4g} m by {low:.4g} to"
@@ -164,6 +164,11 @@ class Body(Shown):
     def thickness(self, places: Floats) -> Floats:
         """Across the plane at places of shape (2, ...): 1, or the circumference ``2 pi r``, m."""
         return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of the bounding box of its vertices, m, shape (2,) each."""
+        return self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
 
     @property
     def size(self) -> float:

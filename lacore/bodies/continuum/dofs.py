@@ -1,6 +1,5 @@
 """Numbering of the velocity unknowns of all bodies."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -198,13 +197,3 @@ def edge_shapes(s: Floats, degree: int) -> Floats:
     if degree == 1:
         return np.stack([1 - s, s], axis=1)
     return np.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)
-
-
-def number(bodies: Mapping[str, Body]) -> dict[str, BodyDofs]:
-    """Number the unknowns of bodies, one after the other, in their order."""
-    numbered: dict[str, BodyDofs] = {}
-    first = 0
-    for name, body in bodies.items():
-        numbered[name] = BodyDofs.at(body, first)
-        first += numbered[name].count
-    return numbered

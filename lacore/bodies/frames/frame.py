@@ -67,6 +67,7 @@ class Frame(Shown):
     releases: Sequence[tuple[str, str]] = ()
     tolerance: float | None = None
     pointwise: ClassVar[bool] = True  # it touches others in single nodes
+    axisymmetric: ClassVar[bool] = False
     names: tuple[str, ...] = field(init=False, repr=False)
     member_names: tuple[str, ...] = field(init=False, repr=False)
     position: Floats = field(init=False, repr=False)
@@ -135,6 +136,11 @@ class Frame(Shown):
             "size": f"{self.pieces.length.sum():.4g} m of members, {self.size:.4g} m across",
         }
         return Facts(f"Frame: {self.contents}", told)
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of the bounding box, m, shape (2,) each."""
+        return self.position.min(axis=1), self.position.max(axis=1)
 
     def find(self, where: Nodes, field: str) -> Ints:
         """Numbers of nodes: of a name, of names, or of a predicate on coordinates (2, n) -> (n,).

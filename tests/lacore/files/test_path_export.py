@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.bodies.any_body import numbered
 from lacore.bodies.blocks import masonry
-from lacore.bodies.continuum.dofs import number
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means, vertex_means
 from lacore.errors import InputError
 from lacore.files.vtu import SERIES
@@ -44,7 +45,7 @@ def test_series(tmp_path, made, kind):
     assert file == tmp_path / "new" / "series" / SERIES
     sets = ElementTree.parse(file).getroot().findall("Collection/DataSet")
     assert [float(own.get("timestep")) for own in sets] == [s.travel for s in path.snapshots]
-    dofs = number(path.stage.bodies)["billet"]
+    dofs = numbered(path.stage.bodies, BodyDofs.at)["billet"]
     for own, snapshot in zip(sets, path.snapshots, strict=True):
         mesh = meshio.read(file.parent / own.get("file"))
         (cells,) = mesh.cells
@@ -52,7 +53,7 @@ def test_series(tmp_path, made, kind):
         np.testing.assert_array_equal(cells.data.T, dofs.element_nodes)
         nodes = snapshot.configuration.nodes["billet"]
         np.testing.assert_array_equal(mesh.points[:, :2].T, nodes)
-        now = number(path.stage.bodies_at(snapshot.configuration))["billet"]
+        now = path.stage.dofs_at(snapshot.configuration)["billet"]
         strain = snapshot.configuration.strain["billet"]
         law = now.body.criterion.law
         moved = nodes - path.snapshots[0].configuration.nodes["billet"]
@@ -83,7 +84,7 @@ def test_order_of_nodes():
     """Each edge node lies between the two corners that VTK puts it between."""
     for made in (billet, quad_billet):
         problem, _ = made()
-        dofs = number(dict(problem.bodies))["billet"]
+        dofs = numbered(dict(problem.bodies), BodyDofs.at)["billet"]
         places = dofs.nodes[:, dofs.element_nodes]
         corners = len(dofs.body.mesh.t)
         middles = (places[:, :corners] + np.roll(places[:, :corners], -1, axis=1)) / 2
@@ -98,7 +99,7 @@ def test_means(made, kinematics):
     body = la.Body(
         body.mesh, body.criterion, kinematics, "q2" if made is quad_billet else "p2-gauss"
     )
-    dofs = number({"b": body})["b"]
+    dofs = numbered({"b": body}, BodyDofs.at)["b"]
     values = np.random.default_rng(1).uniform(0.1, 2.0, dofs.weights.shape)
     vertex, node, element = (
         mean(dofs, values) for mean in (vertex_means, node_means, element_means)

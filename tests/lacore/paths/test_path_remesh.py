@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bodies.continuum.dofs import number
+from lacore.bodies.any_body import numbered
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves
 from lacore.paths.configuration import Configuration
@@ -37,7 +38,7 @@ def square(n, y=(0.0, 1.0), made=la.meshes.rectangle):
 
 def dofs_of(mesh, space="p2-gauss"):
     body = la.Body(mesh, la.VonMises(yield_stress=1.0), space=space)
-    return number({"b": body})["b"]
+    return numbered({"b": body}, BodyDofs.at)["b"]
 
 
 def anew(size):
