@@ -9,6 +9,7 @@ import pytest
 import lacore as la
 from lacore.adaptive.bracket import heading
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
+from lacore.ranges.continuum import continuum_range
 from lacore.status import Scope
 from tests.lacore.bounds.test_rigid_bounds import footing
 from tests.lacore.models import CRITERION, deformable_block
@@ -108,6 +109,14 @@ def test_the_passive_wall_is_enclosed():
     assert smooth.status is la.Ending.REACHED
     assert smooth.lower <= 2.0 <= smooth.upper
     assert "Coulomb" not in smooth.message
+
+
+def test_bounds_of_the_continuum_on_its_first_mesh():
+    """The bounds themselves: 2 is what stress carries where nothing rubs, on any mesh."""
+    found = continuum_range(la.discretise(passive_wall(0.2, 1)), "clarabel", {}, None)
+    assert not found.missing
+    assert found.lower == pytest.approx(2.0, rel=1e-6)  # its certificate's tolerance
+    assert found.upper >= PASSIVE
 
 
 @pytest.mark.slow

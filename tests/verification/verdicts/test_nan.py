@@ -126,7 +126,9 @@ def test_what_is_unknown_has_a_verdict_of_its_own(solved, kind):
 def test_a_reference_that_is_none_fails(state, reference, load_factor):
     for status in (la.Status.SOLVED, la.Status.LOCKED, la.Status.FREE, la.Status.UNSAFE):
         found = replace(state, status=status, load_factor=load_factor)
-        assert judge(found, reference, BAND)[0] == FAIL
+        verdict, why = judge(found, reference, BAND)
+        assert verdict == FAIL
+        assert why == reference.wrong  # and not what a comparison with NaN says
 
 
 @pytest.mark.parametrize("band", NAN_BANDS)
