@@ -5,9 +5,10 @@ the bands of their cases; all else is read from their rows.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from math import inf, isfinite, isnan, nan
+from typing import Any
 
 import numpy as np
 
@@ -110,6 +111,10 @@ class VariantSummary:
     def allowed(self) -> float:
         """The error allowed on the side on which it is: negative below the reference."""
         return -self.below if self.error < 0 else self.above if self.error >= 0 else nan
+
+    def record(self) -> dict[str, Any]:
+        """All of it by name, shortfalls too, with `allowed`."""
+        return {**asdict(self), "allowed": self.allowed}
 
 
 def summaries(outcomes: Sequence[Outcome]) -> list[VariantSummary]:

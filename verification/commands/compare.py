@@ -2,10 +2,9 @@
 
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -26,9 +25,6 @@ from verification.commands.options import (
     time_limit_option,
 )
 from verification.defaults import RAW, cores
-
-if TYPE_CHECKING:
-    from verification.runs.outcome import Outcome
 
 
 @click.command()
@@ -98,9 +94,10 @@ def compare(
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
     from verification import analysis, progress
+    from verification.analysis.summary import summaries
     from verification.campaigns import comparison, overview
     from verification.campaigns.run_all import run_all
-    from verification.commands import tables
+    from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
     from verification.report.reporting import write_report
     from verification.store.provenance import describe
@@ -136,6 +133,7 @@ def compare(
         rows = [outcome.row.record() for outcome in outcomes]
         document = {
             "summary": vars(count),
+            "cases": [one.record() for one in summaries(outcomes)],
             "couplings": analysis.couplings(results).to_dict("records"),
             "report": str(page),
             "machine": about,
@@ -145,31 +143,17 @@ def compare(
     else:
         places = {"Report": page, "Results": out / "results.csv"}
         after = f"{'' if full else '--full prints every run; '}{_after(cases, first_look)}"
-        _show(outcomes, full)
+        console = tables.table_console()
+        if full:
+            tables.show_results(console, outcomes)
+        else:
+            screen.show_overview(console, summaries(outcomes))
         if couplings:
-            tables.show_couplings(tables.table_console(), analysis.couplings(results))
-        _show_end(count.text, places, after)
+            tables.show_couplings(console, analysis.couplings(results))
+        screen.show_end(console, count.text, places, after)
     if not count.passed:
         click.echo("nothing was verified: no run passed", err=True)
     ctx.exit(0 if count.passed and not count.failed else 1)
-
-
-def _show(outcomes: Sequence[Outcome], full: bool) -> None:
-    """Every run, or a line a case."""
-    from verification.analysis.summary import summaries
-    from verification.commands import screen, tables
-
-    console = tables.table_console()
-    if full:
-        tables.show_results(console, outcomes)
-    else:
-        screen.show_overview(console, summaries(outcomes))
-
-
-def _show_end(count: str, places: Mapping[str, Path], after: str) -> None:
-    from verification.commands import screen, tables
-
-    screen.show_end(tables.table_console(), count, places, after)
 
 
 def _after(cases: Sequence[str], first_look: bool) -> str:

@@ -21,6 +21,7 @@ from verification.report.blocks import (
     Table,
 )
 from verification.report.document import Place, render
+from verification.report.manifest import replace_files
 from verification.store.spreadsheets import as_text, quoted
 
 INDEX = "index.html"
@@ -33,23 +34,16 @@ _LONGEST = 80  # letters of the name of a file
 def write(report: Report, folder: Path) -> Path:
     """Write the pages, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
 
+    What an earlier report wrote there and this one does not is removed.
+
     Returns:
         the path of the page that is opened first.
 
     Raises:
         InputError: the folder cannot be written.
     """
-    shown = pictures(report)
     try:
-        for name, picture in shown.items():
-            _place(folder, _picture_file(name)).write_bytes(picture.data)
-        for name, table in tables(report):
-            quoted(values(table)).to_csv(_place(folder, f"tables/{name}.csv"), index=False)
-            text = markdown(table)
-            _place(folder, f"tables/{name}.md").write_text(text, encoding="utf-8", errors="replace")
-        for file, text in rendered(report).items():
-            # A path may have bytes that are no text.
-            _place(folder, file).write_text(text, encoding="utf-8", errors="replace")
+        replace_files(folder, contents(report))
     except OSError as error:
         raise InputError(
             "--out", str(folder), f"cannot write there ({error.strerror})", "name a folder"
@@ -57,11 +51,16 @@ def write(report: Report, folder: Path) -> Path:
     return folder / INDEX
 
 
-def _place(folder: Path, file: str) -> Path:
-    """Where a file of the report is, in a folder that is there."""
-    path = folder / file
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path
+def contents(report: Report) -> dict[str, bytes]:
+    """What the files of a report hold, by their paths in its folder."""
+    found = {_picture_file(name): picture.data for name, picture in pictures(report).items()}
+    texts: dict[str, str] = {}
+    for name, table in tables(report):
+        texts[f"tables/{name}.csv"] = quoted(values(table)).to_csv(index=False)
+        texts[f"tables/{name}.md"] = markdown(table)
+    texts |= rendered(report)
+    # A path may have bytes that are no text.
+    return found | {file: text.encode(errors="replace") for file, text in texts.items()}
 
 
 def rendered(report: Report) -> dict[str, str]:

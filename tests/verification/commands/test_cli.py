@@ -133,6 +133,11 @@ def test_json_is_one_strict_document(tmp_path):
     (first, _) = document["rows"]
     assert first["alpha_reg"] is None
     assert first["load_factor"] == pytest.approx(0.32)
+    (case, _) = document["cases"]  # as on the terminal
+    assert (case["case"], case["variant"]) == (first["case"], first["variant"])
+    assert (case["agreeing"], case["asked"], case["verdict"]) == (1, 1, "pass")
+    assert (case["expected"], case["lower"], case["shortfalls"]) == (first["expected"], None, [])
+    assert abs(case["error"]) <= abs(case["allowed"])
 
 
 def test_lists_are_json_too():

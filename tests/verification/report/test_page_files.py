@@ -1,6 +1,7 @@
 """A page as files: pictures, tables as CSV and Markdown, in the folder and nowhere else."""
 
 from dataclasses import replace
+from hashlib import sha256
 from html import unescape
 
 import pandas as pd
@@ -22,6 +23,7 @@ from verification.report.blocks import (
 )
 from verification.report.charts.figures import png
 from verification.report.files import case_files, markdown, pictures
+from verification.report.manifest import MANIFEST
 
 
 def test_table_as_markdown():
@@ -55,6 +57,7 @@ def test_files_stay_in_their_folder(name, tmp_path):
         "cases",
         "index.html",
         "pictures",
+        MANIFEST,
         *4 * ["tables"],
     ]
     assert all(path.parts[0] == "out" for path in written)
@@ -69,6 +72,46 @@ def test_pages_share_their_pictures(tmp_path):
     assert [path.name for path in (tmp_path / "pictures").iterdir()] == ["shown.png"]
     assert 'src="pictures/shown.png"' in (tmp_path / "index.html").read_text()
     assert 'src="../pictures/shown.png"' in (tmp_path / "cases" / "a.html").read_text()
+
+
+def pages_of(*names):
+    picture = Picture("p " + names[-1], "", png(Figure((1, 1))))
+    own = Document("", "", [Section("one", "", [picture, TABLE])])
+    return Report({"index.html": own} | {f"cases/{name}.html": own for name in names})
+
+
+def test_a_smaller_report_leaves_none_of_the_pages_of_a_larger_one(tmp_path):
+    """Nor its pictures and tables; what others put there, or changed, stays."""
+    files.write(pages_of("a", "b", "c"), tmp_path)
+    kept = {"cases/c.html": "mine now", "cases/notes.txt": "mine", "results.csv": "of a store"}
+    for name, text in kept.items():
+        (tmp_path / name).write_text(text)
+    files.write(pages_of("a"), tmp_path)
+    fresh = tmp_path / "fresh"
+    files.write(pages_of("a"), fresh)
+    left = {file.relative_to(tmp_path).as_posix() for file in tmp_path.rglob("*") if file.is_file()}
+    own = {file.relative_to(fresh).as_posix() for file in fresh.rglob("*") if file.is_file()}
+    assert left == own | set(kept) | {f"fresh/{name}" for name in own}
+    assert {name: (tmp_path / name).read_text() for name in kept} == kept
+
+
+def test_folders_that_a_report_leaves_empty_go(tmp_path):
+    files.write(pages_of("a"), tmp_path)
+    files.write(Report({"index.html": Document("", "", [])}), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["index.html", MANIFEST]
+
+
+@pytest.mark.parametrize("name", ["../outside", "{root}/outside", "link", "\0", "no/such", ""])
+def test_a_list_of_files_removes_nothing_elsewhere(name, tmp_path):
+    """Whoever wrote the list."""
+    outside, folder = tmp_path / "outside", tmp_path / "report"
+    outside.write_text("x")
+    folder.mkdir()
+    (folder / "link").symlink_to(outside)
+    listed = name.format(root=tmp_path)
+    (folder / MANIFEST).write_text(f"{sha256(b'x').hexdigest()}  {listed}\nno line of a list\n")
+    files.write(pages_of("a"), folder)
+    assert outside.read_text() == "x"
 
 
 def test_a_picture_says_its_size():
