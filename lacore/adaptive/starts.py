@@ -10,6 +10,7 @@ from lacore.adaptive.singular_points import sectors_for, singular_points
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.spaces import BOUNDING
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
@@ -20,7 +21,6 @@ from lacore.meshes.structured import split
 from lacore.problem.problem import Problem
 
 MESHES = ("separate", "shared")
-_SPACE = "p2-vertex"  # "p2-gauss" is a little closer, and astray where mechanisms are not unique
 _SLIVER = 0.01  # shape of a triangle; below it strain rates lose their digits
 
 
@@ -111,9 +111,13 @@ def only_body(problem: Problem) -> tuple[str, Body]:
 
 
 def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
-    """The problem with its body on another mesh, in the velocity space of upper bounds."""
+    """The problem with its body on another mesh, in the velocity space of upper bounds.
+
+    What is projected from ``p2-gauss`` is a little closer, and astray where mechanisms are not
+    unique.
+    """
     name, body = only_body(problem)
-    finer = replace(body, mesh=mesh, space=_SPACE)
+    finer = replace(body, mesh=mesh, space=BOUNDING)
     return replace(problem, bodies={**problem.bodies, name: finer})
 
 

@@ -10,6 +10,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
+from lacore.bodies.continuum.spaces import isoparametric
 from lacore.contact.obstacles import Obstacle
 from lacore.errors import InputError, require_known
 from lacore.meshes.curved import is_curved
@@ -96,8 +97,8 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
                 chord = places[:, mesh.facets[:, edges]].mean(axis=1)
                 behind = obstacle.shape.distance(2 * places[:, middle] - chord) < 0
                 places[:, middle[behind]] = chord[:, behind]
-    space = "p2-gauss" if len(mesh.t) == 3 else "q2"
-    return replace(body, mesh=replace(mesh, doflocs=places), space=space)
+    space = isoparametric(mesh, body.space)
+    return replace(body, mesh=replace(mesh, doflocs=places), space=space.name)
 
 
 def carried(control: Control, stage: Stage, configuration: Configuration) -> Control:

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 from skfem import Mesh
-from skfem.mesh import MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.spaces import SPACES
+from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import Load, PointForce
 from lacore.conditions.where import Where
@@ -118,7 +117,7 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     """A problem made ready for a path.
 
     Args:
-        problem: its bodies deform; they get curved elements, ``p2-gauss`` or ``q2``.
+        problem: its bodies deform; they get curved elements, of an isoparametric space.
         approaching: more interfaces with planes, which the bodies need not touch yet.
 
     Raises:
@@ -227,15 +226,15 @@ def _curved(name: str, body: object) -> Body:
             "the thickness would change from point to point, and is not followed",
             "take 'plane_strain' or 'axisymmetric'",
         )
-    if isinstance(body.mesh, MeshTri1):
-        return replace(body, mesh=_quadratic(body.mesh, MeshTri2), space="p2-gauss")
-    return replace(body, mesh=_quadratic(body.mesh, MeshQuad2), space="q2")
+    space = isoparametric(body.mesh, body.space)
+    return replace(body, mesh=_quadratic(body.mesh, space), space=space.name)
 
 
-def _quadratic(mesh: Mesh, kind: type[Mesh]) -> Mesh:
-    if isinstance(mesh, kind):
+def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
+    assert space.curved is not None  # it is isoparametric
+    if isinstance(mesh, space.curved):
         return mesh
-    curved = kind.from_mesh(mesh)
+    curved = space.curved.from_mesh(mesh)
     assert np.array_equal(curved.facets, mesh.facets)
     return curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
 

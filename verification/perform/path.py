@@ -11,6 +11,7 @@ import pandas as pd
 
 import lacore as la
 from lacore.arrays import Floats
+from lacore.bodies.continuum.spaces import BOUNDING
 from lacore.bounds.enclosing import associated
 from lacore.errors import InputError
 from verification.case import Band, Reference
@@ -106,7 +107,7 @@ def start_bounds(problem: la.Problem) -> tuple[float, float]:
     No friction from below, associated friction from above; sticking is what it is.
     """
     bodies = {
-        name: replace(body, space="p2-vertex")
+        name: replace(body, space=BOUNDING)
         for name, body in problem.bodies.items()
         if isinstance(body, la.Body)
     }

@@ -120,3 +120,19 @@ SPACES = {
         ),
     )
 }
+
+BOUNDING = next(
+    name for name, space in SPACES.items() if space.strict and not (space.jumps or space.locks)
+)
+"""The space of upper bounds where nobody chooses: strict and continuous, on any triangles."""
+
+
+def isoparametric(mesh: Mesh, wanted: str) -> VelocitySpace:
+    """The space of a body that is to bend as it flows: the wanted one where it can, else the first.
+
+    Args:
+        mesh: of triangles or of quadrilaterals.
+        wanted: name of the space that the body has.
+    """
+    known = (SPACES[wanted], *SPACES.values())
+    return next(s for s in known if s.curved is not None and isinstance(mesh, s.mesh))
