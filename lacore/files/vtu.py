@@ -21,7 +21,7 @@ from lacore.paths.path import Path, Snapshot
 from lacore.program import DissipationGroup
 
 SERIES = "path.pvd"
-_CELLS = {3: "triangle", 6: "triangle6", 9: "quad9"}
+_CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 9: "quad9"}
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from skfem.mesh import MeshQuad1
 
 import lacore as la
 from lacore.backend import find_backend
@@ -15,7 +16,8 @@ KINEMATICS = ["plane_strain", "plane_stress"]
 
 def heavy_block(space, kinematics):
     """Pressed and pushed on a frictional floor, held in part: all kinds of rows."""
-    make = la.meshes.quadrilaterals if space == "q2" else la.meshes.rectangle
+    quads = SPACES[space].mesh is MeshQuad1
+    make = la.meshes.quadrilaterals if quads else la.meshes.rectangle
     mesh = make((0, 2), (0, 1), 3, 2, grade_x=(0.0, 2.0))
     return la.Problem(
         {"block": la.Body(mesh, CRITERION, space=space, kinematics=kinematics)},
