@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from lacore.errors import require_positive
+from lacore.errors import InputError, require_positive
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
@@ -26,6 +26,13 @@ from verification.commands.options import (
 
 @click.command()
 @named_cases("[CASE]...")
+@click.option(
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Dense backends on meshes and regularised ones along paths on all variants, too. Goes on"
+    " from what is in the folder.",
+)
 @backends_option
 @names_option(
     "--meshes",
@@ -43,6 +50,7 @@ from verification.commands.options import (
 def verify(
     ctx: click.Context,
     cases: tuple[str, ...],
+    everything: bool,
     backends: list[str],
     meshes: list[str],
     jobs: int,
@@ -55,7 +63,9 @@ def verify(
 ) -> None:
     """Check every case: exit code 1 when one is wrong.
 
-    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are checked.
+    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are checked,
+    but dense backends on meshes, and regularised ones along paths, are asked about the first
+    variant and one of each status only, unless --all or anything else is named.
     Of each with each backend: is the value (or the status) right, do strict bounds lie on their
     side, do the residuals hold when computed afresh from the stored states, does the error fall
     under refinement as it must; and of deformable bodies, does a proven bracket enclose the
@@ -66,6 +76,7 @@ def verify(
     \b
     Examples:
       lacore verify
+      lacore verify --all
       lacore verify prandtl-punch wall-1:mu-0.65 --backends clarabel,cvxpy
       lacore verify my-case --cases my-folder
     """  # noqa: D301  # click reads the backspace
@@ -76,10 +87,14 @@ def verify(
     from verification.store.provenance import describe
     from verification.store.results import export
     from verification.store.store import NAME
-    from verification.verify import FILE, answer, as_table, ask, finish, runs_of, tally
+    from verification.verify import FILE, answer, as_table, ask, finish, left_out, runs_of, tally
 
     require_positive("--time-limit", time_limit)
-    questions = ask(cases, backends, meshes, known)
+    if cases and everything:
+        raise InputError("--all", None, "CASE is there too", "leave out one of them")
+    named = [case.id for case in known.values() if not case.on_demand] if everything else cases
+    questions = ask(named, backends, meshes, known)
+    left = len(left_out(named, backends, meshes, known))
     runs = runs_of(questions)
     with resumable(out / NAME), progress.watching(len(runs)) as watch:
         outcomes = run_all(
@@ -101,6 +116,7 @@ def verify(
         document = {
             "summary": count,
             "runs": len(runs),
+            "not_asked": left,
             "results": str(out / NAME),
             "machine": describe(run.backend for run in runs),
             "checks": table.to_dict("records"),
@@ -115,6 +131,8 @@ def verify(
             f"{count['passed']} checks pass, {count['failed']} FAIL, {count['skipped']} skipped"
             f"{unjudged}; {len(runs)} runs"
         )
+        if left:
+            text += f"; {left} dear ones not asked: `lacore verify --all`"
         places = {"Checks": out / FILE, "Results": out / NAME}
         more = "" if full else "--full prints every check; "
         after = f"{more}`lacore manual` writes a page for each case"

@@ -6,7 +6,7 @@ answers are found in; `answer` gives the `Finding` of one question.
 
 from verification.verify.answers import Finished, answer, finish
 from verification.verify.finding import FILE, Finding, as_table, load_checks, tally
-from verification.verify.questions import CHECKS, Question, ask, runs_of
+from verification.verify.questions import CHECKS, Question, ask, left_out, runs_of
 
 __all__ = [
     "CHECKS",
@@ -18,6 +18,7 @@ __all__ = [
     "as_table",
     "ask",
     "finish",
+    "left_out",
     "load_checks",
     "runs_of",
     "tally",

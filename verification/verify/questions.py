@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import lacore as la
 from verification.campaigns.comparison import capabilities, is_regularised, plan
+from verification.campaigns.overview import shown_first
 from verification.case import Case, Reference, Variant
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
@@ -84,6 +85,7 @@ def ask(
 ) -> list[Question]:
     """Questions on cases (``id`` or ``id:variant``; none: all but those on demand).
 
+    Where nothing is named, no dear ones on further variants of a case, see `left_out`.
     Without `backends` those of a comparison; the ladder of an order is climbed by the first exact
     one of them only: it is one of the discretisation; and so is a bracket, whatever is named.
     Without `meshes` exact backends run the levels of each variant, regularised ones the coarsest of
@@ -92,14 +94,48 @@ def ask(
     Raises:
         InputError: an unknown name.
     """
+    left = {run.key for run in left_out(names, backends, meshes, known)}
+    planned = _by_variant(names, backends, meshes, known)
+    groups = ([run for run in runs if run.key not in left] for runs in planned)
+    return [question for runs in groups for question in _of_variant(runs, bool(backends))]
+
+
+def _by_variant(
+    names: Sequence[str], backends: Sequence[str], meshes: Sequence[str], known: Catalogue | None
+) -> list[list[Run]]:
+    """Runs of a comparison, a list a variant; where no meshes are named, those of `_quick`."""
     groups: dict[tuple[str, str], list[Run]] = {}
     for run in plan(names, backends, meshes, known=known):
         groups.setdefault((run.case.id, run.variant.name), []).append(run)
+    return [runs if meshes else _quick(runs) for runs in groups.values()]
+
+
+def left_out(
+    names: Sequence[str] = (),
+    backends: Sequence[str] = (),
+    meshes: Sequence[str] = (),
+    known: Catalogue | None = None,
+) -> list[Run]:
+    """Runs that are dear and tell least, and are not asked for where nothing is named.
+
+    Of variants that a first look does not show (`shown_first`): dense backends on meshes, and
+    regularised ones along paths. These answer for the first variant, and exact ones for all.
+    """
+    if names or backends or meshes:
+        return []
     return [
-        question
-        for runs in groups.values()
-        for question in _of_variant(runs if meshes else _quick(runs), bool(backends))
+        run
+        for runs in _by_variant((), (), (), known)
+        if runs[0].variant not in shown_first(runs[0].case) and not all(map(_tells_least, runs))
+        for run in runs
+        if _tells_least(run)
     ]
+
+
+def _tells_least(run: Run) -> bool:
+    if run.case.path is not None:
+        return is_regularised(run.backend)
+    return run.case.meshed and capabilities(run.backend).dense
 
 
 def runs_of(questions: Sequence[Question]) -> list[Run]:
