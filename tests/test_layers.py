@@ -16,6 +16,11 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 MOST_FILES, MOST_LINES = 16, 400
+MOST_QUESTIONS = 6
+KINDS_OF_THINGS = {
+    *("Body", "BlockAssembly", "Frame", "BodyDofs", "RigidDofs", "FrameDofs", "EquilibriumDofs"),
+    *("PointForce", "BodyForce", "RigidFooting", "Traction", "Pressure", "RigidObstacle"),
+}
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
 LACORE = (
     *("arrays", "errors", "showing", "views", "status", "scales", "program", "reduction"),
@@ -147,6 +152,19 @@ def test_a_room_is_seen_at_a_glance(house):
                 long[str(path.relative_to(ROOT))] = lines
     assert not crowded
     assert not long
+
+
+def test_few_ask_what_kind_of_thing_they_have():
+    """Bodies, loads and obstacles say by their protocols what is asked of them, or one function a
+    kind is registered: a new kind is not searched for in all files."""
+    asked = {}
+    for path in sorted((ROOT / "lacore").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance":
+                named = {own.id for own in ast.walk(node.args[1]) if isinstance(own, ast.Name)}
+                if named & KINDS_OF_THINGS:
+                    asked[f"{path.relative_to(ROOT)}:{node.lineno}"] = ast.unparse(node)
+    assert len(asked) <= MOST_QUESTIONS, asked
 
 
 def test_the_list_of_slow_tests_names_tests():

@@ -6,6 +6,7 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.problem.problem import Problem
@@ -20,8 +21,7 @@ def singular_points(problem: Problem, name: str) -> list[int]:
     On the boundary of the body: where the interior angle is above 180 degrees, or where loads,
     supports or interfaces end along a straight line.
     """
-    body = problem.bodies[name]
-    assert isinstance(body, Body)
+    body = of_kind(problem.bodies, Body)[name]
     mesh = body.mesh
     alike = [
         boundary_facets(body, part.boundary, "where")

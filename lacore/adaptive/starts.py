@@ -92,11 +92,12 @@ def only_body(problem: Problem) -> tuple[str, Body]:
             "a bracket refines the mesh of one body, and meshes must match where bodies meet",
             "refine by hand, with lacore.lower_bound and lacore.upper_bound",
         )
-    ((name, body),) = meshed.items()
-    if not isinstance(body, Body) or type(body.mesh) is not MeshTri:
+    ((name, stated),) = meshed.items()
+    body = of_kind(meshed, Body).get(name)
+    if body is None or type(body.mesh) is not MeshTri:
         raise InputError(
             f"Problem.bodies[{name!r}]",
-            type(body.mesh if isinstance(body, Body) else body).__name__,
+            type(stated if body is None else body.mesh).__name__,
             "a bracket takes a deformable body on straight-edged triangles",
             "give a lacore.Body on a skfem.MeshTri",
         )

@@ -35,6 +35,11 @@ class Stated(Protocol):
         ...
 
     @property
+    def deforms(self) -> bool:
+        """Whether it is a continuum, with a mesh, whose edges deform."""
+        ...
+
+    @property
     def axisymmetric(self) -> bool:
         """Whether it is a body of revolution, x the radius."""
         ...

@@ -10,8 +10,6 @@ from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import Dofs
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.frames.dofs import FrameDofs
 from lacore.contact.controls import controls, segment_curves
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.rows import moving_sides
@@ -60,12 +58,12 @@ class SegmentedContact:
     @property
     def deforms(self) -> bool:
         """Whether a side is a continuum that touches along edges."""
-        return not self.pointwise and any(isinstance(dofs, BodyDofs) for dofs, _ in self.sides)
+        return not self.pointwise and any(dofs.body.deforms for dofs, _ in self.sides)
 
     @property
     def pointwise(self) -> bool:
         """Whether a side is the nodes of a frame."""
-        return any(isinstance(dofs, FrameDofs) for dofs, _ in self.sides)
+        return any(dofs.body.pointwise for dofs, _ in self.sides)
 
     @property
     def coarse_edges(self) -> Ints:
@@ -75,9 +73,7 @@ class SegmentedContact:
         """
         edges = (self.segments.slave, self.segments.master)
         meshed = [
-            own
-            for own, (dofs, _) in zip(edges, self.sides, strict=False)
-            if isinstance(dofs, BodyDofs)
+            own for own, (dofs, _) in zip(edges, self.sides, strict=False) if dofs.body.deforms
         ]
         return min(meshed or edges[:1], key=lambda own: np.unique(own).size)
 

@@ -10,7 +10,6 @@ from matplotlib.lines import Line2D
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.frames.dofs import FrameDofs
-from lacore.conditions.loads import PointForce
 from lacore.limit.state import LimitState
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
@@ -231,7 +230,7 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
             yield nodal.sum(axis=1, keepdims=True), place, np.array([0.25 * dofs.body.size])
     for name, frame in d.frames.items():
         loads = [own for own in stated if own.body == name]
-        points = [frame.force(own) for own in loads if isinstance(own, PointForce)]
+        points = [frame.force(own) for own in loads if own.boundary is None]
         nodal = np.sum([np.zeros(frame.count), *points], axis=0).reshape(-1, 3)[:, :2].T
         force, place = _along_members(frame, frame.line_loads(loads))
         force = np.concatenate([nodal, force], axis=1)

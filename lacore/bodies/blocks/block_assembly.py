@@ -77,6 +77,7 @@ class BlockAssembly(Shown):
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
     pointwise: ClassVar[bool] = False  # it touches others along edges
+    deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
     names: tuple[str, ...] = field(init=False, repr=False)
     area: Floats = field(init=False, repr=False)

@@ -69,6 +69,7 @@ class Body(Shown):
     space: str = "p2-vertex"
     geometry: str | None = None
     pointwise: ClassVar[bool] = False  # it touches others along edges
+    deforms: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         require_known("Body.kinematics", self.kinematics, KINEMATICS)

@@ -18,7 +18,7 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.held import COMPONENTS
 from lacore.bodies.frames.loaded import line_load, nodal
-from lacore.conditions.loads import Fix, Load, Traction
+from lacore.conditions.loads import Fix, Load
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
@@ -151,18 +151,14 @@ class FrameDofs(Compact):
         return nodal(load, self.body).ravel()
 
     def line_loads(self, loads: Iterable[Load]) -> Floats:
-        """All tractions of loads of this frame together, as `line_load`."""
-        tractions = [self.line_load(load) for load in loads if isinstance(load, Traction)]
-        return np.asarray(np.sum([np.zeros(self.body.pieces.along.shape), *tractions], axis=0))
+        """Loads of this frame along members on all pieces together, N/m per m, (2, P)."""
+        every = [line_load(load, self.body) for load in loads]
+        return np.asarray(np.sum([np.zeros(self.body.pieces.along.shape), *every], axis=0))
 
     def load_across(self, loads: Iterable[Load]) -> Floats:
         """Their share across all pieces, to the left of each, N/m per m, (P,)."""
         along = self.body.pieces.along
         return np.asarray(np.sum(np.stack([-along[1], along[0]]) * self.line_loads(loads), axis=0))
-
-    def line_load(self, load: Traction) -> Floats:
-        """A traction along members on all pieces, N/m per m, (2, P): 0 on those of others."""
-        return line_load(load, self.body)
 
     def free(self, supports: Iterable[Fix]) -> Sparse:
         """Basis of the velocities that members and supports leave free, shape (count, free).

@@ -67,6 +67,7 @@ class Frame(Shown):
     releases: Sequence[tuple[str, str]] = ()
     tolerance: float | None = None
     pointwise: ClassVar[bool] = True  # it touches others in single nodes
+    deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
     names: tuple[str, ...] = field(init=False, repr=False)
     member_names: tuple[str, ...] = field(init=False, repr=False)

@@ -64,8 +64,14 @@ def _loaded_node(load: PointForce, body: "Frame") -> int:
     return node
 
 
-def line_load(load: Traction, body: "Frame") -> Floats:
-    """A traction along members on all pieces, N/m per m, (2, P): 0 on those of others."""
+@singledispatch
+def line_load(load: Load, body: "Frame") -> Floats:
+    """A load along members on all pieces, N/m per m, (2, P): 0 on those of others."""
+    return np.zeros(body.pieces.along.shape)
+
+
+@line_load.register(Traction)
+def _traction(load: Traction, body: "Frame") -> Floats:
     wanted = (load.where,) if isinstance(load.where, str) else load.where
     if not isinstance(wanted, tuple):
         raise InputError("Traction.where", None, "not a member", "give the name of a member")

@@ -6,11 +6,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lacore.arrays import Bools, Floats
+from lacore.arrays import Floats
 from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
@@ -40,30 +38,15 @@ _HOLDS = {
 _AROUND_AXIS = {"x": "$u_r = 0$", "y": "$u_z = 0$"}
 
 
-def held_blocks(name: str, body: BlockAssembly, supports: Sequence[Fix]) -> Bools:
-    """Which blocks supports leave no velocity, shape (blocks,)."""
-    basis = RigidDofs(body, 0).free([s for s in supports if s.body == name])
-    largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 3)
-    return np.asarray(~np.any(largest > 0, axis=1))
-
-
-def draw_support(sheet: Sheet, support: Fix, body: AnyBody, whole: bool, gid: str) -> None:
-    """Hatches where all is held, rollers where the boundary may slide, squares where not.
-
-    Args:
-        sheet: to draw on.
-        support: to be drawn.
-        body: that it holds.
-        whole: whether it holds whole blocks, which are drawn as held themselves.
-        gid: of the artists.
-    """
+def draw_support(sheet: Sheet, support: Fix, body: AnyBody, gid: str) -> None:
+    """Hatches where all is held, rollers where the boundary may slide, squares where not."""
     names = _HOLDS | _AROUND_AXIS if has_axis([body]) else _HOLDS
     text = names[support.components]
     edges = body.boundary(support.where, "Fix.where")[1]
-    if isinstance(body, Frame):
+    if body.pointwise:
         _draw_held_nodes(sheet, support, edges, text, gid)
     elif support.components == "xy":
-        if not whole:
+        if not _holds_blocks(support, body):
             sheet.hatch(edges, _DEPTH, _HELD, gid)
             sheet.line(edges, _HELD, 1.2, gid)
             handle = Patch(facecolor="none", edgecolor=_HELD, hatch="//////", lw=0)
@@ -72,6 +55,11 @@ def draw_support(sheet: Sheet, support: Fix, body: AnyBody, whole: bool, gid: st
         axis = {"x": np.array([1.0, 0.0]), "y": np.array([0.0, 1.0])}.get(support.components)
         across = support.components == "normal" if axis is None else _across(edges, axis)
         _draw_rollers(sheet, edges, "o" if across else "s", text, gid)
+
+
+def _holds_blocks(support: Fix, body: AnyBody) -> bool:
+    """Whether it holds whole blocks, which are drawn as held themselves."""
+    return isinstance(body, BlockAssembly) and not callable(support.where)
 
 
 def _across(edges: Edges, axis: Floats) -> bool:
@@ -199,8 +187,7 @@ def draw_interface(
     """Contact, coloured by its friction, and the obstacle, hatched."""
     segments = interface_segments(interface, bodies, "Interface")
     edges = Edges(segments.start, segments.end, -segments.normal)
-    points = any(isinstance(bodies[name], Frame) for name, _ in interface.sides)
-    if points:
+    if any(bodies[name].pointwise for name, _ in interface.sides):
         tangent = np.stack([-edges.normal[1], edges.normal[0]])
         half = _FOOT * sheet.point * tangent
         edges = Edges(edges.start - half, edges.end + half, edges.normal)

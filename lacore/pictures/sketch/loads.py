@@ -1,5 +1,7 @@
 """Loads in the sketch of a problem: arrows, and what they are worth."""
 
+from functools import singledispatch
+
 import numpy as np
 import shapely
 from matplotlib.lines import Line2D
@@ -7,8 +9,10 @@ from matplotlib.lines import Line2D
 from lacore.arrays import Floats
 from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks.loaded import named
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.loaded import line_load
 from lacore.bodies.touching import Edges
 from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.meshes.curved import outlines
@@ -27,16 +31,8 @@ _STEP, _TRIES = 4.0, 10  # points: rows give way to what is there
 
 def draw_load(sheet: Sheet, load: Load, body: AnyBody, live: bool, gid: str) -> None:
     """One load; the label is its size, of a body force that of the resultant."""
-    colour = LIVE if live else DEAD
     _legend(sheet, live)
-    if isinstance(load, PointForce):
-        _draw_point_force(sheet, load, body, colour, live, gid)
-    elif isinstance(load, BodyForce):
-        _draw_body_force(sheet, load, body, colour, live, gid)
-    elif isinstance(load, RigidFooting):
-        _draw_footing(sheet, load, body, colour, live, gid)
-    else:
-        _draw_row(sheet, load, body, colour, live, gid)
+    _draw(load, body, sheet, LIVE if live else DEAD, live, gid)
 
 
 def _legend(sheet: Sheet, live: bool) -> None:
@@ -49,27 +45,42 @@ def _worth(size: float, unit: str, live: bool) -> str:
     return rf"$\alpha \cdot {size:.4g}$ {unit}" if live else f"${size:.4g}$ {unit}"
 
 
-def _draw_point_force(
-    sheet: Sheet, load: PointForce, body: AnyBody, colour: str, live: bool, gid: str
+@singledispatch
+def _draw(load: Load, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
+    raise TypeError(f"nothing sketches a {type(load).__name__}")
+
+
+@_draw.register
+def _point_force(
+    load: PointForce, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
     vector = np.asarray(load.vector, dtype=np.float64)
     size = float(np.linalg.norm(vector))
-    place, block = _point(load, body)
+    place, block = _place(body, load.at)
     along = vector / size
     length = _SINGLE if block is None else _inner_length(sheet, place, along, block)
     text = _worth(size, _force_unit(body), live)
     _draw_single(sheet, place, along, block is not None, length, text, colour, gid)
 
 
-def _point(load: PointForce, body: AnyBody) -> tuple[Floats, shapely.Polygon | None]:
+def _place(body: AnyBody, at: tuple[float, float] | str) -> tuple[Floats, shapely.Polygon | None]:
     """Where a force acts, and the block in the middle of which that is."""
-    if not isinstance(load.at, str):
-        return np.asarray(load.at, dtype=np.float64), None
-    if isinstance(body, BlockAssembly):
-        polygon = shapely.Polygon(body.polygons[load.at])
-        return body.centroid[:, body.names.index(load.at)], polygon
-    assert isinstance(body, Frame)  # of continua points are coordinates
-    return body.position[:, body.names.index(load.at)], None
+    return _named_place(body, at) if isinstance(at, str) else (np.array(at, dtype=float), None)
+
+
+@singledispatch
+def _named_place(body: AnyBody, name: str) -> tuple[Floats, shapely.Polygon | None]:
+    raise TypeError(f"a {type(body).__name__} has no points with names")
+
+
+@_named_place.register
+def _node(body: Frame, name: str) -> tuple[Floats, None]:
+    return body.position[:, body.names.index(name)], None
+
+
+@_named_place.register
+def _block(body: BlockAssembly, name: str) -> tuple[Floats, shapely.Polygon]:
+    return body.centroid[:, body.names.index(name)], shapely.Polygon(body.polygons[name])
 
 
 def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Polygon) -> float:
@@ -79,10 +90,13 @@ def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Pol
     return 0.8 * inside if inside > _SHORTEST else _OF_BODY
 
 
-def _draw_body_force(
-    sheet: Sheet, load: BodyForce, body: AnyBody, colour: str, live: bool, gid: str
+@_draw.register
+def _body_force(
+    load: BodyForce, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
-    place, volume = _centre(load, body)
+    volumes, centroids = _volumes(body, load)
+    volume = float(volumes.sum())
+    place = centroids @ volumes / volume
     vector = np.asarray(load.vector, dtype=np.float64)
     size = float(np.linalg.norm(vector))
     text = _worth(size * volume, _force_unit(body), live)
@@ -90,18 +104,26 @@ def _draw_body_force(
     sheet.axes.scatter(place[0], place[1], s=14, color=colour, zorder=6, gid=gid)
 
 
-def _centre(load: BodyForce, body: AnyBody) -> tuple[Floats, float]:
-    """Centroid, m, and volume of what a body force acts on, m^3; m^2 per unit thickness."""
-    if isinstance(body, Body):
-        parts = shapely.polygons(outlines(body.mesh))
-        centroids = shapely.get_coordinates(shapely.centroid(parts)).T
-        area = shapely.area(parts) * body.thickness(centroids)
-    else:
-        assert isinstance(body, BlockAssembly)  # frames have no volume
-        names = (load.where,) if isinstance(load.where, str) else load.where or body.names
-        chosen = np.isin(body.names, names)
-        area, centroids = body.area[chosen], body.centroid[:, chosen]
-    return centroids @ area / area.sum(), float(area.sum())
+@singledispatch
+def _volumes(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
+    """Volumes (k,) of the parts that a body force acts on, m^3, or m^2 per unit thickness.
+
+    And their centroids, (2, k), m.
+    """
+    raise TypeError(f"has no volume: {type(body).__name__}")
+
+
+@_volumes.register
+def _of_elements(body: Body, load: BodyForce) -> tuple[Floats, Floats]:
+    parts = shapely.polygons(outlines(body.mesh))
+    centroids = shapely.get_coordinates(shapely.centroid(parts)).T
+    return shapely.area(parts) * body.thickness(centroids), centroids
+
+
+@_volumes.register
+def _of_blocks(body: BlockAssembly, load: BodyForce) -> tuple[Floats, Floats]:
+    blocks = named(body, load.where, "BodyForce.where")
+    return body.area[blocks], body.centroid[:, blocks]
 
 
 def _force_unit(body: AnyBody) -> str:
@@ -136,8 +158,9 @@ def _crossings(sheet: Sheet, way: tuple[Floats, Floats]) -> int:
     return int(10 * arrows + symbols)
 
 
-def _draw_footing(
-    sheet: Sheet, load: RigidFooting, body: AnyBody, colour: str, live: bool, gid: str
+@_draw.register
+def _footing(
+    load: RigidFooting, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
     edges = body.boundary(load.where, "RigidFooting.where")[1]
     low = _BAR[0] if load.rough else _ROLL
@@ -164,24 +187,18 @@ def _draw_footing(
     sheet.labels.append(Label(worth, far, normal, colour))
 
 
-def _draw_row(
-    sheet: Sheet, load: Traction | Pressure, body: AnyBody, colour: str, live: bool, gid: str
+@_draw.register
+def _row(
+    load: Traction | Pressure, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
     """Arrows along a boundary or a member, as far outside as other symbols are not."""
-    edges, unit = _loaded(load, body)
-    if isinstance(load, Pressure):
-        size, press = abs(load.value), np.sign(load.value)
-        places, normals = spaced(edges, _SPACING * sheet.point)
-        directions = -press * normals
-        cosine = -float(press)
-    else:
-        size = float(np.linalg.norm(load.vector))
-        along = np.asarray(load.vector, dtype=np.float64) / size
-        cosine = float(np.mean(along @ edges.normal))
-        tangential = abs(cosine) < _ALONG
-        spacing = (_OF_ROW + 7.0 if tangential else _SPACING) * sheet.point
-        places, normals = spaced(edges, spacing)
-        directions = np.tile(along[:, None], places.shape[1])
+    edges, unit = _loaded(body, load)
+    vectors = load.on(edges.normal)
+    size = float(np.linalg.norm(vectors[:, 0]))
+    cosine = float(np.mean(np.sum(vectors * edges.normal, axis=0))) / size
+    spacing = _OF_ROW + 7.0 if abs(cosine) < _ALONG else _SPACING
+    places, normals = spaced(edges, spacing * sheet.point)
+    directions = load.on(normals) / size
     depth = 5.0 if abs(cosine) < _ALONG else _OF_ROW * abs(cosine)
     low = _free_depth(sheet, edges, depth)
     base = places + low * sheet.point * normals
@@ -205,13 +222,15 @@ def _between(places: Floats) -> Floats:
     return np.asarray((places[:, 1:] + places[:, :-1]) / 2)
 
 
-def _loaded(load: Traction | Pressure, body: AnyBody) -> tuple[Edges, str]:
+@singledispatch
+def _loaded(body: AnyBody, load: Traction | Pressure) -> tuple[Edges, str]:
     """What a load is spread over, and its unit; of a member the side that the load comes from."""
-    if not isinstance(body, Frame):
-        return body.boundary(load.where, "where")[1], "Pa"
-    assert isinstance(load, Traction)  # frames take no pressure
-    names = (load.where,) if isinstance(load.where, str) else load.where
-    pieces = np.isin(body.member_names, names)[body.pieces.member]  # type: ignore[arg-type]
+    return body.boundary(load.where, "where")[1], "Pa"
+
+
+@_loaded.register
+def _members(body: Frame, load: Traction) -> tuple[Edges, str]:
+    pieces = np.any(line_load(load, body), axis=0)
     along = body.pieces.along[:, pieces]
     across = np.stack([-along[1], along[0]])
     from_there = np.where(np.asarray(load.vector) @ across > 0, -1.0, 1.0)
