@@ -113,7 +113,9 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
             yield _shares(mesh, upper, la.gap_identity(upper, lower))
     yield _shares("upper", found.upper_bound, found.gaps)
     below = found.lower_bound
-    above = la.upper_bound(below.model.problem, backend)
+    above, stated = found.upper_bound, below.model.problem
+    if above.discretisation.problem is not stated:
+        above = la.upper_bound(stated, backend)
     marks = lower_shares(below, name)
     yield _shares("lower", above, la.gap_identity(above, below), marks)
 
