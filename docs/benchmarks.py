@@ -21,7 +21,14 @@ KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
 _DIGITS = 8
-_OTHER = ("loop", "wall", "sweep", "bracket", "bracket order")  # kinds that are told of apart
+_OTHER = (
+    "loop",
+    "wall",
+    "sweep",
+    "bracket",
+    "bracket order",
+    "start",
+)  # kinds that are told of apart
 _WALLS = {  # of their table
     "benchmark": ("what", "{}"),
     "blocks": ("blocks", "{:.0f}"),
@@ -177,6 +184,12 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             f" the power of {order['even']:.2f} on even meshes and {order['adaptive']:.2f} on"
             " adapted ones."
         )
+    starts = [
+        f"{start['what']} {start['seconds']:.2f} s, {start['bare_starts']:.2g} times a bare Python"
+        for start in frame[frame["kind"] == "start"].to_dict("records")
+    ]
+    if starts:
+        paragraphs.append(f"Processor time of a process of its own: {'; '.join(starts)}.")
     measured, analysis = kept["measured"], ""
     unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time
     if len(unit):

@@ -35,6 +35,7 @@ SAMPLE = {
         run("solve", "clarabel", 1024, 0.123, iterations=17, memory_mb=120.4, options={}),
         run("elastic", "elastic solve, PARDISO", 1024, 0.5, again_seconds=0.1),
         run("loop", "block", 5000, 4.0, own_share=0.0123),
+        run("start", "import lacore", 0, 0.45, bare_starts=30.4),
         run("sweep", "block, medium", 288, 25.0, own_share=0.048, runs=200, seconds_a_run=0.12),
     ],
 }
@@ -85,6 +86,7 @@ def test_what_is_kept_can_be_read_again(script, tmp_path, monkeypatch, capsys):
     assert "| newton, r = 0.0001 | 100 |" in printed
     assert "power of 1.50 ± 0.00 (newton, r = 0.0001)" in printed
     assert "at most 1.2 %" in printed
+    assert "process of its own: import lacore 0.45 s, 30 times a bare Python." in printed
     assert "200 runs of 120 ms (block, medium), one at a time, takes 25.0 s" in printed
     assert "is 4.8% of it" in printed
     assert "by PARDISO, of which analysis takes 80% on 1024 triangles; an abacus" in printed
