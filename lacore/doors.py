@@ -3,80 +3,21 @@
 What does the work is imported when it is asked for: `import lacore` loads no matplotlib.
 """
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
 from lacore import views
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-@views.picture.of("lacore.bodies.continuum.body.Body")
-def _body(body: Any) -> "Figure":
-    from lacore.pictures.mesh import plot_body
-
-    return plot_body(body)
-
-
-@views.picture.of("lacore.problem.problem.Problem")
-def _problem(problem: Any) -> "Figure":
-    from lacore.pictures.sketch.problem import plot_problem
-
-    return plot_problem(problem)
-
-
-@views.picture.of("lacore.limit.state.LimitState")
-def _state(state: Any) -> "Figure":
-    from lacore.pictures.mechanism import plot_mechanism
-
-    return plot_mechanism(state)
-
-
-@views.picture.of("lacore.bounds.lower.LowerBound")
-def _strength(bound: Any) -> "Figure":
-    from lacore.pictures.mesh import plot_strength
-
-    return plot_strength(bound)
-
-
-@views.picture.of("lacore.bounds.gap_identity.GapIdentity")
-def _gap(identity: Any) -> "Figure":
-    from lacore.pictures.mesh import plot_gap
-
-    return plot_gap(identity)
-
-
-@views.picture.of("lacore.adaptive.bracket.Bracket")
-def _bracket(bracket: Any) -> "Figure":
-    from lacore.pictures.bracket import plot_bracket
-
-    return plot_bracket(bracket)
-
-
-@views.picture.of("lacore.paths.path.Path")
-def _path(path: Any) -> "Figure":
-    from lacore.pictures.path import plot_path
-
-    return plot_path(path)
-
-
-@views.animation.of("lacore.paths.path.Path")
-def _film(path: Any, *how: Any) -> None:
-    from lacore.pictures.animation import animate_path
-
-    animate_path(path, *how)
-
-
-@views.files.of("lacore.limit.state.LimitState")
-def _state_file(state: Any, place: Any) -> Path:
-    from lacore.files.vtu import write_state
-
-    return write_state(state, place)
-
-
-@views.files.of("lacore.paths.path.Path")
-def _path_files(path: Any, folder: Any) -> Path:
-    from lacore.files.vtu import write_path
-
-    return write_path(path, folder)
+views.picture.makers |= {
+    "lacore.bodies.continuum.body:Body": "lacore.pictures.mesh:plot_body",
+    "lacore.problem.problem:Problem": "lacore.pictures.sketch.problem:plot_problem",
+    "lacore.limit.state:LimitState": "lacore.pictures.mechanism:plot_mechanism",
+    "lacore.bounds.lower:LowerBound": "lacore.pictures.mesh:plot_strength",
+    "lacore.bounds.gap_identity:GapIdentity": "lacore.pictures.mesh:plot_gap",
+    "lacore.adaptive.bracket:Bracket": "lacore.pictures.bracket:plot_bracket",
+    "lacore.paths.path:Path": "lacore.pictures.path:plot_path",
+}
+views.animation.makers |= {
+    "lacore.paths.path:Path": "lacore.pictures.animation:animate_path",
+}
+views.files.makers |= {
+    "lacore.limit.state:LimitState": "lacore.files.vtu:write_state",
+    "lacore.paths.path:Path": "lacore.files.vtu:write_path",
+}

@@ -1,10 +1,10 @@
 """What a result can be asked to show: its picture, its film, its files.
 
 A result knows neither matplotlib nor meshio, nor who uses them: `lacore.doors` says which function
-makes a view of what. Kinds of things are named, not imported: nothing loads before it is asked for.
+makes a view of what. Both are named, not imported: nothing loads before it is asked for.
 """
 
-from collections.abc import Callable
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 if TYPE_CHECKING:
@@ -20,20 +20,14 @@ class View(Generic[Made]):
 
     Args:
         verb: what it does, for the message where nobody does it.
+
+    Attributes:
+        makers: the function for each class, as ``module:name`` both.
     """
 
     def __init__(self, verb: str) -> None:
         self._verb = verb
-        self.makers: dict[str, Callable[..., Made]] = {}
-
-    def of(self, kind: str) -> Callable[[Callable[..., Made]], Callable[..., Made]]:
-        """Decorator of the function that makes it of a class, by its module and name."""
-
-        def registered(maker: Callable[..., Made]) -> Callable[..., Made]:
-            self.makers[kind] = maker
-            return maker
-
-        return registered
+        self.makers: dict[str, str] = {}
 
     def __call__(self, thing: object, *args: Any, **options: Any) -> Made:
         """The view of a thing.
@@ -42,9 +36,10 @@ class View(Generic[Made]):
             TypeError: nobody makes one of it.
         """
         for kind in type(thing).__mro__:
-            maker = self.makers.get(f"{kind.__module__}.{kind.__qualname__}")
+            maker = self.makers.get(f"{kind.__module__}:{kind.__qualname__}")
             if maker is not None:
-                return maker(thing, *args, **options)
+                made: Made = resolve_name(maker)(thing, *args, **options)
+                return made
         raise TypeError(f"nothing {self._verb} a {type(thing).__name__}")
 
 

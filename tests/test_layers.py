@@ -11,8 +11,11 @@ from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
 from itertools import chain
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
+
+from lacore import views
 
 ROOT = Path(__file__).parents[1]
 MOST_FILES, MOST_LINES = 16, 400
@@ -39,12 +42,14 @@ VERIFICATION = (
 HOUSES = {"lacore": LACORE, "verification": VERIFICATION}
 SOLVER_WING = LACORE[LACORE.index("numerics") : LACORE.index("materials")]
 MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
+NAMED = r"(lacore|backends|verification)[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
 @cache
 def imports(path, run=False):
-    """Packages and full names that a file imports, wherever in it; `run`: but for types alone."""
+    """Packages and full names that a file imports, wherever in it, also by a string
+    ``module:name``; `run`: but for types alone."""
     return [*_imports(path, run)]
 
 
@@ -65,6 +70,8 @@ def _imports(path, run):
             assert node.level == 0, f"{path}: a relative import"
             yield node.module
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Constant) and re.fullmatch(NAMED, str(node.value)):
+            yield node.value.replace(":", ".")
 
 
 def files(folder):
@@ -99,6 +106,15 @@ def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit(path):
     own, seen = room_of(path), rooms_seen(path, "lacore")
     for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
         assert own not in wing or not seen & set(other)
+
+
+@pytest.mark.parametrize("view", [views.picture, views.animation, views.files])
+def test_every_door_opens(view):
+    """It names both sides; of a class or a function that was renamed nobody would notice."""
+    assert view.makers
+    for kind, maker in view.makers.items():
+        assert isinstance(resolve_name(kind), type)
+        assert callable(resolve_name(maker))
 
 
 @pytest.mark.parametrize("house", HOUSES)
