@@ -2,11 +2,15 @@
 
 One continuum problem with friction is solved once to load what is loaded late, then again under
 `sys.setprofile`. A visit begins where a call leads into another room than the one before.
+
+The flat files of the contract are the ground that all rooms stand on: they are called like a
+library, a cone here and a residual there, and count as one room. So there are two figures: the way
+with every call into the ground, and the way between rooms, on which such calls end no visit.
 """
 
 import sys
 from collections import Counter
-from itertools import pairwise
+from itertools import groupby
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -14,6 +18,7 @@ from typing import Any
 import lacore as la
 
 HOME = Path(la.__file__).parent
+GROUND = "ground"
 
 
 def block() -> la.Problem:
@@ -27,16 +32,13 @@ def block() -> la.Problem:
     )
 
 
-def visited(problem: la.Problem) -> list[Path]:
+def called(problem: la.Problem) -> list[Path]:
     """Files of lacore in the order in which calls lead into them."""
     found: list[Path] = []
 
     def note(frame: FrameType, event: str, _: Any) -> None:
-        if event != "call" or not frame.f_code.co_filename.startswith(str(HOME)):
-            return
-        file = Path(frame.f_code.co_filename).relative_to(HOME)
-        if not found or found[-1] != file:
-            found.append(file)
+        if event == "call" and frame.f_code.co_filename.startswith(str(HOME)):
+            found.append(Path(frame.f_code.co_filename).relative_to(HOME))
 
     sys.setprofile(note)
     try:
@@ -47,19 +49,31 @@ def visited(problem: la.Problem) -> list[Path]:
 
 
 def room(file: Path) -> str:
-    """The folder below lacore, or the file itself where it lies flat."""
-    return file.parts[0]
+    """The folder below lacore, or the ground where the file lies flat."""
+    return GROUND if len(file.parts) == 1 else file.parts[0]
+
+
+def visits(rooms: list[str]) -> list[str]:
+    """The rooms one after the other, each as long as nothing leads out of it once."""
+    return [name for name, _ in groupby(rooms)]
 
 
 def main() -> None:
     """Print how many files and rooms are entered, and how often one is come back to."""
     problem = block()
     la.solve(problem)
-    files = visited(problem)
-    rooms = [room(files[0]), *(room(b) for a, b in pairwise(files) if room(a) != room(b))]
-    lines = [f"{len(set(files))} files of {len(set(rooms))} rooms are entered"]
-    for name, count in Counter(rooms).most_common():
-        lines.append(f"{name:20} entered {count} times, first as number {rooms.index(name) + 1}")
+    files = called(problem)
+    rooms = [room(file) for file in files]
+    between = visits([name for name in rooms if name != GROUND])
+    every, apart = Counter(visits(rooms)), Counter(between)
+    lines = [
+        f"{len(set(files))} files of {len(every)} rooms, the ground as one of them",
+        f"{'':16}{'with the ground':>18}{'between rooms':>16}",
+    ]
+    for name in dict.fromkeys(rooms):
+        lines.append(f"{name:16}{every[name]:18}{apart[name] or '':>16}")
+    lines.append(f"{'visits':16}{every.total():18}{apart.total():16}")
+    lines += ["", "between rooms: " + " > ".join(between)]
     sys.stdout.write("\n".join(lines) + "\n")
 
 

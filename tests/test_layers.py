@@ -18,7 +18,7 @@ import pytest
 from lacore import views
 
 ROOT = Path(__file__).parents[1]
-MOST_FILES, MOST_LINES = 16, 400
+MOST_FILES, MOST_LINES, MOST_ROOMS = 16, 400, 15
 MOST_QUESTIONS = 6
 KINDS_OF_THINGS = {
     *("Body", "BlockAssembly", "Frame", "BodyDofs", "RigidDofs", "FrameDofs", "EquilibriumDofs"),
@@ -193,14 +193,25 @@ def test_the_list_of_slow_tests_names_tests():
 
 def test_pictures_of_the_rooms_are_those_of_the_code():
     """Drawn by docs/architecture.py, which reads the lists above and the imports."""
-    spec = importlib.util.spec_from_file_location("architecture", ROOT / "docs" / "architecture.py")
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    for name, drawn in script.pictures().items():
+    for name, drawn in script_of("architecture").pictures().items():
         kept = (ROOT / "docs" / name).read_text(encoding="utf-8")
         assert kept == drawn, (
             f"docs/{name} shows other rooms or imports: run python docs/architecture.py"
         )
+
+
+def test_a_solve_passes_through_few_rooms():
+    """Counted by docs/way.py; the flat files of the contract are one."""
+    way = script_of("way")
+    assert len(set(map(way.room, way.called(way.block())))) <= MOST_ROOMS
+
+
+def script_of(name):
+    """A script of docs, as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
 
 
 @pytest.mark.parametrize("path", files("backends"))

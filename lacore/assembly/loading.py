@@ -43,7 +43,8 @@ class UnderFooting(Loaded, Protocol):
 
 def footings_of(problem: Problem) -> tuple[RigidFooting, ...]:
     """The footings of all loads, each once whatever its pressure."""
-    return tuple(dict.fromkeys(map(_unloaded, footings(problem.loads.values()))))
+    loads = [*problem.reference_loads, *problem.dead_loads]
+    return tuple(dict.fromkeys(map(_unloaded, footings(loads))))
 
 
 def load_vector(

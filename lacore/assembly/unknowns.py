@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import fsum
 
 import numpy as np
@@ -49,17 +50,17 @@ class Unknowns:
         numbers = {footing: first + place for place, footing in enumerate(footings)}
         return cls(continua, assemblies, frames, numbers, n)
 
-    @property
+    @cached_property
     def rigid(self) -> dict[str, RigidParts]:
         """Bodies whose supports are a matter of their own, in the order of their unknowns."""
         return {**self.assemblies, **self.frames}
 
-    @property
+    @cached_property
     def dofs(self) -> dict[str, Dofs]:
         """All bodies, in the order of their unknowns."""
         return {**self.continua, **self.rigid}
 
-    @property
+    @cached_property
     def node_dofs(self) -> Ints:
         """Unknowns (x, y) of the nodes of all continua, shape (2, nodes)."""
         none = np.zeros((2, 0), dtype=np.int64)

@@ -65,13 +65,13 @@ def force(load: Load, dofs: "BodyDofs") -> Floats:
 @force.register(Pressure)
 def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
     basis, centre = _facet_basis(dofs, facets_of(load, dofs.body))
-    return _power(dofs, basis, centre, load.on)
+    return _power(dofs, basis, centre, load.on(np.asarray(basis.normals)))
 
 
 @force.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
     basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_load_order(dofs))
-    return _power(dofs, basis, np.zeros(2), lambda _: load.vector)
+    return _power(dofs, basis, np.zeros(2), np.reshape(load.vector, (2, 1, 1)))
 
 
 @force.register(PointForce)
@@ -83,16 +83,20 @@ def _of_point(load: PointForce, dofs: "BodyDofs") -> Floats:
     return total
 
 
-def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, on) -> Floats:  # type: ignore[no-untyped-def]
-    """Of forces per area or volume, by their normals, on the shape functions."""
+def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Floats:
+    """Of forces per area or volume at the points of a basis, on the shape functions."""
+    thickness = dofs.body.thickness(_places(basis, centre))
 
     @LinearForm
     def power(v, w):  # type: ignore[no-untyped-def]
-        vector = on(w.n if isinstance(basis, FacetBasis) else None)
-        thickness = dofs.body.thickness(w.x + centre[:, None, None])
         return thickness * (vector[0] * v[0] + vector[1] * v[1])
 
     return np.asarray(power.assemble(basis))
+
+
+def _places(basis: Basis, centre: Floats) -> Floats:
+    """The points of a basis in coordinates from a centre, m, shape (2, ...)."""
+    return np.asarray(basis.global_coordinates()) + centre[:, None, None]
 
 
 def facets_of(part: Traction | Pressure | RigidFooting | Fix, body: "Body") -> Ints:
@@ -103,8 +107,7 @@ def facets_of(part: Traction | Pressure | RigidFooting | Fix, body: "Body") -> I
 def area(dofs: "BodyDofs", facets: Ints) -> float:
     """Of a part of the boundary, m^2; m per unit thickness."""
     basis, centre = _facet_basis(dofs, facets)
-    places = np.asarray(basis.global_coordinates()) + centre[:, None, None]
-    return float(np.sum(basis.dx * dofs.body.thickness(places)))
+    return float(np.sum(basis.dx * dofs.body.thickness(_places(basis, centre))))
 
 
 def _load_order(dofs: "BodyDofs") -> int:
