@@ -90,7 +90,7 @@ def test_every_case_has_a_kind():
 
 
 def test_tags_filter():
-    assert {case.id for case in tagged(catalogue(), ["blocks", "frames"])} == {"structured-sweep"}
+    assert "structured-sweep" in {case.id for case in tagged(catalogue(), ["blocks", "frames"])}
     assert tagged(catalogue(), []) == CASES
     with pytest.raises(la.InputError, match="did you mean 'blocks'"):
         tagged(catalogue(), ["block"])
@@ -100,15 +100,10 @@ def test_tags_filter():
 
 def test_cases_lists_tags_and_filters_by_them():
     listed = json.loads(run("cases", "--json", "--tag", "continuum,contact").stdout)
-    assert {entry["id"] for entry in listed} == {
-        "deformable-block",
-        "disc-upsetting",
-        "platens-coulomb",
-        "platens-square",
-        "ring-compression",
-        "shear-patch",
-        "upsetting",
-    }
+    found = {entry["id"] for entry in listed}
+    assert found == {case.id for case in CASES if {"continuum", "contact"} <= set(case.tags)}
+    assert "shear-patch" in found
+    assert not {"prandtl-punch", "wall-1"} & found  # without contact, without a continuum
     assert "tags: frames, contact" in run("cases", "--tag", "frames").stdout
     assert run("cases", "--tag", "nonsense").exit_code == 2
 
