@@ -365,7 +365,7 @@ class Report:
 
 
 def _is_number(value: object) -> TypeGuard[SupportsFloat]:
-    return isinstance(value, SupportsFloat)
+    return hasattr(value, "__float__")  # as of `SupportsFloat`, which takes ten times as long
 
 
 def _missing(value: object) -> bool:

@@ -19,6 +19,7 @@ from verification.perform.processes import ONE_THREAD
 from verification.report.blocks import Picture, Text, slug
 from verification.report.bracket import drawn_bracket
 from verification.report.charts.figures import finest_exact, png
+from verification.report.charts.theme import freeze
 from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL
 
@@ -106,7 +107,7 @@ def sketch(case: Case) -> Subject:
 def _mechanism(outcome: Outcome) -> Figure:
     """That of a stored state, its layout as it is."""
     figure = restored(outcome.run, outcome.row, outcome.evidence).plot()
-    figure.set_layout_engine("none")  # it is laid out: once more would take as long as all else
+    freeze(figure, lay_out=False)  # it is laid out: once more would take as long as all else
     return figure
 
 

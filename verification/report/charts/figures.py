@@ -10,13 +10,15 @@ from matplotlib.figure import Figure
 from verification.case import Case, Variant
 from verification.report.charts.axes import figure_axes, labelled, legend
 from verification.report.charts.svg import Chart, Tip
-from verification.report.charts.theme import BAND, INK, MARKERS, SERIES, styled
+from verification.report.charts.theme import BAND, INK, MARKERS, SERIES, freeze, styled
 from verification.runs.outcome import Outcome
 from verification.verdicts.limit_state import FINDS_NONE
 
 
 def png(figure: Figure, dpi: int = 110) -> bytes:
     """A figure as a PNG file."""
+    figure.set_dpi(dpi)
+    freeze(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi)
     return buffer.getvalue()

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from verification.report.charts.theme import VARIABLES, styled
+from verification.report.charts.theme import VARIABLES, freeze, styled
 
 _POINTS = 72  # of an SVG of matplotlib per inch
 _REACH = 7.0  # points: radius around a marker that shows its values
@@ -91,8 +91,7 @@ def _saved(figure: Figure) -> str:
     with styled(), warnings.catch_warnings():
         # The browser has fonts for names that the one of matplotlib has no letters for.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        freeze(figure)
         buffer = io.StringIO()
         figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None})
     return _NOT_XML.sub("\ufffd", buffer.getvalue())

@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.figure import Figure
 
 INK, SOFT, LINE, PAPER, BAND = "#1c1c1e", "#5f6368", "#dcdcd8", "#ffffff", "#dddddb"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#7a5195", "#8c564b")
@@ -62,3 +63,17 @@ def styled() -> AbstractContextManager[None]:
     """Within it figures are drawn in our style."""
     settings: Any = dict(STYLE)  # matplotlib names every key in its type
     return mpl.rc_context(settings)
+
+
+def freeze(figure: Figure, lay_out: bool = True) -> None:
+    """Fix the layout of a figure: saving one that is not fixed finds it twice, and draws it twice.
+
+    Args:
+        figure: any.
+        lay_out: find it first; False of a figure whose layout is there already.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None and lay_out:
+        engine.execute(figure)
+    with mpl.rc_context({"figure.constrained_layout.use": False, "figure.autolayout": False}):
+        figure.set_layout_engine(None)  # "none" leaves one that does nothing, but draws
