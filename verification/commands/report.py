@@ -11,6 +11,8 @@ from verification.commands.options import cases_option, named_cases, out_option
 
 VERIFIED = Path("reports/verify")
 """Where `lacore verify` writes by default."""
+COMPARED = Path("reports/compare")
+"""Where `lacore compare` does."""
 
 pictures_option = click.option(
     "--pictures",
@@ -98,11 +100,15 @@ def manual(
 
 
 def _nothing_yet(names: Sequence[str], results: Path) -> la.InputError:
-    """What to run first."""
+    """What to run first, or what a first look has left."""
+    from verification.store.store import NAME
+
     words = ["lacore", "verify", *names, *([] if results == VERIFIED else ["--out", str(results)])]
+    there = results != COMPARED and (COMPARED / NAME).is_file()
+    other = f"give --results {COMPARED}" if there else "name the folder of results that are there"
     return la.InputError(
         "--results",
         str(results),
         "there are no results yet",
-        f"run `{' '.join(words)}` first, or name the folder of results that are there",
+        f"run `{' '.join(words)}` first, or {other}",
     )

@@ -3,6 +3,7 @@
 import csv
 import re
 import sqlite3
+from pathlib import Path
 
 import pytest
 
@@ -145,6 +146,16 @@ def test_without_results(command, says, tmp_path):
     assert result.exit_code == 2
     assert says in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_a_manual_of_a_first_look_is_offered(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first = "there are no results yet; run `lacore verify` first, or"
+    assert f"{first} name the folder of results that are there\n" in run("manual").stderr
+    store = Path("reports/compare") / NAME
+    store.parent.mkdir(parents=True)
+    store.touch()
+    assert f"{first} give --results reports/compare\n" in run("manual").stderr
 
 
 @pytest.mark.slow
