@@ -2,7 +2,8 @@
 
 ``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
 plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
-costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t.
+costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t. Where
+strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39).
 
 A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
 walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
@@ -19,10 +20,10 @@ from typing import Any
 
 import clarabel
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, diags_array, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.program import FrozenContact, KinematicProgram, interleaved
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -138,7 +139,11 @@ class ConicForm:
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
-        self._voluminous = [_filled(group.volumetric) for group in program.groups]
+        self._voluminous = [
+            # With surfaces a row without an entry says that their multipliers sum to zero.
+            _filled(group.volumetric) | (group.surfaces is not None)
+            for group in program.groups
+        ]
 
         def slip(mask: Bools) -> _Law:
             rows = points.tangential[np.repeat(mask, dim)]
@@ -148,7 +153,9 @@ class ConicForm:
             return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
 
         groups = list(zip(program.groups, self._voluminous, strict=True))
-        volumes = [_Law(g.volumetric[own], 1, g.weights[own], stiff.bulk) for g, own in groups]
+        volumes = [
+            _Law(g.volumetric[own], 1, g.volume_weights[own], stiff.bulk) for g, own in groups
+        ]
         strains = [
             _Law(g.rows, g.dim, g.weights, stiff.eta)
             if penalty is None or not own.any()
@@ -165,7 +172,11 @@ class ConicForm:
         normed = [*strains, slip(pattern.friction)]
         laws = [*equal, *unilateral, *normed]
 
-        norms = program.n + np.cumsum([0, *(law.weights.size for law in normed)])
+        leads = [
+            *(_Leads.of(group) for group in program.groups),
+            _Leads.plain(int(pattern.friction.sum())),
+        ]
+        norms = program.n + np.cumsum([0, *(lead.shares.shape[1] for lead in leads)])
         first = int(norms[-1])
         starts = first + np.cumsum([0, *(law.softened for law in laws)])
         columns = int(starts[-1])
@@ -175,11 +186,16 @@ class ConicForm:
         dilated = diags_array(np.repeat(contact.dilatancy[self._dilatant], dim)) @ sliding
         self._norms = [_Norm(lifting.shape[0], dim, linear=dim == 1)]
         normed_rows = [self._norms[0].rows(lifting, csr_matrix(dilated))]
-        for law, rows, start in zip(normed, over[len(equal) + 3 :], norms[:-1], strict=True):
-            own = np.arange(law.weights.size)
-            bound = csr_matrix((np.ones(own.size), (own, start + own)), (own.size, columns))
-            self._norms.append(_Norm(own.size, law.dim))
-            normed_rows.append(self._norms[-1].rows(bound, rows))
+        positive: list[Sparse] = []
+        for number, (law, rows) in enumerate(zip(normed, over[len(equal) + 3 :], strict=True)):
+            lead, start = leads[number], int(norms[number])
+            self._norms.append(_Norm(law.weights.size, law.dim))
+            normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, start), rows))
+            if lead.slopes is not None:
+                over[number] = csr_matrix(over[number] - _placed(lead.slopes, columns, start))
+                own = lead.shares.shape[1]
+                positive.append(_placed(csr_matrix(identity(own)), columns, start))
+        free = csr_matrix(vstack([free, *positive])) if positive else free
         blocks = [load, *over[: len(equal)], -free, *(-rows for rows in normed_rows)]
         self._ends = np.cumsum([block.shape[0] for block in blocks])
         self.matrix = csc_matrix(vstack(blocks, format="csc"))
@@ -190,7 +206,10 @@ class ConicForm:
             self.cones += norm.cones
         soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
         # The t are lengths times weights: w h (t/w)^2/2.
-        rising = [group.rise / group.weights for group in program.groups]
+        rising = [
+            np.zeros(lead.shares.shape[1]) if lead.slopes is not None else group.rise / group.weights
+            for group, lead in zip(program.groups, leads[:-1], strict=True)
+        ]
         still = np.zeros(first - program.n - sum(part.size for part in rising))
         diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
         own = np.flatnonzero(diagonal)
@@ -204,7 +223,10 @@ class ConicForm:
 
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
-        bounds = [group.bound for group in self._program.groups]
+        bounds = [
+            group.bound if group.surfaces is None else group.surfaces.strength.ravel()
+            for group in self._program.groups
+        ]
         given = [-self._program.dead_load, *bounds, contact.bound[self._pattern.friction]]
         q = np.zeros(self.matrix.shape[1])
         np.concatenate(given, out=q[: sum(part.size for part in given)])
@@ -216,7 +238,7 @@ class ConicForm:
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
-        free[:] = shift[~self._dilatant]
+        free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
         return b
 
@@ -231,7 +253,7 @@ class ConicForm:
         )
         normal = np.zeros(program.contact.count)
         tangential = np.zeros((normal.size, dim))
-        normal[~dilatant] = plain
+        normal[~dilatant] = plain[: int((~dilatant).sum())]  # what follows is of surfaces
         normal[dilatant] = pressed[:, 0]
         tangential[dilatant] = contact.dilatancy[dilatant, None] * pressed[:, 1:]
         tangential[pattern.stick] -= stick.reshape(-1, dim)
@@ -243,7 +265,8 @@ class ConicForm:
             shear = -strain[:, 1:]
             stresses.append(shear[:, : group.dim])
             # Softened, theta is a row of the norm too.
-            total = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
+            softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
+            total = np.repeat(softened, group.volumes)
             total[own] += mean
             mean_stresses.append(total)
         return ProgramState(
@@ -264,6 +287,47 @@ class ConicForm:
         own = np.flatnonzero(curvature)
         rest = (self.matrix.T @ z + self.cost(contact))[own]
         return float(np.sum(rest**2 / curvature[own])) / 2
+
+
+@dataclass(frozen=True)
+class _Leads:
+    """What bounds the norms of a law: sums of unknowns of its own, whose costs are strengths.
+
+    Attributes:
+        shares: of the unknowns in each bound, shape (m, own).
+        slopes: and in each volumetric row (T39), shape (m L, own); None: the unknowns are the
+            bounds, and in no other row.
+    """
+
+    shares: Sparse
+    slopes: Sparse | None
+
+    @classmethod
+    def plain(cls, count: int) -> "_Leads":
+        """One unknown for each norm."""
+        return cls(csr_matrix(identity(count)), None)
+
+    @classmethod
+    def of(cls, group: DissipationGroup) -> "_Leads":
+        """Those of a group: multipliers of surfaces, times weights."""
+        surfaces, m = group.surfaces, group.weights.size
+        if surfaces is None:
+            return cls.plain(m)
+        own = np.arange(m * surfaces.count)
+        point, row = own // surfaces.count, np.arange(m * surfaces.volumes)
+        shares = csr_matrix((np.tile(surfaces.normed, m), (point, own)), (m, own.size))
+        shares.eliminate_zeros()
+        at = np.broadcast_to(own.reshape(m, -1, 1), surfaces.slope.shape)
+        rows = np.broadcast_to(row.reshape(m, 1, -1), surfaces.slope.shape)
+        entries = (surfaces.slope.ravel(), (rows.ravel(), at.ravel()))
+        slopes = csr_matrix(entries, (row.size, own.size))
+        slopes.eliminate_zeros()
+        return cls(shares, slopes)
+
+
+def _placed(rows: Sparse, columns: int, first: int) -> Sparse:
+    """Rows over all columns, their own from column `first` on."""
+    return csr_matrix((rows.data, rows.indices + first, rows.indptr), (rows.shape[0], columns))
 
 
 def _wide(rows: Sparse, columns: int, weights: Floats) -> Sparse:

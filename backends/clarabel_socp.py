@@ -39,7 +39,7 @@ class Clarabel:
     title: ClassVar[str] = "Clarabel, exact second-order cone program"
     source: ClassVar[str] = "Goulart & Chen, Clarabel: an interior-point solver, 2024"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=False, hardening=True, paths=True, packages=("clarabel",)
+        regularised=False, hardening=True, surfaces=True, paths=True, packages=("clarabel",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelOptions

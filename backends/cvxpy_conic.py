@@ -37,6 +37,7 @@ from lacore.backend import Capabilities, InnerSolution
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 from lacore.status import Status
+from lacore.surfaces import Surfaces
 
 STATUS_MAP = {
     cp.OPTIMAL: Status.SOLVED,
@@ -86,6 +87,7 @@ class Cvxpy:
             regularised=False,
             max_cone=None if cones else 1,
             hardening=self.known.quadratic,
+            surfaces=cones,
             warm_start=self.known.warm_start,
             infeasibility=self.known.infeasibility,
             isolated=not self.known.time,
@@ -140,7 +142,14 @@ class _Model:
             rates, theta = _weighted(group.rows, group.weights), group.volumetric
             e = cp.Variable((group.weights.size, group.dim)) if rates.shape[0] else None
             self._flow.append(None if e is None else rates @ u == cp.vec(e, order="C"))
-            self._volume.append(_weighted(theta, group.weights) @ u == 0 if theta.nnz else None)
+            volume = _weighted(theta, group.volume_weights) @ u
+            if group.surfaces is not None:
+                lead, spread, cost_of = _multiplied(group.surfaces)
+                laws += [lead >= _lengths(e)] if e is not None else []
+                self._volume.append(volume == spread)
+                cost += cost_of
+                continue
+            self._volume.append(volume == 0 if theta.nnz else None)
             cost += 0 if e is None else group.bound @ _lengths(e)
             if e is not None and group.modulus is not None:  # e is a length times a weight
                 cost += (group.modulus / group.weights) @ cp.sum(cp.square(e), axis=1) / 2
@@ -187,7 +196,7 @@ class _Model:
             velocity=self._u.value,
             load_factor=-float(self._power.dual_value),
             stress=tuple(_dual(law, (group.weights.size, group.dim)) for law, group in flow),
-            mean_stress=tuple(_dual(law, (group.weights.size,)) for law, group in volume),
+            mean_stress=tuple(_dual(law, (group.volumetric.shape[0],)) for law, group in volume),
             normal_reaction=-_dual(self._opening, (contact.count,)),
             tangential_reaction=-_dual(self._slip, (contact.count, contact.tangent_dim)),
         )
@@ -253,6 +262,14 @@ def _kinds(contact: FrozenContact) -> tuple[Bools, Bools]:
 def _lengths(rows: Any) -> Any:
     """Norm of each row; that of a single column is no second-order cone."""
     return cp.abs(rows[:, 0]) if rows.shape[1] == 1 else cp.norm(rows, axis=1)
+
+
+def _multiplied(surfaces: Surfaces) -> tuple[Any, Any, Any]:
+    """Bounds of the norms, volumetric rates by point and cost of multipliers times weights (T39)."""
+    lam = cp.Variable(surfaces.strength.shape, nonneg=True)
+    rates = [cp.sum(cp.multiply(surfaces.slope[:, :, row], lam), axis=1) for row in range(surfaces.volumes)]
+    spread = cp.vec(cp.vstack(rates), order="F")
+    return lam @ surfaces.normed, spread, cp.sum(cp.multiply(surfaces.strength, lam))
 
 
 def _weighted(rows: Sparse, weights: Floats) -> Any:

@@ -41,6 +41,7 @@ class Capabilities(Compact):
         isolated: it may hang where its time limit does not reach, so that it runs in a process of
             its own, which can be stopped.
         on_demand: comparisons run it only where it is named.
+        surfaces: it takes groups whose strength depends on pressure (T39).
         dense: its time grows with the cube of the unknowns: a first look leaves meshes out.
         paths: it is quick enough for comparisons to follow paths with it, tens of solves each.
         packages: that it computes with, as they are installed. Their versions are recorded beside
@@ -55,6 +56,7 @@ class Capabilities(Compact):
     hardening: bool = False
     isolated: bool = False
     on_demand: bool = False
+    surfaces: bool = False
     dense: bool = False
     paths: bool = False
     packages: tuple[str, ...] = ()
@@ -209,7 +211,8 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
     """Raise where a backend cannot take a program.
 
     Raises:
-        CapabilityError: too large, cones that the backend does not have, or hardening.
+        CapabilityError: too large, cones that the backend does not have, hardening, or strength
+            that depends on pressure.
         InputError: the program holds NaN or infinite numbers.
     """
     require_finite(program)
@@ -224,6 +227,11 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
         raise CapabilityError(
             f"backend {backend.name!r} takes {takes}, this problem has cones of"
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
+        )
+    if program.presses and not can.surfaces:
+        raise CapabilityError(
+            f"backend {backend.name!r} takes strengths that do not depend on pressure, and this"
+            " problem has a material with friction or a cut-off: take 'clarabel' or 'cvxpy'"
         )
     if program.hardens and not can.hardening:
         states = "solves linear programs" if can.linear_only else "has costs linear in them only"
@@ -274,7 +282,7 @@ def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) 
     ]
     for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True):
         parts.append((f"stress of {group.name!r}", stress, (group.weights.size, group.dim)))
-        parts.append((f"mean_stress of {group.name!r}", mean, (group.weights.size,)))
+        parts.append((f"mean_stress of {group.name!r}", mean, (group.volumetric.shape[0],)))
     for name, values, shape in parts:
         array = np.asarray(values)
         if array.shape != shape:

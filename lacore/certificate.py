@@ -32,16 +32,20 @@ class Certificate(Shown):
     Attributes:
         equilibrium: largest nodal force out of balance, with the reported load factor and dead
             loads, per total load; or per force of its part, where that is more.
-        yield_violation: largest ``||stress||/bound - 1``.
+        yield_violation: largest ``||stress||/bound - 1``; where strength depends on pressure, by
+            how much a surface is exceeded, per largest of its terms at the point, or the mean of
+            these over the body where that is more.
         cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
             reaction or, where reactions vanish, per total load over contact length; or as a force,
             per force of the lesser of the parts that touch, where that is more.
         penetration: largest ``dilatancy ||u_t|| - u_n``, per largest velocity; or its power against
             the force of the lesser of the parts that touch, per force times speed of the part with
             most of it, where that is more; slip of points that stick by law counts here.
-        divergence: largest ``|theta|``, per strain rate.
+        divergence: largest ``|theta|``, per strain rate; where strength depends on pressure the
+            power that ``(sin(phi) ||d|| - theta)_+`` (T38) takes from stresses, per power.
         normalisation: ``|F0.u - 1|``.
-        flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per power.
+        flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
+            power; where strength depends on pressure with the power of mean stresses.
         slip: Coulomb law as bipotential, ``sum w |b_c(-u, t) + u.t|`` (T3) per power.
         gap: pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
     """
@@ -143,8 +147,10 @@ def certify(
         equilibrium=_most(_largest(residual) / forces, _largest(residual / by_part[program.part])),
         yield_violation=_most(
             *(
-                _largest(_beyond(np.linalg.norm(stress, axis=1), group.bound))
-                for group, stress in zip(program.groups, state.stress, strict=True)
+                _largest(group.beyond(stress, mean))
+                for group, stress, mean in zip(
+                    program.groups, state.stress, state.mean_stress, strict=True
+                )
             )
         ),
         cone=_most(
@@ -153,7 +159,11 @@ def certify(
             _largest(rows.weights * np.maximum(excess, -t_n) / at_points),
         ),
         penetration=_most(_largest(inward) / velocity, _largest(inward * at_points) / moving),
-        divergence=_most(*(_largest(np.abs(g.volumetric @ u)) for g in program.groups)) / strain,
+        divergence=_most(
+            *(_largest(g.impossible(u)) / strain for g in program.groups if g.surfaces is None),
+            sum(g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True))
+            / power,
+        ),
         normalisation=abs(float(program.reference_load @ u) - 1),
         flow=abs(_flow_defect(program, state)) / power,
         slip=float(rows.weights @ np.abs(bipotential)) / power,
@@ -163,18 +173,14 @@ def certify(
 
 def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
     defect = 0.0
-    for group, stress in zip(program.groups, state.stress, strict=True):
-        work = np.sum(stress * group.cone_vectors(state.velocity), axis=1)
-        work = np.where(group.rates(state.velocity) > 0, work, 0.0)
-        defect += float(group.dissipation(state.velocity).sum() - group.weights @ work)
+    u = state.velocity
+    for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
+        work = np.sum(stress * group.cone_vectors(u), axis=1)
+        work = np.where(group.rates(u) > 0, work, 0.0)
+        defect += float(group.dissipation(u).sum() - group.weights @ work)
+        if group.surfaces is not None:
+            defect -= float(group.volume_weights @ (mean * group.volume_rates(u)))
     return defect
-
-
-def _beyond(size: Floats, bound: Floats) -> Floats:
-    """Share by which stresses exceed their bound; what has no strength carries none."""
-    strong = bound > 0
-    share = size / np.where(strong, bound, 1.0) - 1
-    return np.where(strong, share, np.where(size == 0, 0.0, np.where(size > 0, np.inf, np.nan)))
 
 
 def _most(*values: float) -> float:

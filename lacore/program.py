@@ -14,77 +14,10 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.dissipation import DissipationGroup as DissipationGroup
 from lacore.errors import InputError
 from lacore.scales import SI, Scales
 from lacore.showing import Compact
-
-_ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
-_DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
-
-
-@dataclass(frozen=True, repr=False)
-class DissipationGroup(Compact):
-    """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
-
-    Hardening adds ``weights_g modulus_g ||(rows U)_g||^2/2`` (T29): the stress at yield is then
-    ``bound + modulus ||rows U||``.
-
-    Attributes:
-        name: for messages and results.
-        rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
-        dim: rows in a cone.
-        weights: integration weights, shape (m,), m^3; m^2 of plane bodies of unit thickness.
-        bound: largest norm of the conjugate stress, shape (m,), Pa.
-        volumetric: rows of theta, shape (m, n).
-        volumetric_factor: see `lacore.materials.conic_form.ConicForm`.
-        modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
-    """
-
-    name: str
-    rows: Sparse
-    dim: int
-    weights: Floats
-    bound: Floats
-    volumetric: Sparse
-    volumetric_factor: float
-    modulus: Floats | None = None
-
-    @property
-    def rise(self) -> Floats:
-        """`modulus`, zero where nothing hardens, shape (m,), Pa s."""
-        return np.zeros(self.weights.size) if self.modulus is None else self.modulus
-
-    def cone_vectors(self, velocity: Floats) -> Floats:
-        """``(rows U)`` by cone, shape (m, dim)."""
-        return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
-
-    def rates(self, velocity: Floats) -> Floats:
-        """``||(rows U)||`` of each cone, shape (m,); none where it is round-off of its own sums.
-
-        The exact motion next to it does not strain: beside a strength of 1e8 weights what is left
-        of a rigid motion would dissipate.
-        """
-        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
-        largest = np.abs(self.rows.data).max(initial=0.0) * np.abs(velocity).max(initial=0.0)
-        if not np.any(lengths <= _DOUBTFUL * largest):
-            return np.asarray(lengths)
-        sums = np.asarray(abs(self.rows) @ np.abs(velocity)).reshape(-1, self.dim)
-        return np.where(lengths <= _ROUND_OFF * np.linalg.norm(sums, axis=1), 0.0, lengths)
-
-    def dissipation(self, velocity: Floats) -> Floats:
-        """Dissipation of each cone, shape (m,)."""
-        return np.asarray(self.weights * self.bound * self.rates(velocity))
-
-    def hardened(self, velocity: Floats) -> "DissipationGroup":
-        """The group with the stress bounds of a velocity, and no hardening beyond them.
-
-        A velocity that is optimal with hardening is optimal with these bounds, with the same
-        stresses, reactions and load factor: all that is proven of it is proven with them.
-        """
-        if self.modulus is None:
-            return self
-        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
-        return replace(self, bound=self.bound + self.modulus * lengths, modulus=None)
 
 
 @dataclass(frozen=True, repr=False)
@@ -280,6 +213,11 @@ class KinematicProgram(Compact):
         """Whether a group has a modulus."""
         return any(group.modulus is not None for group in self.groups)
 
+    @property
+    def presses(self) -> bool:
+        """Whether the strength of a group depends on pressure."""
+        return any(group.surfaces is not None for group in self.groups)
+
     def hardened(self, velocity: Floats) -> "KinematicProgram":
         """The program with the stress bounds of a velocity, see `DissipationGroup.hardened`."""
         if not self.hardens:
@@ -325,6 +263,7 @@ def require_finite(program: KinematicProgram) -> None:
                 "bound": group.bound,
                 "volumetric": group.volumetric.data,
                 "modulus": np.zeros(0) if group.modulus is None else group.modulus,
+                **({} if group.surfaces is None else group.surfaces.numbers),
             }.items()
         }
     for name, values in arrays.items():
@@ -374,6 +313,9 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
                 volumetric=group.volumetric * scales.length,
                 weights=group.weights / (scales.length**2 * scales.thickness),
                 bound=group.bound / scales.stress,
+                surfaces=None
+                if group.surfaces is None
+                else group.surfaces.times(1 / scales.stress),
                 modulus=None
                 if group.modulus is None
                 else group.modulus * (scales.velocity / (scales.length * scales.stress)),

@@ -20,7 +20,8 @@ class ProgramState(Compact):
         velocity: U, shape (n,).
         load_factor: alpha, the multiplier of ``F0.U = 1``.
         stress: conjugate of each group's cone rows, shape (m, dim) each.
-        mean_stress: conjugate of each group's theta, shape (m,) each.
+        mean_stress: conjugate of each group's volumetric rows, shape (m,) each, (m L,) of surfaces
+            that feel L of them.
         normal_reaction: t_n at the contact points, shape (m,).
         tangential_reaction: t_t, shape (m, tangent_dim).
     """
@@ -38,7 +39,7 @@ def internal_force(program: KinematicProgram, state: ProgramState) -> Floats:
     total = np.zeros(program.n)
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         total += group.rows.T @ (group.weights[:, None] * stress).ravel()
-        total += group.volumetric.T @ (group.weights * mean)
+        total += group.volumetric.T @ (group.volume_weights * mean)
     return total
 
 

@@ -26,7 +26,18 @@ KINDS_OF_THINGS = {
 }
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
 LACORE = (
-    *("arrays", "errors", "showing", "views", "status", "scales", "program", "reduction"),
+    *(
+        "arrays",
+        "errors",
+        "showing",
+        "views",
+        "status",
+        "scales",
+        "surfaces",
+        "dissipation",
+        "program",
+        "reduction",
+    ),
     *("state", "part_forces", "certificate", "regularization", "backend"),
     *("numerics", "process", "inner", "claims", "coupling"),
     *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),

@@ -20,6 +20,12 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     bodies = unknowns.continua
     yielding = program.groups[: len(bodies)] or program.groups
     strengths = [sqrt(3) * float(group.bound.max()) for group in yielding]
+    pressed = [group.surfaces for group in yielding if group.surfaces is not None]
+    if pressed:  # by the dead load (T48)
+        steepest = max(float(surfaces.slope.max()) for surfaces in pressed)
+        strengths.append(steepest * fsum(np.abs(program.dead_load)) / length)
+    if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
+        strengths += [float(surfaces.strength.max()) for surfaces in pressed]
     if not strengths:
         limit = program.contact.limit
         strengths = [

@@ -30,7 +30,7 @@ def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:
     contact, left = program.contact, 1 - margin
     return replace(
         program,
-        groups=tuple(replace(group, bound=left * group.bound) for group in program.groups),
+        groups=tuple(group.times(left) for group in program.groups),
         contact=replace(contact, limit=left * contact.limit, dilatancy=left * contact.dilatancy),
     )
 

@@ -104,15 +104,16 @@ class EquilibriumDofs(Compact):
             matrix.eliminate_zeros()
             return matrix
 
-        weights = np.repeat(area / 3, 3)
+        weights, elements = np.repeat(area / 3, 3), np.repeat(np.arange(mesh.nelements), 3)
         return DissipationGroup(
             name=name,
             rows=rows(form.rows),
             dim=form.rows.shape[0],
             weights=weights,
-            bound=np.repeat(form.bounds(np.arange(mesh.nelements)), 3),
-            volumetric=rows(form.volumetric[None, :]),
+            bound=form.bounds(elements),
+            volumetric=rows(form.volumes),
             volumetric_factor=form.volumetric_factor,
+            surfaces=form.surfaces_of(elements),
         )
 
     @property

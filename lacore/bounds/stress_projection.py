@@ -90,7 +90,7 @@ def _mobility(program: KinematicProgram, state: ProgramState) -> tuple[Floats, F
 def _stiffness(program: KinematicProgram, normal: Floats, tangential: Floats) -> Sparse:
     total = csr_matrix((program.n, program.n))
     for group in program.groups:
-        for rows, dim in ((group.rows, group.dim), (group.volumetric, 1)):
+        for rows, dim in ((group.rows, group.dim), (group.volumetric, group.volumes)):
             weights = np.repeat(group.weights, dim)
             total = csr_matrix(total + rows.T @ (diags_array(weights) @ rows))
     contact = program.contact

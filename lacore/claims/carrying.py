@@ -103,7 +103,7 @@ def _shared(
     rows = program.contact
     relative = replace(
         program,
-        groups=tuple(replace(group, bound=group.bound / size) for group in program.groups),
+        groups=tuple(group.times(1 / size) for group in program.groups),
         contact=replace(rows, limit=rows.limit / size),
         reference_load=program.dead_load / size,
         dead_load=np.zeros(program.n),
@@ -142,7 +142,7 @@ def _unloaded(program: KinematicProgram) -> ProgramState:
         velocity=np.zeros(program.n),
         load_factor=0.0,
         stress=tuple(np.zeros((group.weights.size, group.dim)) for group in program.groups),
-        mean_stress=tuple(np.zeros(group.weights.size) for group in program.groups),
+        mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in program.groups),
         normal_reaction=np.zeros(rows.count),
         tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
     )

@@ -53,7 +53,7 @@ def dead_collapse(
         return None
     driven, frozen = _driven(program, contact)
     found = [_by_cones(driven, frozen, prepare)]
-    if driven.largest_cone <= 1 and not driven.hardens:
+    if driven.largest_cone <= 1 and not (driven.hardens or driven.presses):
         found.insert(0, _by_lines(driven, frozen))
     for velocity in found:
         if velocity is not None:
@@ -175,12 +175,12 @@ def _by_lines(driven: KinematicProgram, frozen: FrozenContact) -> Floats | None:
 
 def _moving(driven: KinematicProgram, velocity: Floats) -> ProgramState:
     """A state without stresses and reactions."""
-    rows, sizes = driven.contact, [(group.weights.size, group.dim) for group in driven.groups]
+    rows = driven.contact
     return ProgramState(
         velocity=velocity,
         load_factor=1.0,
-        stress=tuple(np.zeros(size) for size in sizes),
-        mean_stress=tuple(np.zeros(count) for count, _ in sizes),
+        stress=tuple(np.zeros((group.weights.size, group.dim)) for group in driven.groups),
+        mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in driven.groups),
         normal_reaction=np.zeros(rows.count),
         tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
     )

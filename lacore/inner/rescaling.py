@@ -66,7 +66,8 @@ class PartUnits:
             forces=forces,
             unknowns=own * fastest,
             groups=tuple(
-                _largest(own, _points(g.rows, g.dim), g.volumetric) for g in program.groups
+                _largest(own, _points(g.rows, g.dim), _points(g.volumetric, g.volumes))
+                for g in program.groups
             ),
             points=_largest(own, meeting, rows.normal),
             velocity=fastest,
@@ -90,8 +91,9 @@ class PartUnits:
             return replace(
                 own,
                 rows=cut(own.rows, np.repeat(units, own.dim)),
-                volumetric=cut(own.volumetric, units),
+                volumetric=cut(own.volumetric, np.repeat(units, own.volumes)),
                 bound=own.bound * units,
+                surfaces=None if own.surfaces is None else own.surfaces.times(units),
                 modulus=None if own.modulus is None else own.modulus * units**2 * fastest,
             )
 
@@ -121,7 +123,10 @@ class PartUnits:
             velocity=point.velocity * self.unknowns,
             load_factor=point.load_factor * self.velocity,
             stress=tuple(s / u[:, None] for s, u in zip(point.stress, self.groups, strict=True)),
-            mean_stress=tuple(p / u for p, u in zip(point.mean_stress, self.groups, strict=True)),
+            mean_stress=tuple(
+                p / np.repeat(u, p.size // max(u.size, 1))
+                for p, u in zip(point.mean_stress, self.groups, strict=True)
+            ),
             normal_reaction=point.normal_reaction / self.points,
             tangential_reaction=point.tangential_reaction / self.points[:, None],
         )

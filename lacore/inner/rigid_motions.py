@@ -44,7 +44,7 @@ def weighted_rows(group: DissipationGroup) -> Sparse:
         vstack(
             [
                 diags_array(np.repeat(root, group.dim)) @ group.rows,
-                diags_array(root) @ group.volumetric,
+                diags_array(np.sqrt(group.volume_weights)) @ group.volumetric,
             ]
         )
     )

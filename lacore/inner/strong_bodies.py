@@ -96,7 +96,10 @@ class StrongBodySolver:
 
 
 def _strength(group: DissipationGroup) -> float:
-    return float(group.bound.min(initial=np.inf)) if group.weights.size else 0.0
+    """That of a body; what tension opens is never as good as rigid."""
+    if group.surfaces is not None or not group.weights.size:
+        return 0.0
+    return float(group.bound.min(initial=np.inf))
 
 
 def _weak(program: KinematicProgram, contact: FrozenContact) -> float:

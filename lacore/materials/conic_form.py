@@ -4,55 +4,100 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Bools, Floats, Ints
 from lacore.showing import Compact
+from lacore.surfaces import Surfaces
 
 KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
 
 
 @dataclass(frozen=True, repr=False)
+class Surface(Compact):
+    """A yield surface ``||s|| + slope . p <= strength``, s of the rows, p of the volumetric ones.
+
+    Attributes:
+        slope: of each volumetric row, shape (L,).
+        strength: Pa; of all elements, or of each, shape (elements,).
+        normed: whether ``||s||`` counts; if not, it bounds p alone.
+    """
+
+    slope: tuple[float, ...]
+    strength: float | Floats
+    normed: bool = True
+
+
+@dataclass(frozen=True, repr=False)
 class ConicForm(Compact):
-    """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``.
+    """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``; or surfaces.
 
     `eps` is the strain rate in engineering components (xx, yy, gamma_xy), of axisymmetric bodies
     (rr, zz, tt, gamma_rz), unit 1/s.
 
     Attributes:
         rows: cone rows, shape (dim, components).
-        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,).
-        bound: largest norm of the conjugate stress, Pa; of all elements, or of each, (elements,).
+        volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,); of
+            surfaces all rows whose stresses they feel, shape (L, components).
+        bound: largest norm of the conjugate stress, with surfaces that without pressure, Pa; of all
+            elements, or of each, (elements,).
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
             regularised dissipation (T17) sees that deviator.
+        surfaces: that depend on pressure (T39, T40); none: ``||s|| <= bound`` is all there is.
+        out_of_plane: sigma_zz per mean stress: 1 in plane strain, 0 in plane stress.
     """
 
     rows: Floats
     volumetric: Floats
     bound: float | Floats
     volumetric_factor: float
+    surfaces: tuple[Surface, ...] = ()
+    out_of_plane: float = 1.0
+
+    @property
+    def volumes(self) -> Floats:
+        """`volumetric` as rows, shape (L, components)."""
+        return np.atleast_2d(self.volumetric)
 
     @property
     def compressible(self) -> bool:
-        """Whether the plane velocity may change areas: plane stress."""
-        return not np.any(self.volumetric)
+        """Whether the plane velocity may change areas: plane stress, and where friction dilates."""
+        return not np.any(self.volumes[self.preserved])
+
+    @property
+    def preserved(self) -> Bools:
+        """Volumetric rows that must vanish, as no surface feels their stress, shape (L,)."""
+        slopes = [surface.slope for surface in self.surfaces]
+        return np.asarray(~np.any(slopes, axis=0)) if slopes else np.ones(1, dtype=bool)
+
+    def surfaces_of(self, elements: Ints) -> Surfaces | None:
+        """The surfaces at points of elements, shape (m,); None where there are none."""
+        if not self.surfaces:
+            return None
+        strengths = [_of(one.strength, elements) for one in self.surfaces]
+        slope = np.array([one.slope for one in self.surfaces], dtype=np.float64)
+        return Surfaces(
+            slope=np.broadcast_to(slope, (elements.size, *slope.shape)),
+            strength=np.stack(strengths, axis=1),
+            normed=np.array([one.normed for one in self.surfaces], dtype=np.float64),
+        )
 
     def bounds(self, elements: Ints) -> Floats:
         """The bound in elements, of their shape, Pa."""
-        if np.ndim(self.bound) == 0:
-            return np.full(np.shape(elements), self.bound, dtype=np.float64)
-        return np.asarray(np.asarray(self.bound)[elements])
+        return _of(self.bound, elements)
 
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
         """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
 
         Args:
             conjugate: of `rows`, shape (m, dim), Pa.
-            mean: of `volumetric`, shape (m,), Pa; in plane strain also sigma_zz (T1).
+            mean: of `volumetric`, shape (m L,), Pa; in plane strain also sigma_zz (T1), which lies
+                between the others where they feel pressure.
         """
-        plane = conjugate @ self.rows + mean[:, None] * self.volumetric
+        means = mean.reshape(len(conjugate), -1)
+        plane = conjugate @ self.rows + means @ self.volumes
         if plane.shape[1] == 4:
             return np.asarray(plane)
-        out = np.zeros_like(mean) if self.compressible else mean
+        out = self.out_of_plane * means[:, 0]
         return np.column_stack([plane[:, :2], out, plane[:, 2]])
 
     def across(self) -> "ConicForm":
@@ -62,7 +107,16 @@ class ConicForm(Compact):
         """
         axes = np.array([0, 2])
         rows, factor = self.rows[:, axes], self.volumetric_factor
+        if self.surfaces:
+            raise NotImplementedError("velocity jumps of a material whose strength feels pressure")
         if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
             factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
             rows = rows * np.array([0.0, 1.0])
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
+
+
+def _of(value: float | Floats, elements: Ints) -> Floats:
+    """A number of all elements, or of each, in elements of any shape."""
+    if np.ndim(value) == 0:
+        return np.full(np.shape(elements), value, dtype=np.float64)
+    return np.asarray(np.asarray(value)[elements])

@@ -137,7 +137,7 @@ def movable(group: DissipationGroup, basis: Sparse) -> Bools:
         basis: of the free velocities, see `lacore.conditions.elimination.free_basis`.
     """
     left = np.zeros(group.weights.size)
-    for rows, dim in ((group.rows, group.dim), (group.volumetric, 1)):
+    for rows, dim in ((group.rows, group.dim), (group.volumetric, group.volumes)):
         entries = np.asarray(abs(csr_matrix(rows @ basis)).sum(axis=1))
         left += entries.reshape(left.size, dim).sum(axis=1)
     return np.asarray(left > _ROUND_OFF * left.max(initial=0.0))

@@ -1,0 +1,149 @@
+"""What straining the bodies of a program costs: cones, and surfaces that depend on pressure."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lacore.arrays import Floats, Sparse
+from lacore.showing import Compact
+from lacore.surfaces import Surfaces
+
+_ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
+_DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
+
+
+@dataclass(frozen=True, repr=False)
+class DissipationGroup(Compact):
+    """Cones of one kind: ``sum_g weights_g bound_g ||(rows U)_g||`` with ``volumetric U = 0``.
+
+    Hardening adds ``weights_g modulus_g ||(rows U)_g||^2/2`` (T29): the stress at yield is then
+    ``bound + modulus ||rows U||``. Where strength depends on pressure, `surfaces` say what flow
+    costs, and which is possible, in place of `bound` and of ``volumetric U = 0``.
+
+    Attributes:
+        name: for messages and results.
+        rows: stacked cone rows, shape (m dim, n); cone g owns rows g dim ... (g+1) dim - 1.
+        dim: rows in a cone.
+        weights: integration weights, shape (m,), m^3; m^2 of plane bodies of unit thickness.
+        bound: largest norm of the conjugate stress, with `surfaces` that without pressure, shape
+            (m,), Pa.
+        volumetric: rows of theta, shape (m L, n); L is 1 but for surfaces that feel more.
+        volumetric_factor: see `lacore.materials.conic_form.ConicForm`.
+        modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
+        surfaces: yield surfaces that depend on pressure; None: none does.
+    """
+
+    name: str
+    rows: Sparse
+    dim: int
+    weights: Floats
+    bound: Floats
+    volumetric: Sparse
+    volumetric_factor: float
+    modulus: Floats | None = None
+    surfaces: Surfaces | None = None
+
+    @property
+    def volumes(self) -> int:
+        """Volumetric rows L of each cone."""
+        return 1 if self.surfaces is None else self.surfaces.volumes
+
+    @property
+    def volume_weights(self) -> Floats:
+        """`weights` of the volumetric rows, shape (m L,)."""
+        return np.repeat(self.weights, self.volumes)
+
+    @property
+    def rise(self) -> Floats:
+        """`modulus`, zero where nothing hardens, shape (m,), Pa s."""
+        return np.zeros(self.weights.size) if self.modulus is None else self.modulus
+
+    def cone_vectors(self, velocity: Floats) -> Floats:
+        """``(rows U)`` by cone, shape (m, dim)."""
+        return np.asarray(self.rows @ velocity).reshape(-1, self.dim)
+
+    def rates(self, velocity: Floats) -> Floats:
+        """``||(rows U)||`` of each cone, shape (m,); none where it is round-off of its own sums.
+
+        The exact motion next to it does not strain: beside a strength of 1e8 weights what is left
+        of a rigid motion would dissipate.
+        """
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        return _without_round_off(lengths, self.rows, self.dim, velocity)
+
+    def volume_rates(self, velocity: Floats) -> Floats:
+        """``volumetric U``, shape (m L,); none where it is round-off of its own sums."""
+        rates = np.asarray(self.volumetric @ velocity)
+        return np.sign(rates) * _without_round_off(np.abs(rates), self.volumetric, 1, velocity)
+
+    def dissipation(self, velocity: Floats) -> Floats:
+        """Dissipation of each cone, shape (m,)."""
+        rates = self.rates(velocity)
+        if self.surfaces is None:
+            return np.asarray(self.weights * self.bound * rates)
+        return self.weights * self.surfaces.dissipation(rates, self.volume_rates(velocity))
+
+    def impossible(self, velocity: Floats) -> Floats:
+        """How far each cone is from flow that is possible, ``|theta|`` where none changes volume.
+
+        Shape (m,), 1/s; see `lacore.surfaces.Surfaces.impossible`.
+        """
+        volume = np.asarray(self.volumetric @ velocity)
+        if self.surfaces is None:
+            return np.abs(volume)
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        return np.maximum(self.surfaces.impossible(lengths, volume), 0.0)
+
+    def taken(self, velocity: Floats, mean: Floats) -> float:
+        """Power that flow which is not possible takes from stresses, from above; of surfaces only.
+
+        What a cone leaves of its conditions is a rate times a weight: near an axis of revolution,
+        or in the least element, the rate alone says little.
+        """
+        if self.surfaces is None:
+            return 0.0
+        return float(self.weights @ (self.surfaces.resistance(mean) * self.impossible(velocity)))
+
+    def beyond(self, stress: Floats, mean: Floats) -> Floats:
+        """Share by which stresses exceed the strength of each cone, shape (m,); NaN of NaN.
+
+        Args:
+            stress: conjugate of the cone rows, shape (m, dim), Pa.
+            mean: conjugate of the volumetric rows, shape (m L,), Pa.
+        """
+        size = np.linalg.norm(stress, axis=1)
+        if self.surfaces is None:
+            return _beyond(size, self.bound)
+        return self.surfaces.beyond(size, mean)
+
+    def times(self, factor: float | Floats) -> "DissipationGroup":
+        """The group with its strength times a factor, of all cones or of each, shape (m,)."""
+        surfaces = None if self.surfaces is None else self.surfaces.times(factor)
+        return replace(self, bound=factor * self.bound, surfaces=surfaces)
+
+    def hardened(self, velocity: Floats) -> "DissipationGroup":
+        """The group with the stress bounds of a velocity, and no hardening beyond them.
+
+        A velocity that is optimal with hardening is optimal with these bounds, with the same
+        stresses, reactions and load factor: all that is proven of it is proven with them.
+        """
+        if self.modulus is None:
+            return self
+        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        return replace(self, bound=self.bound + self.modulus * lengths, modulus=None)
+
+
+def _without_round_off(sizes: Floats, rows: Sparse, dim: int, velocity: Floats) -> Floats:
+    """Sizes of the vectors of `dim` rows at a velocity, 0 where they are round-off of the sums."""
+    largest = np.abs(rows.data).max(initial=0.0) * np.abs(velocity).max(initial=0.0)
+    if not np.any(sizes <= _DOUBTFUL * largest):
+        return np.asarray(sizes)
+    sums = np.asarray(abs(rows) @ np.abs(velocity)).reshape(-1, dim)
+    return np.where(sizes <= _ROUND_OFF * np.linalg.norm(sums, axis=1), 0.0, sizes)
+
+
+def _beyond(size: Floats, bound: Floats) -> Floats:
+    """Share by which stresses exceed their bound; what has no strength carries none."""
+    strong = bound > 0
+    share = size / np.where(strong, bound, 1.0) - 1
+    return np.where(strong, share, np.where(size == 0, 0.0, np.where(size > 0, np.inf, np.nan)))

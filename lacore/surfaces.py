@@ -1,0 +1,192 @@
+"""Yield surfaces that depend on pressure, and what straining against them costs (T39, T40).
+
+At each point stresses ``q = ||s||`` and ``p`` stay within planes, normals of which the flow keeps:
+
+    normed_i q + slope_i . p <= strength_i
+    ||d|| <= sum_i normed_i lam_i,  v = sum_i slope_i lam_i,  lam >= 0,  D = sum_i strength_i lam_i
+
+s and d of the cone rows, p and v of the volumetric ones. As a polyhedron of (q, p) their corners
+give the dissipation, ``D = max (q ||d|| + p . v)``, and its edges to infinity the flow that is
+possible at all: ``q ||d|| + p . v <= 0`` along each. For Mohr-Coulomb in plane strain there is one
+corner, the apex, and ``D = c cot(phi) theta`` with ``theta >= sin(phi) ||d||`` (T38).
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats
+from lacore.showing import Compact
+
+_PARALLEL = 1e-9  # determinant of unit normals below which planes do not meet in a point
+_ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
+
+
+@dataclass(frozen=True, repr=False)
+class Surfaces(Compact):
+    """Yield surfaces of m points, k of each, in L volumetric rows.
+
+    Attributes:
+        slope: outward normal in p of each, shape (m, k, L).
+        strength: Pa, shape (m, k).
+        normed: 1 where ``||s||`` counts, 0 of a plane in p alone, shape (k,).
+    """
+
+    slope: Floats
+    strength: Floats
+    normed: Floats
+
+    @property
+    def numbers(self) -> dict[str, Floats]:
+        """All that must be finite, by name."""
+        return {"slope": self.slope.ravel(), "strength of surfaces": self.strength.ravel()}
+
+    @property
+    def count(self) -> int:
+        """Surfaces k of each point."""
+        return int(self.normed.size)
+
+    @property
+    def volumes(self) -> int:
+        """Volumetric rows L of each point."""
+        return int(self.slope.shape[2])
+
+    def times(self, factor: float | Floats) -> "Surfaces":
+        """With strengths times a factor, of all points or of each, shape (m,)."""
+        return replace(self, strength=self.strength * np.reshape(factor, (-1, 1)))
+
+    def kept(self, mask: Bools) -> "Surfaces":
+        """Those of the points of a mask, shape (m,)."""
+        return replace(self, slope=self.slope[mask], strength=self.strength[mask])
+
+    def use(self, size: Floats, mean: Floats) -> Floats:
+        """What stresses call on, ``normed q + slope . p``, shape (m, k).
+
+        Args:
+            size: ``||s||``, shape (m,), Pa.
+            mean: p, shape (m L,), point after point, Pa.
+        """
+        pressed = np.einsum("mkl,ml->mk", self.slope, mean.reshape(-1, self.volumes))
+        return np.asarray(self.normed * size[:, None] + pressed)
+
+    def beyond(self, size: Floats, mean: Floats) -> Floats:
+        """By how much stresses exceed the surfaces, relative, shape (m,); NaN of NaN.
+
+        Per largest term at the point, or the mean of these over all points where that is more: at
+        an apex all terms vanish.
+        """
+        if not size.size:
+            return np.zeros(0)
+        terms = np.abs(self.slope) * np.abs(mean.reshape(-1, 1, self.volumes))
+        largest = np.max(np.abs(self.strength) + terms.sum(axis=2), axis=1)
+        scale = np.maximum(largest, largest.mean())
+        excess = np.max(self.use(size, mean) - self.strength, axis=1)
+        return np.asarray(excess / np.where(scale > 0, scale, 1.0))
+
+    def dissipation(self, length: Floats, volume: Floats) -> Floats:
+        """Power per volume of strain rates, shape (m,): ``D``, or that of the nearest corner.
+
+        Args:
+            length: ``||d||``, shape (m,).
+            volume: v, shape (m L,), point after point.
+        """
+        if not length.size:
+            return np.zeros(0)
+        rates = np.column_stack([length, volume.reshape(-1, self.volumes)])
+        powers = np.einsum("mvl,ml->mv", self._corners, rates)
+        return np.asarray(np.where(self._real, powers, -np.inf).max(axis=1))
+
+    def impossible(self, length: Floats, volume: Floats) -> Floats:
+        """How far strain rates are from flow that is possible, 1/s, shape (m,); <= 0 within it.
+
+        In units of the volumetric rates: for Mohr-Coulomb ``sin(phi) ||d|| - theta``.
+        """
+        if not length.size:
+            return np.zeros(0)
+        rates = np.column_stack([length, volume.reshape(-1, self.volumes)])
+        powers = np.einsum("mel,ml->me", self._edges, rates)
+        return np.asarray(powers.max(axis=1))
+
+    def resistance(self, mean: Floats) -> Floats:
+        """Stress that flow which is not possible would meet, from above, shape (m,), Pa.
+
+        The size of p, and that of the farthest corner: for Mohr-Coulomb no less than ``H - P``.
+        """
+        if not mean.size:
+            return np.zeros(0)
+        at_corners = np.where(self._real[:, :, None], np.abs(self._corners[:, :, 1:]), 0.0)
+        own = np.abs(mean).reshape(-1, self.volumes).max(axis=1)
+        return np.asarray(own + at_corners.max(axis=(1, 2), initial=0.0))
+
+    @cached_property
+    def _lines(self) -> Bools:
+        """Volumetric rows that no surface feels: nothing may flow in them, shape (L,)."""
+        return np.asarray(~self.slope.any(axis=(0, 1)))
+
+    @cached_property
+    def _planes(self) -> tuple[Floats, Floats]:
+        """Normals in (q, p), shape (m, k+1, 1+L), and strengths of all planes, ``-q <= 0`` last."""
+        m = self.slope.shape[0]
+        normed = np.broadcast_to(self.normed[:, None], (m, self.count, 1))
+        own = np.concatenate([normed, self.slope], axis=2)
+        last = np.zeros((m, 1, 1 + self.volumes))
+        last[:, :, 0] = -1.0
+        normals = np.concatenate([own, last], axis=1)
+        return normals, np.concatenate([self.strength, np.zeros((m, 1))], axis=1)
+
+    @cached_property
+    def _met(self) -> tuple[Floats, Bools]:
+        """Points in which planes meet, and which of them are corners: (m, v, 1+L), (m, v)."""
+        normals, strengths = self._planes
+        felt = np.concatenate([[True], ~self._lines])
+        places = np.flatnonzero(felt)
+        seen = normals[:, :, felt]
+        length = np.linalg.norm(seen, axis=2, keepdims=True)
+        length[length == 0] = 1.0
+        seen, bound = seen / length, strengths / length[:, :, 0]
+        found, real = [], []
+        for chosen in combinations(range(seen.shape[1]), places.size):
+            matrix, right = seen[:, chosen], bound[:, chosen]
+            good = np.abs(np.linalg.det(matrix)) > _PARALLEL
+            matrix = np.where(good[:, None, None], matrix, np.eye(places.size))
+            corner = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+            terms = np.einsum("mpl,ml->mp", np.abs(seen), np.abs(corner)) + np.abs(bound)
+            inside = np.einsum("mpl,ml->mp", seen, corner) - bound <= _ON * terms
+            found.append(corner)
+            real.append(good & inside.all(axis=1))
+        corners = np.zeros((seen.shape[0], len(found), felt.size))
+        corners[:, :, places] = np.stack(found, axis=1)
+        return corners, np.stack(real, axis=1)
+
+    @property
+    def _corners(self) -> Floats:
+        return self._met[0]
+
+    @property
+    def _real(self) -> Bools:
+        return self._met[1]
+
+    @cached_property
+    def _edges(self) -> Floats:
+        """Directions (q, p) to infinity, largest of p 1, or zeros: shape (m, e, 1+L)."""
+        normals, _ = self._planes
+        size = normals.shape[2]
+        found = []
+        for chosen in combinations(range(normals.shape[1]), size - 1):
+            along = _across(normals[:, chosen])
+            longest = np.abs(along[:, 1:]).max(axis=1, keepdims=True)
+            along = along / np.where(longest > _PARALLEL, longest, np.inf)
+            for direction in (along, -along):
+                terms = np.einsum("mpl,ml->mp", np.abs(normals), np.abs(direction))
+                out = np.einsum("mpl,ml->mp", normals, direction) <= _ON * terms
+                found.append(np.where(out.all(axis=1)[:, None], direction, 0.0))
+        return np.stack(found, axis=1)
+
+
+def _across(rows: Floats) -> Floats:
+    """The vector that L rows of L + 1 components leave, zero where they depend, shape (m, L+1)."""
+    size = rows.shape[2]
+    minors = [(-1) ** j * np.linalg.det(np.delete(rows, j, axis=2)) for j in range(size)]
+    return np.stack(minors, axis=1)
