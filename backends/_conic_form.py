@@ -188,13 +188,13 @@ class ConicForm:
         normed_rows = [self._norms[0].rows(lifting, csr_matrix(dilated))]
         positive: list[Sparse] = []
         for number, (law, rows) in enumerate(zip(normed, over[len(equal) + 3 :], strict=True)):
-            lead, start = leads[number], int(norms[number])
+            lead, first_own = leads[number], int(norms[number])
             self._norms.append(_Norm(law.weights.size, law.dim))
-            normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, start), rows))
+            normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, first_own), rows))
             if lead.slopes is not None:
-                over[number] = csr_matrix(over[number] - _placed(lead.slopes, columns, start))
-                own = lead.shares.shape[1]
-                positive.append(_placed(csr_matrix(identity(own)), columns, start))
+                over[number] = csr_matrix(over[number] - _placed(lead.slopes, columns, first_own))
+                each = csr_matrix(identity(lead.shares.shape[1]))
+                positive.append(_placed(each, columns, first_own))
         free = csr_matrix(vstack([free, *positive])) if positive else free
         blocks = [load, *over[: len(equal)], -free, *(-rows for rows in normed_rows)]
         self._ends = np.cumsum([block.shape[0] for block in blocks])
@@ -207,7 +207,9 @@ class ConicForm:
         soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
         # The t are lengths times weights: w h (t/w)^2/2.
         rising = [
-            np.zeros(lead.shares.shape[1]) if lead.slopes is not None else group.rise / group.weights
+            np.zeros(lead.shares.shape[1])
+            if lead.slopes is not None
+            else group.rise / group.weights
             for group, lead in zip(program.groups, leads[:-1], strict=True)
         ]
         still = np.zeros(first - program.n - sum(part.size for part in rising))
@@ -233,10 +235,14 @@ class ConicForm:
         return q
 
     def offset(self, contact: FrozenContact) -> Floats:
-        """b: ``F0.U = 1`` and the shifts of the contact rows."""
+        """b: ``F0.U = 1``, dilations, and the shifts of the contact rows."""
         shift = self._program.contact.weights * contact.shift
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
+        volumes = np.split(b, self._ends)[1:]
+        for group, own, part in zip(self._program.groups, self._voluminous, volumes, strict=False):
+            if group.surfaces is not None:
+                part[:] = (group.volume_weights * group.surfaces.besides)[own]
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])

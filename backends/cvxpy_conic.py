@@ -146,7 +146,9 @@ class _Model:
             if group.surfaces is not None:
                 lead, spread, cost_of = _multiplied(group.surfaces)
                 laws += [lead >= _lengths(e)] if e is not None else []
-                self._volume.append(volume == spread)
+                self._volume.append(
+                    volume == spread + group.volume_weights * group.surfaces.besides
+                )
                 cost += cost_of
                 continue
             self._volume.append(volume == 0 if theta.nnz else None)
@@ -265,9 +267,12 @@ def _lengths(rows: Any) -> Any:
 
 
 def _multiplied(surfaces: Surfaces) -> tuple[Any, Any, Any]:
-    """Bounds of the norms, volumetric rates by point and cost of multipliers times weights (T39)."""
+    """Bounds of the norms, volumetric rates and cost, of multipliers times weights (T39)."""
     lam = cp.Variable(surfaces.strength.shape, nonneg=True)
-    rates = [cp.sum(cp.multiply(surfaces.slope[:, :, row], lam), axis=1) for row in range(surfaces.volumes)]
+    rates = [
+        cp.sum(cp.multiply(surfaces.slope[:, :, row], lam), axis=1)
+        for row in range(surfaces.volumes)
+    ]
     spread = cp.vec(cp.vstack(rates), order="F")
     return lam @ surfaces.normed, spread, cp.sum(cp.multiply(surfaces.strength, lam))
 

@@ -42,6 +42,10 @@ from .materials.friction import SMOOTH as SMOOTH
 from .materials.friction import STICK as STICK
 from .materials.friction import Coulomb as Coulomb
 from .materials.friction import Tresca as Tresca
+from .materials.mohr_coulomb import MaximumShear as MaximumShear
+from .materials.mohr_coulomb import MohrCoulomb as MohrCoulomb
+from .materials.mohr_coulomb import NoTension as NoTension
+from .materials.mohr_coulomb import Rankine as Rankine
 from .materials.von_mises import VonMises as VonMises
 from .paths.control import FootingTravel as FootingTravel
 from .paths.control import PointTravel as PointTravel

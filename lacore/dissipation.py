@@ -74,14 +74,16 @@ class DissipationGroup(Compact):
     def volume_rates(self, velocity: Floats) -> Floats:
         """``volumetric U``, shape (m L,); none where it is round-off of its own sums."""
         rates = np.asarray(self.volumetric @ velocity)
-        return np.sign(rates) * _without_round_off(np.abs(rates), self.volumetric, 1, velocity)
+        sizes = _without_round_off(np.abs(rates), self.volumetric, 1, velocity)
+        return np.asarray(np.sign(rates) * sizes)
 
     def dissipation(self, velocity: Floats) -> Floats:
         """Dissipation of each cone, shape (m,)."""
         rates = self.rates(velocity)
         if self.surfaces is None:
             return np.asarray(self.weights * self.bound * rates)
-        return self.weights * self.surfaces.dissipation(rates, self.volume_rates(velocity))
+        power = self.surfaces.dissipation(rates, self.volume_rates(velocity))
+        return np.asarray(self.weights * power)
 
     def impossible(self, velocity: Floats) -> Floats:
         """How far each cone is from flow that is possible, ``|theta|`` where none changes volume.
@@ -90,9 +92,9 @@ class DissipationGroup(Compact):
         """
         volume = np.asarray(self.volumetric @ velocity)
         if self.surfaces is None:
-            return np.abs(volume)
+            return np.asarray(np.abs(volume))
         lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
-        return np.maximum(self.surfaces.impossible(lengths, volume), 0.0)
+        return np.asarray(np.maximum(self.surfaces.impossible(lengths, volume), 0.0))
 
     def taken(self, velocity: Floats, mean: Floats) -> float:
         """Power that flow which is not possible takes from stresses, from above; of surfaces only.
@@ -115,6 +117,16 @@ class DissipationGroup(Compact):
         if self.surfaces is None:
             return _beyond(size, self.bound)
         return self.surfaces.beyond(size, mean)
+
+    def use(self, stress: Floats, mean: Floats) -> float:
+        """Largest share of their strength that stresses call on, see `beyond`; >= 0."""
+        size = np.linalg.norm(stress, axis=1)
+        if self.surfaces is None:
+            return float((size / self.bound).max(initial=0.0))
+        called, strength = self.surfaces.use(size, mean), self.surfaces.strength
+        share = called / np.where(strength > 0, strength, 1.0)
+        none = np.where(called > 0, np.inf, 0.0)
+        return float(np.where(strength > 0, share, none).max(initial=0.0))
 
     def times(self, factor: float | Floats) -> "DissipationGroup":
         """The group with its strength times a factor, of all cones or of each, shape (m,)."""

@@ -315,7 +315,7 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
                 bound=group.bound / scales.stress,
                 surfaces=None
                 if group.surfaces is None
-                else group.surfaces.times(1 / scales.stress),
+                else group.surfaces.times(1 / scales.stress, scales.length / scales.velocity),
                 modulus=None
                 if group.modulus is None
                 else group.modulus * (scales.velocity / (scales.length * scales.stress)),

@@ -17,7 +17,7 @@ from itertools import combinations
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats
+from lacore.arrays import Bools, Floats, Ints
 from lacore.showing import Compact
 
 _PARALLEL = 1e-9  # determinant of unit normals below which planes do not meet in a point
@@ -32,11 +32,14 @@ class Surfaces(Compact):
         slope: outward normal in p of each, shape (m, k, L).
         strength: Pa, shape (m, k).
         normed: 1 where ``||s||`` counts, 0 of a plane in p alone, shape (k,).
+        dilation: volumetric rates that flow has besides, shape (m L,), 1/s; None: none. With it a
+            velocity comes out strictly inside of what is possible (T45).
     """
 
     slope: Floats
     strength: Floats
     normed: Floats
+    dilation: Floats | None = None
 
     @property
     def numbers(self) -> dict[str, Floats]:
@@ -53,13 +56,26 @@ class Surfaces(Compact):
         """Volumetric rows L of each point."""
         return int(self.slope.shape[2])
 
-    def times(self, factor: float | Floats) -> "Surfaces":
-        """With strengths times a factor, of all points or of each, shape (m,)."""
-        return replace(self, strength=self.strength * np.reshape(factor, (-1, 1)))
+    @property
+    def besides(self) -> Floats:
+        """`dilation`, zero where there is none, shape (m L,), 1/s."""
+        none = np.zeros(self.strength.shape[0] * self.volumes)
+        return none if self.dilation is None else self.dilation
 
-    def kept(self, mask: Bools) -> "Surfaces":
-        """Those of the points of a mask, shape (m,)."""
-        return replace(self, slope=self.slope[mask], strength=self.strength[mask])
+    def times(self, factor: float | Floats, rate: float | Floats = 1.0) -> "Surfaces":
+        """In other units: strengths and rates times factors, of all points or of each, (m,)."""
+        dilation = self.dilation
+        if dilation is not None:
+            dilation = (dilation.reshape(-1, self.volumes) * np.reshape(rate, (-1, 1))).ravel()
+        return replace(
+            self, strength=self.strength * np.reshape(factor, (-1, 1)), dilation=dilation
+        )
+
+    def at(self, points: Bools | Ints) -> "Surfaces":
+        """Those of the points of a mask of shape (m,), or of numbers; without dilation."""
+        return replace(
+            self, slope=self.slope[points], strength=self.strength[points], dilation=None
+        )
 
     def use(self, size: Floats, mean: Floats) -> Floats:
         """What stresses call on, ``normed q + slope . p``, shape (m, k).

@@ -63,8 +63,10 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
     use = max(
         float((rubbed / contact.limit[limited]).max(initial=0.0)),
         *(
-            float((np.linalg.norm(stress, axis=1) / group.bound).max(initial=0.0))
-            for group, stress in zip(program.groups, state.stress, strict=True)
+            group.use(stress, mean)
+            for group, stress, mean in zip(
+                program.groups, state.stress, state.mean_stress, strict=True
+            )
         ),
     )
     factor = _BELOW_ONE / use if state.load_factor > _NOTHING else 0.0

@@ -9,11 +9,14 @@ from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
+from lacore.backend import find_backend, read_options
 from lacore.bodies.continuum.spaces import VelocitySpace
+from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.errors import InputError, SolveError
+from lacore.inner.preparing import preparing
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
 from lacore.limit.driven_corners import driven_corners
@@ -131,8 +134,13 @@ def upper_bound(
         return _unbounded(state)
     program = dimensionless(discretisation.program, discretisation.natural)
     point = point_in_program(discretisation, state.point)
-    candidates = [admissible_velocity(program, point.velocity)]
-    candidates += _without_noise(program, point.velocity)
+    if program.presses:
+        engine = find_backend(state.backend)
+        with preparing(engine, read_options(engine, state.options)) as prepare:
+            candidates = [possible_velocity(program, point.velocity, prepare)]
+    else:
+        candidates = [admissible_velocity(program, point.velocity)]
+        candidates += _without_noise(program, point.velocity)
     bounds = [_bound(state, program, replace(point, velocity=own)) for own in candidates]
     bound = min(bounds, key=lambda one: one.load_factor if one.status is Status.SOLVED else np.inf)
     if throw and bound.status is not Status.SOLVED:
@@ -166,14 +174,29 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
     """What an admissible velocity proves; `program` and `point`: dimensionless."""
     discretisation = state.discretisation
     penetration = certify(program, point, associated_contact(program.contact)).penetration
-    leak = sum(float(g.weights @ np.abs(g.volumetric @ point.velocity)) for g in program.groups)
+    leak = sum(
+        float(g.weights @ np.abs(g.volumetric @ point.velocity))
+        for g in program.groups
+        if g.surfaces is None
+    )
     leak /= float(np.abs(point.velocity).max())
     velocity = discretisation.free_basis @ point.velocity * discretisation.natural.velocity
     velocity /= float(discretisation.full.reference_load @ velocity)
     power = plastic_power(discretisation, velocity, _PARTS)
     exact = exactness(d.body for d in discretisation.bodies.values())
     corners = driven_corners(discretisation, velocity, state.tolerance)
-    proves = max(leak, penetration) <= exact and not corners
+    # Where strength depends on pressure, flow is possible or it is not: nothing is round-off.
+    leak += sum(
+        float(g.weights @ g.impossible(velocity))
+        for g in discretisation.full.groups
+        if g.surfaces is not None
+    )
+    possible = all(
+        not np.any(group.impossible(velocity) > 0)
+        for group in discretisation.full.groups
+        if group.surfaces is not None
+    )
+    proves = max(leak, penetration) <= exact and possible and not corners
     rigor = Rigor.NOT_CERTIFIED
     if proves:
         bodies = discretisation.bodies.values()
@@ -243,12 +266,31 @@ def _on_lattice(
     group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
 ) -> Floats:
     count = space.points.shape[1]
+    if group.surfaces is not None:
+        return _pressed_on_lattice(group, velocity, space, parts)
     strained = (group.rates(velocity) > 0)[:, None]
     known = np.where(strained, group.cone_vectors(velocity), 0.0).reshape(-1, count, group.dim)
     places, share = lattice(parts)
     size = np.linalg.norm(np.einsum("pq,eqd->epd", places @ space.to_vertices(), known), axis=2)
     strength = (group.weights * group.bound).reshape(-1, count).sum(axis=1)
     return np.asarray(strength * (size @ share))
+
+
+def _pressed_on_lattice(
+    group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
+) -> Floats:
+    """The same where strength depends on pressure: the dissipation is convex all the same."""
+    assert group.surfaces is not None
+    count = space.points.shape[1]
+    places, share = lattice(parts)
+    onto = places @ space.to_vertices()
+    known = group.cone_vectors(velocity).reshape(-1, count, group.dim)
+    length = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
+    volume = (group.volumetric @ velocity).reshape(-1, count) @ onto.T
+    first = np.repeat(count * np.arange(len(known)), share.size)
+    power = group.surfaces.at(first).dissipation(length.ravel(), volume.ravel())
+    area = group.weights.reshape(-1, count).sum(axis=1)
+    return np.asarray(area * (power.reshape(-1, share.size) @ share))
 
 
 def lattice(parts: int) -> tuple[Floats, Floats]:

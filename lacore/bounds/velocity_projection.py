@@ -87,12 +87,12 @@ def _projected(rows: Sparse, velocity: Floats, solver: SuperLU) -> Floats:
 
 
 def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests: Bools) -> Sparse:
-    """Rows that must be zero: no divergence, no slip where contact rests, no penetration.
+    """Rows that must be zero: no slip where contact rests, no penetration, no divergence.
 
-    Contact that is open by far plays no part; where it hardly is, it is closed: rows that depend
-    on each other, of a body that is held all around, contradict unless all ask for zero. Where
-    dilatant points slip, the cone of their law is one of its faces; where they hardly do, they
-    stick.
+    Divergence only where strength feels no pressure. Contact that is open by far plays no part;
+    where it hardly is, it is closed: rows that depend on each other, of a body that is held all
+    around, contradict unless all ask for zero. Where dilatant points slip, the cone of their law is
+    one of its faces; where they hardly do, they stick.
 
     Args:
         program: dimensionless.
@@ -103,7 +103,7 @@ def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests
     contact = program.contact
     face = diags_array(contact.dilatancy * np.sign(_slip(program, velocity))) @ contact.tangential
     parts = [
-        *(group.volumetric for group in program.groups),
+        *(group.volumetric for group in program.groups if group.surfaces is None),
         contact.tangential[rests],
         csr_matrix(contact.normal - face)[close],
     ]

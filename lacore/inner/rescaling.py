@@ -93,7 +93,9 @@ class PartUnits:
                 rows=cut(own.rows, np.repeat(units, own.dim)),
                 volumetric=cut(own.volumetric, np.repeat(units, own.volumes)),
                 bound=own.bound * units,
-                surfaces=None if own.surfaces is None else own.surfaces.times(units),
+                surfaces=None
+                if own.surfaces is None
+                else own.surfaces.times(units, 1 / (units * fastest)),
                 modulus=None if own.modulus is None else own.modulus * units**2 * fastest,
             )
 

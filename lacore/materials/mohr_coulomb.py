@@ -11,6 +11,7 @@ import numpy as np
 
 from lacore.errors import InputError, is_number, require_known, require_positive, require_range
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.von_mises import VonMises
 from lacore.showing import Compact
 
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
@@ -46,7 +47,10 @@ class MohrCoulomb(Compact):
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
-        _require_cutoffs("MohrCoulomb", self.tension_cutoff, self.crushing)
+        _require_cutoffs(
+            ("MohrCoulomb.tension_cutoff", self.tension_cutoff),
+            ("MohrCoulomb.crushing", self.crushing),
+        )
         if self.tension_cutoff is not None and self.tension_cutoff > self.apex:
             raise InputError(
                 "MohrCoulomb.tension_cutoff",
@@ -108,7 +112,10 @@ class Rankine(Compact):
     compressive_strength: float | None = None
 
     def __post_init__(self) -> None:
-        _require_cutoffs("Rankine", self.tensile_strength, self.compressive_strength)
+        _require_cutoffs(
+            ("Rankine.tensile_strength", self.tensile_strength),
+            ("Rankine.compressive_strength", self.compressive_strength),
+        )
 
     @property
     def strength(self) -> float:
@@ -118,7 +125,7 @@ class Rankine(Compact):
 
     @property
     def label(self) -> str:
-        """``sigma <= 1 Pa, -sigma <= 20 Pa``."""
+        """``tension ≤ 1 Pa, compression ≤ 20 Pa``."""
         return ", ".join(_told(self.tensile_strength, self.compressive_strength))
 
     @property
@@ -131,13 +138,81 @@ class Rankine(Compact):
         return _planes(kinematics, None, 0.0, self.tensile_strength, self.compressive_strength)
 
 
-def no_tension(compressive_strength: float | None = None) -> Rankine:
-    """Masonry as a continuum: no principal stress is tensile; crushing where a strength is given.
+@dataclass(frozen=True, repr=False)
+class NoTension(Compact):
+    """Masonry as a continuum: no principal stress is tensile; `Rankine` with a strength of 0.
 
-    Args:
-        compressive_strength: largest compression of a principal stress, Pa; None: none.
+    Attributes:
+        compressive_strength: largest compression of a principal stress, Pa; None: none, and what is
+            compressed from all sides is locked.
+
+    Raises:
+        InputError: a strength that is not positive.
     """
-    return Rankine(0.0, compressive_strength)
+
+    compressive_strength: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.compressive_strength is not None:
+            require_positive("NoTension.compressive_strength", self.compressive_strength)
+
+    @property
+    def strength(self) -> float:
+        """Shear stress that it carries without pressure: none."""
+        return 0.0
+
+    @property
+    def label(self) -> str:
+        """``no tension``."""
+        return ", ".join(["no tension", *_told(None, self.compressive_strength)])
+
+    @property
+    def law(self) -> None:
+        """It does not harden: paths are not followed with it."""
+        return None
+
+    def conic_form(self, kinematics: str) -> ConicForm:
+        """Planes of T39."""
+        return _planes(kinematics, None, 0.0, 0.0, self.compressive_strength)
+
+
+@dataclass(frozen=True, repr=False)
+class MaximumShear(Compact):
+    """Tresca's criterion: no plane carries more than a shear stress (T40).
+
+    In plane strain that of von Mises with the same shear strength; not so in plane stress and in
+    axisymmetry. `lacore.Tresca` is the friction law of that name.
+
+    Attributes:
+        shear_strength: Pa.
+
+    Raises:
+        InputError: a strength that is not positive.
+    """
+
+    shear_strength: float
+
+    def __post_init__(self) -> None:
+        require_positive("MaximumShear.shear_strength", self.shear_strength)
+
+    @property
+    def strength(self) -> float:
+        """As `shear_strength`."""
+        return self.shear_strength
+
+    @property
+    def label(self) -> str:
+        """Its strength in shear, Pa."""
+        return f"largest shear {self.shear_strength:.4g} Pa"
+
+    @property
+    def law(self) -> None:
+        """It does not harden: paths are not followed with it."""
+        return None
+
+    def conic_form(self, kinematics: str) -> ConicForm:
+        """In plane strain the cone of von Mises; planes of T39 and T40 else."""
+        return _planes(kinematics, self.shear_strength, 0.0, None, None)
 
 
 def _planes(
@@ -156,6 +231,9 @@ def _planes(
         tension, crushing: Pa; None: none.
     """
     require_known("Body.kinematics", kinematics, KINEMATICS)
+    cut = tension is not None or crushing is not None
+    if shear is not None and slope == 0 and not cut and kinematics == "plane_strain":
+        return VonMises(shear_strength=shear).conic_form(kinematics)
     planes: list[Surface] = []
     around = kinematics == "axisymmetric"
 
@@ -196,7 +274,7 @@ def _planes(
 def _told(tension: float | None, crushing: float | None) -> list[str]:
     return [
         f"{text} ≤ {limit:.4g} Pa"
-        for text, limit in (("σ", tension), ("-σ", crushing))
+        for text, limit in (("tension", tension), ("compression", crushing))
         if limit is not None
     ]
 
@@ -207,14 +285,12 @@ def _require_not_negative(field: str, value: float) -> None:
     require_range(field, value)
 
 
-def _require_cutoffs(owner: str, tension: float | None, crushing: float | None) -> None:
-    names = ("tension_cutoff", "crushing")
-    if owner == "Rankine":
-        names = ("tensile_strength", "compressive_strength")
-    if tension is not None:
-        _require_not_negative(f"{owner}.{names[0]}", tension)
-    if crushing is not None:
-        require_positive(f"{owner}.{names[1]}", crushing)
+def _require_cutoffs(tension: tuple[str, float | None], crushing: tuple[str, float | None]) -> None:
+    (tensile, most), (compressive, least) = tension, crushing
+    if most is not None:
+        _require_not_negative(tensile, most)
+    if least is not None:
+        require_positive(compressive, least)
 
 
 def _require_angle(field: str, value: float) -> None:

@@ -1,0 +1,85 @@
+"""Velocities that a material whose strength depends on pressure can flow with, exactly (T45).
+
+What a solver leaves of ``theta >= sin(phi) ||d||`` is up to 1e-5 of the largest rate, worst in
+small elements. The conditions are convex: between the velocity and one that is strictly inside
+everywhere, found with ``theta >= sin(phi) ||d|| + M/w``, the nearest one that meets them all in
+floating point costs about 1e-5 of the load factor.
+"""
+
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.backend import checked_answer
+from lacore.bounds.velocity_projection import admissible_velocity
+from lacore.inner.preparing import Prepare
+from lacore.program import KinematicProgram, associated_contact
+
+_MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
+_DOUBLED = 8  # times that the share of the inner velocity grows where round-off is left
+
+
+def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prepare) -> Floats:
+    """The velocity moved inward until every cone flows as it can; else what came closest.
+
+    Args:
+        program: dimensionless, with surfaces.
+        velocity: almost possible, shape (n,).
+        prepare: sets an exact backend to work on a program.
+    """
+    velocity = admissible_velocity(program, velocity)
+    best = velocity
+    for margin in _MARGINS:
+        if not _outside(program, best).max(initial=0.0) > 0:
+            break
+        inside = _inside(program, margin, prepare)
+        if inside is not None:
+            best = _between(program, velocity, inside)
+    return best
+
+
+def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Floats | None:
+    """The best velocity that is strictly inside by a margin; None where none is found."""
+    groups = tuple(
+        group
+        if group.surfaces is None
+        else replace(
+            group,
+            surfaces=replace(group.surfaces, dilation=margin / group.volume_weights),
+        )
+        for group in program.groups
+    )
+    widened = replace(program, groups=groups)
+    with closing(prepare(widened)) as solver:
+        point = checked_answer(widened, False, solver.solve(associated_contact(program.contact)))
+    return None if point.point is None else admissible_velocity(program, point.point.velocity)
+
+
+def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Floats:
+    """The velocity with the least share of another one that makes it possible."""
+    out, within = _outside(program, velocity), _outside(program, inside)
+    wrong = out > 0
+    room = np.where(wrong, out - within, 1.0)
+    share = float(np.max(np.where(wrong & (room > 0), out / room, 0.0), initial=0.0))
+    for _ in range(_DOUBLED):
+        share = min(share, 1.0)
+        moved = (1 - share) * velocity + share * inside
+        if not _outside(program, moved).max(initial=0.0) > 0:
+            break
+        share = 2 * max(share, 1e-9)
+    return np.asarray(moved)
+
+
+def _outside(program: KinematicProgram, velocity: Floats) -> Floats:
+    """How far all cones are from flow that is possible, shape (m,); < 0 inside."""
+    return np.concatenate(
+        [
+            group.surfaces.impossible(
+                np.linalg.norm(group.cone_vectors(velocity), axis=1), group.volumetric @ velocity
+            )
+            for group in program.groups
+            if group.surfaces is not None
+        ]
+    )
