@@ -85,6 +85,10 @@ class DissipationGroup(Compact):
         power = self.surfaces.dissipation(rates, self.volume_rates(velocity))
         return np.asarray(self.weights * power)
 
+    def carried(self, mean: Floats) -> Floats:
+        """Largest ``||stress||`` beside mean stresses of shape (m L,), shape (m,), Pa; >= 0."""
+        return self.bound if self.surfaces is None else self.surfaces.carried(mean)
+
     def impossible(self, velocity: Floats) -> Floats:
         """How far each cone is from flow that is possible, ``|theta|`` where none changes volume.
 

@@ -87,6 +87,11 @@ class Surfaces(Compact):
         pressed = np.einsum("mkl,ml->mk", self.slope, mean.reshape(-1, self.volumes))
         return np.asarray(self.normed * size[:, None] + pressed)
 
+    def carried(self, mean: Floats) -> Floats:
+        """Largest ``||s||`` beside p of shape (m L,), shape (m,), Pa; 0 where p alone is too much."""
+        room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
+        return np.asarray(np.maximum(room[:, self.normed > 0].min(axis=1), 0.0))
+
     def beyond(self, size: Floats, mean: Floats) -> Floats:
         """By how much stresses exceed the surfaces, relative, shape (m,); NaN of NaN.
 
@@ -117,13 +122,14 @@ class Surfaces(Compact):
     def impossible(self, length: Floats, volume: Floats) -> Floats:
         """How far strain rates are from flow that is possible, 1/s, shape (m,); <= 0 within it.
 
-        In units of the volumetric rates: for Mohr-Coulomb ``sin(phi) ||d|| - theta``.
+        In units of the volumetric rates: for Mohr-Coulomb ``sin(phi) ||d|| - theta``; -inf where
+        all flow is possible.
         """
         if not length.size:
             return np.zeros(0)
         rates = np.column_stack([length, volume.reshape(-1, self.volumes)])
         powers = np.einsum("mel,ml->me", self._edges, rates)
-        return np.asarray(powers.max(axis=1))
+        return np.asarray(np.where(self._edges.any(axis=2), powers, -np.inf).max(axis=1))
 
     def resistance(self, mean: Floats) -> Floats:
         """Stress that flow which is not possible would meet, from above, shape (m,), Pa.

@@ -6,6 +6,7 @@ from lacore.arrays import Floats
 from lacore.bounds.gap_identity import gap_identity
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
+from lacore.dissipation import DissipationGroup
 
 _LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
 
@@ -21,6 +22,10 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     groups = discretisation.full.groups
     group = next(group for group in groups if group.name == body)
     whole = bound.dissipation[body]
+    if group.surfaces is not None:
+        assert bound.state.point is not None
+        means = dict(zip((g.name for g in groups), bound.state.point.mean_stress, strict=True))
+        return _varying(group, group.cone_vectors(bound.velocity), means[body], whole.size)
     rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
         whole.size, -1, group.dim
     )
@@ -41,13 +46,27 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
     refine too few elements at a time (T26d). Shape (elements,), in the unit of load factors.
     """
     assert bound.point is not None
-    group = next(group for group in bound.model.program.groups if group.name == body)
+    groups = bound.model.program.groups
+    number = next(number for number, group in enumerate(groups) if group.name == body)
+    group = groups[number]
     rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
     rates = rates.reshape(-1, 3, group.dim)
-    strength = group.bound.reshape(-1, 3)[:, 0]
+    # What a soil carries follows its pressure.
+    strength = group.carried(bound.point.mean_stress[number]).reshape(-1, 3).mean(axis=1)
     whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
     varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
     return np.asarray(np.sqrt(whole * np.maximum(varying, 0.0)))
+
+
+def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int) -> Floats:
+    """How far shear varies in elements, times what they carry at their pressure, (elements,).
+
+    The dissipation of a soil is linear in its strain rate (T38), and says nothing of it.
+    """
+    weighted = (group.weights[:, None] * rates).reshape(elements, -1, group.dim)
+    strength = group.carried(mean).reshape(elements, -1).mean(axis=1)
+    whole = np.linalg.norm(weighted, axis=2).sum(axis=1)
+    return np.asarray(strength * (whole - np.linalg.norm(weighted.sum(axis=1), axis=1)))
 
 
 def shared_shares(upper: UpperBound, lower: LowerBound, body: str) -> Floats:

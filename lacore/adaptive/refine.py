@@ -16,6 +16,8 @@ from lacore.adaptive.starts import mesh_of, on_mesh, only_body, starts
 from lacore.arrays import Floats
 from lacore.backend import find_backend
 from lacore.bounds.enclosing import has_coulomb
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import InputError, require_count, require_positive
@@ -254,6 +256,8 @@ class _Run:
         if self.coulomb:  # it may stay wide
             width = self.target
         tolerance = float(np.clip(_LOOSE * width, _TIGHTEST, _LOOSEST))
+        if any(body.form.surfaces for body in of_kind(problem.bodies, Body).values()):
+            tolerance = _TIGHTEST  # what flows as it cannot is worst in the least element (T45)
         bound = self._bound(kind, problem, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
             bound = self._bound(kind, problem, {})

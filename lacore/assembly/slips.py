@@ -36,7 +36,7 @@ def slips(
     """Where the bodies of a problem slip, by name; those that slip nowhere are left out.
 
     Of straight triangles in the plane: elsewhere no load factor is a bound, and meshes of paths
-    would leave what holds them.
+    would leave what holds them. Not where friction dilates: what slips would have to open.
 
     Args:
         problem: the problem.
@@ -47,7 +47,7 @@ def slips(
     found = {}
     touched = [contact_facets(problem, index) for index in range(len(problem.interfaces))]
     for name, dofs in bodies.items():
-        if not dofs.linear:
+        if not dofs.linear or dofs.body.form.surfaces:
             continue
         asked, owner = asked_of(problem, name, dofs, footings)
         contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])

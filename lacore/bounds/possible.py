@@ -61,8 +61,8 @@ def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Flo
     """The velocity with the least share of another one that makes it possible."""
     out, within = _outside(program, velocity), _outside(program, inside)
     wrong = out > 0
-    room = np.where(wrong, out - within, 1.0)
-    share = float(np.max(np.where(wrong & (room > 0), out / room, 0.0), initial=0.0))
+    room = np.maximum(out[wrong] - within[wrong], np.finfo(float).tiny)
+    share = float(np.max(out[wrong] / room, initial=0.0))
     for _ in range(_DOUBLED):
         share = min(share, 1.0)
         moved = (1 - share) * velocity + share * inside
