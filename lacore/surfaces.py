@@ -88,7 +88,7 @@ class Surfaces(Compact):
         return np.asarray(self.normed * size[:, None] + pressed)
 
     def carried(self, mean: Floats) -> Floats:
-        """Largest ``||s||`` beside p of shape (m L,), shape (m,), Pa; 0 where p alone is too much."""
+        """Largest ``||s||`` beside p of shape (m L,), shape (m,), Pa; 0 beyond it."""
         room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
         return np.asarray(np.maximum(room[:, self.normed > 0].min(axis=1), 0.0))
 

@@ -15,9 +15,9 @@ from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import mesh_of, on_mesh, only_body, starts
 from lacore.arrays import Floats
 from lacore.backend import find_backend
-from lacore.bounds.enclosing import has_coulomb
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bounds.enclosing import has_coulomb
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import InputError, require_count, require_positive
@@ -71,9 +71,9 @@ def bracket(
         max_elements: of each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
-        meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, and with
-            Coulomb friction. Where the mesh of a problem knows nothing of its stresses, a shared
-            one is the better choice.
+        meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, with Coulomb
+            friction, and with friction in the body. Where the mesh of a problem knows nothing of
+            its stresses, a shared one is the better choice.
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
             `lacore.meshes.fan`. None: that of the problem; where meshes are separate, with fans at
             its singular points.

@@ -6,7 +6,7 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.adaptive.same_domain import difference
-from lacore.adaptive.singular_points import sectors_for, singular_points
+from lacore.adaptive.singular_points import friction_of, sectors_for, singular_points
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
@@ -56,7 +56,8 @@ def starts(
             "leave it out",
         )
     if meshes is None:
-        meshes = "separate" if coulomb or lower_mesh is not None else "shared"
+        apart = coulomb or lower_mesh is not None or friction_of(only_body(problem)[1]) > 0
+        meshes = "separate" if apart else "shared"
     problem = on_mesh(problem, mesh_of(problem))
     if meshes == "shared":
         both = _statable(problem)
@@ -65,8 +66,9 @@ def starts(
     above, below = associated(problem), frictionless(problem)
     _check("the upper bound", mesh_of(above), max_elements)
     if lower_mesh is None:
-        points = singular_points(below, only_body(below)[0])
-        below = on_mesh(below, fanned(mesh_of(below), points, sectors_for(target_width)))
+        name, body = only_body(below)
+        sectors = sectors_for(target_width, friction_of(body))
+        below = on_mesh(below, fanned(mesh_of(below), singular_points(below, name), sectors))
     else:
         below = _given(below, lower_mesh)
     below = _statable(below)

@@ -1,13 +1,33 @@
 """Scales in which the quantities of an answer are of order one (T20)."""
 
+from collections.abc import Sequence
 from math import fsum, sqrt
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.assembly.unknowns import Unknowns
+from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
 from lacore.program import KinematicProgram
 from lacore.scales import Scales
+
+
+def strengths_of(
+    groups: Sequence[DissipationGroup], dead_load: Floats, length: float
+) -> list[float]:
+    """Stresses by which groups yield, in tension, Pa: cohesion, or what the dead load presses.
+
+    The apex of a cone is none: it is far away where friction is small (T48).
+    """
+    strengths = [sqrt(3) * float(group.bound.max()) for group in groups]
+    pressed = [group.surfaces for group in groups if group.surfaces is not None]
+    if pressed:
+        steepest = max(float(surfaces.slope.max()) for surfaces in pressed)
+        strengths.append(steepest * fsum(np.abs(dead_load)) / length)
+    if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
+        strengths += [float(surfaces.strength.max()) for surfaces in pressed]
+    return strengths
 
 
 def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: float) -> Scales:
@@ -19,13 +39,7 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     length = sqrt(fsum(own.extent for own in unknowns.dofs.values()))
     bodies = unknowns.continua
     yielding = program.groups[: len(bodies)] or program.groups
-    strengths = [sqrt(3) * float(group.bound.max()) for group in yielding]
-    pressed = [group.surfaces for group in yielding if group.surfaces is not None]
-    if pressed:  # by the dead load (T48)
-        steepest = max(float(surfaces.slope.max()) for surfaces in pressed)
-        strengths.append(steepest * fsum(np.abs(program.dead_load)) / length)
-    if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
-        strengths += [float(surfaces.strength.max()) for surfaces in pressed]
+    strengths = strengths_of(yielding, program.dead_load, length)
     if not strengths:
         limit = program.contact.limit
         strengths = [
@@ -36,8 +50,8 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
         raise InputError(
             "Problem.dead_loads",
             None,
-            "rigid bodies under no dead load, without cohesion: nothing sets a scale of forces, the"
-            " load factor would always be 0",
+            "bodies without cohesion under no dead load: nothing sets a scale of forces, the load"
+            " factor would always be 0",
             "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields",
         )
     volume = sum(float(body.weights.sum()) for body in bodies.values())

@@ -12,6 +12,7 @@ from lacore.state import ProgramState
 # moves, up to 2e-8 measured, or four times the backend's tolerance, and then more.
 _MARGIN, _WIDER = 1e-7, (1.0, 100.0, 10_000.0)
 _WIDEST = 0.01
+_HALF = 0.5  # of a cohesion that is next to none, lent to a sand (T45)
 _NOISE = 1e-9  # of the largest reaction or the mean traction of the loads
 _NOTHING = 1e-9  # load factor, dimensionless: what a solver leaves of zero
 _BELOW_ONE = 1 - 4 * np.finfo(float).eps  # so that a scaled stress is not above by round-off
@@ -22,7 +23,8 @@ def margins(program: KinematicProgram, options: Any) -> list[float]:
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
     least = max(_MARGIN, 4 * float(getattr(options, "tolerance", 0.0)))
-    return [min(factor * least, _WIDEST) for factor in _WIDER]
+    shares = [min(factor * least, _WIDEST) for factor in _WIDER]
+    return [*shares, _HALF] if program.presses else shares
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:

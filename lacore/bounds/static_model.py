@@ -10,6 +10,7 @@ from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import footings_of, load_vector, require_power
+from lacore.assembly.natural import strengths_of
 from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
@@ -30,6 +31,8 @@ from lacore.program import KinematicProgram
 from lacore.reduction import kept_points, reduced
 from lacore.scales import Scales
 from lacore.showing import Facts, Shown, counted, listed, sized
+
+_LENT = 1e-6  # of the dead load per size of a body: a cohesion that no result sees
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,6 +142,17 @@ def static_model(problem: Problem) -> StaticModel:
     full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
     size = float(np.abs(full.reference_load).sum())
     require_power(program.reference_load, size)
+    for name, own in bodies.items():
+        _check_cohesion(name, own, full.dead_load)
+    length = sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values()))
+    stress = max(strengths_of(full.groups, full.dead_load, length))
+    if not stress > 0:
+        raise InputError(
+            "Problem.dead_loads",
+            None,
+            "no body has any cohesion, and no dead load presses them: the bound would always be 0",
+            "give dead_loads (a Pressure beside a footing, a BodyForce), or a cohesion",
+        )
     return StaticModel(
         problem=problem,
         full=full,
@@ -147,8 +161,8 @@ def static_model(problem: Problem) -> StaticModel:
         assemblies=assemblies,
         points=points.kept(kept),
         natural=Scales(
-            length=sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())),
-            stress=sqrt(3) * max(own.strength for own in bodies.values()),
+            length=length,
+            stress=stress,
             velocity=1 / size,
         ),
     )
@@ -189,6 +203,20 @@ def _continua(problem: Problem) -> dict[str, Body]:
             "'frictionless' and 'associated' bound every Coulomb load factor",
         )
     return bodies
+
+
+def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None:
+    """Refuse what has no strength at all without pressure: no proof in floating point has room."""
+    form = dofs.body.form
+    if not form.surfaces or min(float(np.min(one.strength)) for one in form.surfaces) > 0:
+        return
+    lent = _LENT * float(np.abs(dead_load).sum()) / dofs.body.size or 1e-6
+    raise InputError(
+        f"Problem.bodies[{name!r}].criterion",
+        dofs.body.criterion.label,
+        "no cohesion or no tension: where nothing presses it stresses have no room to be exact in",
+        f"lend it next to none, {lent:.1e} Pa: the bound is one of that soil, about 1e-5 higher",
+    )
 
 
 def _check_statable(problem: Problem) -> None:
