@@ -13,8 +13,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_positive
-from lacore.program import FrozenContact, KinematicProgram
-from lacore.scales import Scales
+from lacore.program import FrozenContact, KinematicProgram, Scales
 from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status

@@ -32,7 +32,6 @@ LACORE = (
         "showing",
         "views",
         "status",
-        "scales",
         "surfaces",
         "dissipation",
         "program",

@@ -11,8 +11,7 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.contact.rows import ContactPoints
 from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram
-from lacore.scales import Scales
+from lacore.program import KinematicProgram, Scales
 from lacore.showing import Facts, Picture, Shown, counted, listed, sized
 from lacore.status import Scope
 

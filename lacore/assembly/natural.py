@@ -9,8 +9,7 @@ from lacore.arrays import Floats
 from lacore.assembly.unknowns import Unknowns
 from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
-from lacore.program import KinematicProgram
-from lacore.scales import Scales
+from lacore.program import KinematicProgram, Scales
 
 
 def strengths_of(

@@ -27,9 +27,8 @@ from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
-from lacore.program import KinematicProgram
+from lacore.program import KinematicProgram, Scales
 from lacore.reduction import kept_points, reduced
-from lacore.scales import Scales
 from lacore.showing import Facts, Shown, counted, listed, sized
 
 _LENT = 1e-6  # of the dead load per size of a body: a cohesion that no result sees

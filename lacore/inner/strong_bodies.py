@@ -19,9 +19,8 @@ from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.inner.rescaling import largest_residual
 from lacore.inner.rigid_motions import motions_without_strain, weighted_rows
-from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, dimensionless
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, Scales, dimensionless
 from lacore.reduction import reduced
-from lacore.scales import Scales
 from lacore.state import ProgramState, out_of_balance
 from lacore.status import Status
 

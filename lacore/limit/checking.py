@@ -18,7 +18,7 @@ from scipy.sparse.linalg import spsolve
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.bodies.continuum.volume import volume_projector
+from lacore.bodies.continuum.volume import means_projector
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
 from lacore.errors import InputError, require_known
@@ -179,10 +179,11 @@ def _with_stress(
         dofs = d.bodies[name]
         form = dofs.body.form
         sigma = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4)).reshape(-1, 4)
-        parts = np.eye(form.rows.shape[0] + 1)
-        own = sigma @ np.linalg.pinv(form.stress(parts[:, :-1], parts[:, -1]))
-        stresses[number], means[number] = own[:, :-1], own[:, -1]
-        kept = form.stress(own[:, :-1], np.asarray(volume_projector(dofs) @ own[:, -1]))
+        dim = form.rows.shape[0]
+        parts = np.eye(dim + len(form.volumes))
+        own = sigma @ np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
+        stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
+        kept = form.stress(own[:, :dim], np.asarray(means_projector(dofs) @ means[number]))
         largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
         unlike = float(np.maximum(unlike, off))

@@ -40,9 +40,14 @@ from lacore.limit.state import LimitState
 from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.process.isolation import SolverProcess
-from lacore.program import KinematicProgram, associated_contact, dimensionless, frictionless_contact
+from lacore.program import (
+    KinematicProgram,
+    Scales,
+    associated_contact,
+    dimensionless,
+    frictionless_contact,
+)
 from lacore.regularization import RegularisedValues
-from lacore.scales import Scales
 from lacore.status import Rigor, Status
 
 _LOOPS: tuple[Coupling, ...] = (

@@ -14,7 +14,7 @@ from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
-from lacore.bodies.continuum.volume import volume_projector
+from lacore.bodies.continuum.volume import means_projector
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
 from lacore.limit.checking import Table, checked
@@ -122,7 +122,7 @@ class LimitState(Shown):
             self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
         ):
             form = dofs.body.form
-            mean = volume_projector(dofs) @ p
+            mean = means_projector(dofs) @ p
             result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
         return result
 

@@ -106,6 +106,7 @@ class VonMises(Compact):
                 volumetric=np.zeros(3),
                 bound=self.k,
                 volumetric_factor=0.0,
+                out_of_plane=0.0,
             )
         return ConicForm(
             rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 import lacore as la
 from lacore.certificate import certify
 from lacore.coupling.bounds import kinematic_load_factor
-from lacore.program import associated_contact, dimensionless
-from lacore.scales import Scales
+from lacore.program import Scales, associated_contact, dimensionless
 from tests.lacore.models import deformable_block
 from tests.lacore.planted import (
     MU,

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 import lacore as la
-from lacore.program import associated_contact, dimensionless, reaction_contact
+from lacore.program import Scales, associated_contact, dimensionless, reaction_contact
 from lacore.reduction import reduced
-from lacore.scales import Scales
 from tests.lacore.models import deformable_block
 from tests.lacore.random_programs import POINTS, N, frozen, random_program
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.program import Scales
 from lacore.regularization import Penalties, beside, evaluate, penalties
-from lacore.scales import Scales
 from tests.lacore.random_programs import CONES, POINTS, N, frozen, random_program, random_step
 
 SEED = st.integers(0, 10**6)

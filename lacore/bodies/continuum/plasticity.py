@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, eye_array, kron
+from scipy.sparse import csr_matrix
 
-from lacore.arrays import Bools, Floats, Sparse
-from lacore.bodies.continuum.volume import volume_projector
+from lacore.arrays import Floats, Sparse
+from lacore.bodies.continuum.volume import means_projector
 from lacore.program import DissipationGroup
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> DissipationGroup:
         return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
 
     weights = dofs.weights.ravel()
-    volumetric = _projected(rows(form.volumes), dofs, form.preserved)
+    volumetric = csr_matrix(means_projector(dofs) @ rows(form.volumes))
     elements = np.repeat(np.arange(dofs.body.mesh.nelements), dofs.weights.shape[1])
     return DissipationGroup(
         name=name,
@@ -47,17 +47,3 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> DissipationGroup:
         volumetric_factor=form.volumetric_factor,
         surfaces=form.surfaces_of(elements),
     )
-
-
-def _projected(rows: Sparse, dofs: "BodyDofs", preserved: Bools) -> Sparse:
-    """Volumetric rows, those that must vanish as few as elements can bear, L a point."""
-    if dofs.space.pressures is not None:
-        preserved = np.ones_like(preserved)
-    if not preserved.any():
-        return rows
-    projector, count = volume_projector(dofs), preserved.size
-    if count == 1:
-        return csr_matrix(projector @ rows)
-    one = diags_array(preserved.astype(np.float64))
-    own = kron(projector, one) + kron(eye_array(projector.shape[0]), eye_array(count) - one)
-    return csr_matrix(csr_matrix(own) @ rows)

@@ -13,12 +13,32 @@ continuum, whose multiplier has no bound under refinement. It is taken away.
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, eye_array
+from scipy.sparse import csr_matrix, diags_array, eye_array, kron
 
 from lacore.arrays import Floats, Ints, Sparse
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.dofs import BodyDofs
+
+
+def means_projector(dofs: "BodyDofs") -> Sparse:
+    """Of all volumetric rows and mean stresses, L a strain point, shape (m L, m L).
+
+    As `volume_projector` for rows that must vanish, and on quadrilaterals, which would lock where
+    friction is small; nothing is taken from others: flow that dilates has all conditions it needs.
+    """
+    preserved = dofs.body.form.preserved
+    count = preserved.size
+    if dofs.space.pressures is not None:
+        preserved = np.ones_like(preserved)
+    if preserved.all() and count == 1:
+        return volume_projector(dofs)
+    every = eye_array(dofs.weights.size * count, format="csr")
+    if not preserved.any():
+        return csr_matrix(every)
+    kept = diags_array(preserved.astype(np.float64))
+    taken = kron(eye_array(dofs.weights.size) - volume_projector(dofs), kept)
+    return csr_matrix(every - taken)
 
 
 def volume_projector(dofs: "BodyDofs") -> Sparse:
