@@ -5,7 +5,7 @@ third principal stress where it is not free.
 """
 
 from dataclasses import dataclass
-from math import cos, inf, radians, sin, tan
+from math import cos, degrees, inf, pi, radians, sin, tan
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from lacore.materials.von_mises import VonMises
 from lacore.showing import Compact
 
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
+_LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle, in radians
 
 
 @dataclass(frozen=True, repr=False)
@@ -301,4 +302,12 @@ def _require_angle(field: str, value: float) -> None:
     if 0 < value < _LEAST_ANGLE:
         raise InputError(
             field, value, "a plane that is all but level, which no solver tells from one", "take 0"
+        )
+    whole = round(degrees(value))
+    if value < pi / 2 and whole >= _LEAST_WHOLE and abs(degrees(value) - whole) < _WHOLE:
+        raise InputError(
+            field,
+            value,
+            f"{whole} degrees in radians, by its looks",
+            f"give degrees: {whole}; if {value:.4g} degrees are meant, round them",
         )

@@ -1,0 +1,99 @@
+"""Criteria of soil, rock and masonry: what they refuse, what they say of themselves."""
+
+from math import inf, pi, radians, sqrt
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.materials.conic_form import KINEMATICS
+
+WRONG = {
+    "negative cohesion": (lambda: la.MohrCoulomb(-1.0, 30), "cohesion", "give a strength >= 0"),
+    "no number": (lambda: la.MohrCoulomb(np.nan, 30), "cohesion", "give a strength >= 0"),
+    "an angle of 90": (lambda: la.MohrCoulomb(1.0, 90), "friction_angle", "give degrees"),
+    "a negative angle": (lambda: la.MohrCoulomb(1.0, -5), "friction_angle", "give degrees"),
+    "an angle without a number": (lambda: la.MohrCoulomb(1.0, np.nan), "friction_angle", "degrees"),
+    "all but level": (lambda: la.MohrCoulomb(1.0, 0.05), "friction_angle", "take 0"),
+    "radians": (lambda: la.MohrCoulomb(1.0, pi / 6), "friction_angle", "give degrees: 30"),
+    "rounded radians": (lambda: la.MohrCoulomb(1.0, 0.6109), "friction_angle", "degrees: 35"),
+    "nothing at all": (lambda: la.MohrCoulomb(0.0, 0.0), "cohesion", "give a cohesion > 0"),
+    "beyond the apex": (
+        lambda: la.MohrCoulomb(1.0, 45, tension_cutoff=1.01),
+        "tension_cutoff",
+        "give at most 1",
+    ),
+    "a tension that is none": (
+        lambda: la.MohrCoulomb(1.0, 30, tension_cutoff=-0.1),
+        "tension_cutoff",
+        ">= 0",
+    ),
+    "crushed by nothing": (lambda: la.MohrCoulomb(1.0, 30, crushing=0.0), "crushing", "> 0"),
+    "no shear": (lambda: la.MaximumShear(0.0), "MaximumShear.shear_strength", "> 0"),
+    "masonry without strength": (lambda: la.NoTension(0.0), "compressive_strength", "> 0"),
+    "tension of Rankine": (lambda: la.Rankine(-1.0), "Rankine.tensile_strength", ">= 0"),
+}
+
+
+@pytest.mark.parametrize("made, field, mend", WRONG.values(), ids=WRONG)  # noqa: PT006
+def test_what_is_refused(made, field, mend):
+    with pytest.raises(la.InputError) as error:
+        made()
+    assert field in str(error.value)
+    assert mend in str(error.value)
+
+
+@pytest.mark.parametrize("angle", [0, 0.1, 0.5, 1, 1.5, 30, 89])
+def test_angles_that_are_degrees(angle):
+    assert la.MohrCoulomb(1.0, angle).angle == radians(angle)
+
+
+def test_the_apex():
+    assert la.MohrCoulomb(1.0, 45).apex == pytest.approx(1.0)
+    assert la.MohrCoulomb(1.0, 0).apex == inf
+    la.MohrCoulomb(1.0, 0, tension_cutoff=100.0)  # no apex to be beyond
+
+
+def test_what_they_say():
+    assert (
+        la.MohrCoulomb(5e3, 20, crushing=1e6).label
+        == "c = 5000 Pa, φ = 20°, compression ≤ 1e+06 Pa"
+    )
+    assert la.NoTension().label == "no tension"
+    assert la.Rankine(1.0).label == "tension ≤ 1 Pa"
+    assert la.MaximumShear(2.0).label == "largest shear 2 Pa"
+
+
+def test_no_friction_in_plane_strain_is_von_mises():
+    """The same cone, with volume kept: nothing of a solve differs."""
+    cone = la.VonMises(shear_strength=2.0).conic_form("plane_strain")
+    for criterion in (la.MaximumShear(2.0), la.MohrCoulomb(2.0, 0)):
+        form = criterion.conic_form("plane_strain")
+        assert form.surfaces == ()
+        assert form.bound == cone.bound
+        assert (form.rows == cone.rows).all()
+
+
+@pytest.mark.parametrize("kinematics", KINEMATICS)
+def test_stresses_come_back(kinematics):
+    """Those of the rows and means that they are shown as."""
+    form = la.MohrCoulomb(1.0, 30).conic_form(kinematics)
+    conjugate, mean = np.array([[0.3, -0.2]]), np.array([-1.0, 0.4][: len(form.volumes)])
+    xx, yy, zz, xy = form.stress(conjugate, mean)[0]
+    if kinematics == "axisymmetric":
+        zz, yy = yy, zz  # shown as (rr, zz, tt, rz)
+        assert (xx + zz) / 2 == pytest.approx(-1.0)
+        assert yy == pytest.approx(-1.0 + 0.4)
+        assert (xx - zz) / 2 == pytest.approx(0.3)
+    else:
+        assert (xx + yy) / 2 == pytest.approx(-1.0)
+        assert (xx - yy) / 2 == pytest.approx(0.3)
+        assert zz == (0.0 if kinematics == "plane_stress" else pytest.approx(-1.0))
+    assert xy == pytest.approx(-0.2)
+
+
+def test_another_strength_in_each_element():
+    form = la.MohrCoulomb(1.0, 30).conic_form("plane_strain")
+    (plane,) = form.surfaces
+    assert plane.slope == (pytest.approx(0.5),)
+    assert plane.strength == pytest.approx(sqrt(3) / 2)

@@ -1,0 +1,122 @@
+"""Yield surfaces against linear programs, point by point (T39, T40)."""
+
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+import lacore as la
+from lacore.materials.conic_form import KINEMATICS
+from lacore.surfaces import Surfaces
+
+CRITERIA = {
+    "soil": la.MohrCoulomb(1.3, 25),
+    "soft soil": la.MohrCoulomb(1.0, 0.1),
+    "sand": la.MohrCoulomb(0.0, 35),
+    "cut off": la.MohrCoulomb(1.0, 30, tension_cutoff=0.3),
+    "cut off and crushed": la.MohrCoulomb(1.0, 20, tension_cutoff=0.2, crushing=4.0),
+    "masonry": la.Rankine(0.1, 2.0),
+    "no tension": la.NoTension(),
+    "shear": la.MaximumShear(0.7),
+}
+
+
+def surfaces(criterion, kinematics, points):
+    return criterion.conic_form(kinematics).surfaces_of(np.zeros(points, dtype=int))
+
+
+def known():
+    for name, criterion in CRITERIA.items():
+        for kinematics in KINEMATICS:
+            if criterion.conic_form(kinematics).surfaces:
+                yield pytest.param(criterion, kinematics, id=f"{name} {kinematics}")
+
+
+def least(own, length, volume):
+    """Dissipation of one strain rate by its definition: multipliers of least cost; inf: none."""
+    found = linprog(
+        own.strength[0],
+        A_eq=own.slope[0].T,
+        b_eq=volume,
+        A_ub=-own.normed[None],
+        b_ub=[-length],
+        bounds=[(0, None)] * own.count,
+    )
+    return found.fun if found.status == 0 else np.inf
+
+
+@pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
+def test_the_dissipation_is_the_least_cost_of_multipliers(criterion, kinematics):
+    rng = np.random.default_rng(1)
+    own = surfaces(criterion, kinematics, 60)
+    some = rng.exponential(size=(60, own.count)) * rng.integers(0, 2, (60, own.count))
+    length = some @ own.normed * rng.uniform(size=60)
+    volume = np.einsum("mk,mkl->ml", some, own.slope)
+    seen = own.dissipation(length, volume.ravel())
+    wanted = [least(own, one, rate) for one, rate in zip(length, volume, strict=True)]
+    # Slopes of 0.1 degrees divide round-off of theta by 0.0017, and H is 573 times the cohesion.
+    assert seen == pytest.approx(wanted, rel=1e-9, abs=1e-11)
+    assert own.impossible(length, volume.ravel()).max() <= 1e-12
+
+
+@pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
+def test_flow_is_possible_where_there_are_multipliers(criterion, kinematics):
+    rng = np.random.default_rng(2)
+    own = surfaces(criterion, kinematics, 60)
+    length, volume = rng.exponential(size=60), rng.normal(size=(60, own.volumes))
+    wanted = [least(own, one, rate) < np.inf for one, rate in zip(length, volume, strict=True)]
+    assert ((own.impossible(length, volume.ravel()) <= 0) == wanted).all()
+
+
+@given(
+    angle=st.floats(0.2, 60),
+    stress=st.tuples(*[st.floats(-5, 5)] * 3),
+    hoop=st.floats(-5, 5),
+)
+def test_planes_are_those_of_principal_stresses(angle, stress, hoop):
+    """Mohr-Coulomb by the largest and the least principal stress, in every kinematics."""
+    xx, yy, xy = stress
+    phi = radians(angle)
+    mean, size = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    for kinematics, third in (
+        ("plane_strain", None),
+        ("plane_stress", 0.0),
+        ("axisymmetric", hoop),
+    ):
+        own = surfaces(la.MohrCoulomb(1.0, angle), kinematics, 1)
+        given_means = [mean, third - mean] if kinematics == "axisymmetric" else [mean]
+        every = [mean + size, mean - size] + ([] if third is None else [third])
+        most, least_one = max(every), min(every)
+        shear = (most - least_one) / 2 + sin(phi) * (most + least_one) / 2 - cos(phi)
+        beyond = own.beyond(np.array([size]), np.array(given_means))[0]
+        if abs(shear) > 1e-9:
+            assert (beyond > 0) == (shear > 0)
+
+
+def test_a_number_that_is_none_is_no_proof():
+    own = surfaces(CRITERIA["soil"], "plane_strain", 2)
+    bad = np.array([0.1, np.nan])
+    assert np.isnan(own.beyond(bad, np.zeros(2))[1])
+    assert not np.all(own.beyond(np.zeros(2), bad) <= 0)
+    assert not np.all(own.impossible(np.zeros(2), bad) <= 0)
+
+
+def test_surfaces_of_no_point():
+    none = Surfaces(np.zeros((0, 1, 1)), np.zeros((0, 1)), np.ones(1))
+    assert none.dissipation(np.zeros(0), np.zeros(0)).size == 0
+    assert none.impossible(np.zeros(0), np.zeros(0)).size == 0
+
+
+@pytest.mark.parametrize("kinematics", KINEMATICS)
+def test_the_cone_of_no_friction_is_that_of_tresca(kinematics):
+    """Also as the limit of small angles: 0.1 degrees differ by about tan(0.1 degrees)."""
+    shear = la.MaximumShear(1.0).conic_form(kinematics)
+    level = la.MohrCoulomb(1.0, 0.0).conic_form(kinematics)
+    assert len(shear.surfaces) == len(level.surfaces)
+    for one, other in zip(shear.surfaces, level.surfaces, strict=True):
+        assert one.slope == other.slope
+        assert one.strength == other.strength
+    assert shear.preserved.any() == (kinematics != "plane_stress")
