@@ -131,7 +131,9 @@ class ConicSolver:
         equilibration, which costs feasible ones a digit. On the linear programs of walls of 33 to
         5 000 blocks 1e-8 leaves a third of the penetration and slip residuals of 1e-7, and 1e-9
         ends "AlmostSolved". With hardening 1e-9 and no equilibration solve what 1e-7 with it does
-        not, or in a third of the iterations; softened, 1e-8 with it does. docs/measured.md.
+        not, or in a third of the iterations; softened, 1e-8 with it does. Where strength depends
+        on pressure 1e-8 takes half of the iterations of 1e-7; 1e-9 fails at 0.1 degrees.
+        docs/measured.md.
         """
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -139,7 +141,8 @@ class ConicSolver:
         settings.direct_solve_method = "qdldl"
         settings.presolve_enable = False
         settings.chordal_decomposition_enable = False
-        settings.static_regularization_constant = 1e-8 if form.linear else 1e-7
+        small = form.linear or form.presses
+        settings.static_regularization_constant = 1e-8 if small else 1e-7
         settings.iterative_refinement_enable = refine
         settings.equilibrate_enable = equilibrate
         if form.hardens:

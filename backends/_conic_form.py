@@ -126,6 +126,7 @@ class ConicForm:
         quadratic, matrix, cones: P, A and the cones.
         linear: whether it could be written as a linear program.
         hardens: whether lengths of strain rates have a quadratic cost.
+        presses: whether strength depends on pressure.
     """
 
     def __init__(
@@ -216,7 +217,7 @@ class ConicForm:
         diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
         own = np.flatnonzero(diagonal)
         self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
-        self.hardens = program.hardens
+        self.hardens, self.presses = program.hardens, program.presses
         self.linear = (
             not self.hardens
             and penalty is None

@@ -42,7 +42,7 @@ class Certificate(Shown):
             the force of the lesser of the parts that touch, per force times speed of the part with
             most of it, where that is more; slip of points that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate; where strength depends on pressure the
-            power that ``(sin(phi) ||d|| - theta)_+`` (T38) takes from stresses, per power.
+            power of mean stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power.
         normalisation: ``|F0.u - 1|``.
         flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
             power; where strength depends on pressure with the power of mean stresses.

@@ -101,14 +101,15 @@ class DissipationGroup(Compact):
         return np.asarray(np.maximum(self.surfaces.impossible(lengths, volume), 0.0))
 
     def taken(self, velocity: Floats, mean: Floats) -> float:
-        """Power that flow which is not possible takes from stresses, from above; of surfaces only.
+        """Power of mean stresses on flow that is not possible, from above; of surfaces only.
 
         What a cone leaves of its conditions is a rate times a weight: near an axis of revolution,
         or in the least element, the rate alone says little.
         """
         if self.surfaces is None:
             return 0.0
-        return float(self.weights @ (self.surfaces.resistance(mean) * self.impossible(velocity)))
+        pressed = np.abs(mean).reshape(-1, self.volumes).max(axis=1)
+        return float(self.weights @ (pressed * self.impossible(velocity)))
 
     def beyond(self, stress: Floats, mean: Floats) -> Floats:
         """Share by which stresses exceed the strength of each cone, shape (m,); NaN of NaN.

@@ -21,6 +21,7 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.showing import Compact
 
 _PARALLEL = 1e-9  # determinant of unit normals below which planes do not meet in a point
+_SWEEPS = 3  # over edges that a strain rate is beyond: each is one of a few
 _ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
 
 
@@ -107,7 +108,10 @@ class Surfaces(Compact):
         return np.asarray(excess / np.where(scale > 0, scale, 1.0))
 
     def dissipation(self, length: Floats, volume: Floats) -> Floats:
-        """Power per volume of strain rates, shape (m,): ``D``, or that of the nearest corner.
+        """Power per volume of strain rates, shape (m,): ``D``, or of possible ones next to them.
+
+        Next by volumetric rates: at a small angle the apex is far away, and what a solver leaves of
+        ``theta >= sin(phi) ||d||`` would count by it.
 
         Args:
             length: ``||d||``, shape (m,).
@@ -115,9 +119,24 @@ class Surfaces(Compact):
         """
         if not length.size:
             return np.zeros(0)
-        rates = np.column_stack([length, volume.reshape(-1, self.volumes)])
+        rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))
         powers = np.einsum("mvl,ml->mv", self._corners, rates)
         return np.asarray(np.where(self._real, powers, -np.inf).max(axis=1))
+
+    def _possible(self, rates: Floats) -> Floats:
+        """Rates with volumetric ones moved out of what the worst edges forbid, (m, 1+L)."""
+        size = np.sum(self._edges[:, :, 1:] ** 2, axis=2)
+        for _ in range(_SWEEPS):
+            powers = np.einsum("mel,ml->me", self._edges, rates)
+            worst = powers.argmax(axis=1)[:, None]
+            wrong = np.maximum(np.take_along_axis(powers, worst, axis=1), 0.0)
+            if not wrong.any():
+                break
+            edge = np.take_along_axis(self._edges, worst[:, :, None], axis=1)[:, 0, 1:]
+            own = np.take_along_axis(size, worst, axis=1)
+            rates = rates.copy()
+            rates[:, 1:] -= wrong / np.where(own > 0, own, 1.0) * edge
+        return rates
 
     def impossible(self, length: Floats, volume: Floats) -> Floats:
         """How far strain rates are from flow that is possible, 1/s, shape (m,); <= 0 within it.
@@ -130,17 +149,6 @@ class Surfaces(Compact):
         rates = np.column_stack([length, volume.reshape(-1, self.volumes)])
         powers = np.einsum("mel,ml->me", self._edges, rates)
         return np.asarray(np.where(self._edges.any(axis=2), powers, -np.inf).max(axis=1))
-
-    def resistance(self, mean: Floats) -> Floats:
-        """Stress that flow which is not possible would meet, from above, shape (m,), Pa.
-
-        The size of p, and that of the farthest corner: for Mohr-Coulomb no less than ``H - P``.
-        """
-        if not mean.size:
-            return np.zeros(0)
-        at_corners = np.where(self._real[:, :, None], np.abs(self._corners[:, :, 1:]), 0.0)
-        own = np.abs(mean).reshape(-1, self.volumes).max(axis=1)
-        return np.asarray(own + at_corners.max(axis=(1, 2), initial=0.0))
 
     @cached_property
     def _lines(self) -> Bools:

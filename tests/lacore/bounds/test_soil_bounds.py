@@ -110,7 +110,7 @@ def test_a_cut_without_tension(angle):
     """
     exact = 2 * tan(pi / 4 + radians(angle) / 2)
     none = la.upper_bound(cut(angle, 0.0)).load_factor
-    little = cut(angle, 0.01)
+    little = cut(angle, 0.1)
     assert (
         exact <= none <= la.upper_bound(little).load_factor < la.solve(cut(angle, None)).load_factor
     )
