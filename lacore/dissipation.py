@@ -123,6 +123,11 @@ class DissipationGroup(Compact):
             return _beyond(size, self.bound)
         return self.surfaces.beyond(size, mean)
 
+    def uses(self, stress: Floats, mean: Floats) -> Floats:
+        """Share of what each cone carries at its pressure that stresses use, shape (m,)."""
+        size, most = np.linalg.norm(stress, axis=1), self.carried(mean)
+        return np.asarray(size / np.where(most > 0, most, np.inf))
+
     def use(self, stress: Floats, mean: Floats) -> float:
         """Largest share of their strength that stresses call on, see `beyond`; >= 0."""
         size = np.linalg.norm(stress, axis=1)

@@ -198,6 +198,11 @@ class Surfaces(Compact):
     def _real(self) -> Bools:
         return self._met[1]
 
+    @property
+    def edges(self) -> Floats:
+        """Stresses (q, p) that may grow without end, or zeros: shape (m, e, 1+L)."""
+        return self._edges
+
     @cached_property
     def _edges(self) -> Floats:
         """Directions (q, p) to infinity, largest of p 1, or zeros: shape (m, e, 1+L)."""

@@ -39,6 +39,9 @@ def without_dissipation(
     for group in program.groups:
         length = np.sqrt(float(group.weights.sum()))
         strain = np.linalg.norm(group.cone_vectors(u), axis=1)
+        if group.surfaces is not None:  # what grows strains, too
+            volume = np.abs(group.volumetric @ u).reshape(strain.size, -1)
+            strain = np.maximum(strain, volume.max(axis=1, initial=0.0))
         if not np.all(length * strain <= tolerance * speed.max()):
             return False
     loads = own_loads(program, 0.0)

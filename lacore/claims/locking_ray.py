@@ -1,12 +1,15 @@
 """Whether a load is locked: reactions that carry it alone, with no strength called on (T13).
 
 ``F0 . u <= 0`` for every admissible velocity u if and only if F0 is balanced by normal forces,
-forces of points that stick, and mean stresses of incompressible bodies (Farkas). Such reactions may
+forces of points that stick, mean stresses of incompressible bodies, and stresses of soil that may
+grow without end, pressed all around (Farkas). Such reactions may
 be multiplied by any number: the load factor is +inf. They are looked for by a linear program and
 recomputed here; near misses, an incline of 1e-9, are none: what is left must be round-off.
 """
 
 from dataclasses import dataclass
+from itertools import product
+from math import pi
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
@@ -14,7 +17,7 @@ from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_program import least
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 
 _ROUND_OFF = 1e-12  # of all forces on a part: sums of a thousand terms in double precision
 _SWEEPS = 2000
@@ -47,12 +50,13 @@ def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay
     """
     rows = program.contact
     dilated = csr_matrix(diags_array(contact.dilatancy) @ rows.tangential)
-    pressing = csr_matrix(vstack([rows.normal - dilated, rows.normal + dilated]))
+    endless = [_endless(group) for group in program.groups if group.surfaces is not None]
+    pressing = csr_matrix(vstack([rows.normal - dilated, rows.normal + dilated, *endless]))
     free = csr_matrix(
         vstack(
             [
                 rows.tangential[np.repeat(np.isinf(contact.bound), rows.tangent_dim)],
-                *(group.volumetric for group in program.groups),
+                *(group.volumetric for group in program.groups if group.surfaces is None),
             ]
         )
     )
@@ -68,8 +72,46 @@ def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay
     acting = on_part > 0
     return LockingRay(
         residual=float(np.max(left[acting] / on_part[acting], initial=0.0)),
-        release=load * float(pressed @ np.concatenate([contact.shift, contact.shift])),
+        release=load * float(pressed[: 2 * rows.count] @ np.tile(contact.shift, 2)),
     )
+
+
+def _endless(group: DissipationGroup) -> Sparse:
+    """Rows that no possible flow makes negative: less the power of stresses that may grow (T48).
+
+    Of shear some directions of all: what they prove is proven.
+    """
+    assert group.surfaces is not None
+    edges, dim, volumes = group.surfaces.edges, group.dim, group.volumes
+    count = group.weights.size
+    parts = []
+    for number in range(edges.shape[1]):
+        shear, mean = edges[:, number, 0], edges[:, number, 1:]
+        pressed = _of_points(mean, count, volumes) @ group.volumetric
+        if not np.any(shear):
+            parts.append(-pressed)
+            continue
+        for direction in _directions(dim):
+            along = _of_points(shear[:, None] * direction, count, dim) @ group.rows
+            parts.append(-(along + pressed))
+    rows = csr_matrix(vstack([csr_matrix((0, group.rows.shape[1])), *parts]))
+    return csr_matrix(rows[np.diff(rows.indptr) > 0])
+
+
+def _of_points(share: Floats, count: int, dim: int) -> Sparse:
+    """Sums of the `dim` rows of each point by shares of shape (count, dim): (count, count dim)."""
+    starts = dim * np.arange(count + 1)
+    return csr_matrix((share.ravel(), np.arange(count * dim), starts), (count, count * dim))
+
+
+def _directions(dim: int) -> Floats:
+    """Unit vectors all around, shape (k, dim): of a plane every 22.5 degrees."""
+    if dim == 2:
+        angle = np.arange(16) * pi / 8
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corners = np.array(list(product((-1.0, 0.0, 1.0), repeat=dim)))
+    length = np.linalg.norm(corners, axis=1)
+    return np.asarray(corners[length > 0] / length[length > 0, None])
 
 
 def _carried(pressing: Sparse, free: Sparse, wanted: Floats) -> Floats | None:

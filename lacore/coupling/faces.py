@@ -110,7 +110,12 @@ class Face(Compact):
 
 
 def faces(program: KinematicProgram, point: ProgramState) -> Iterator[Face]:
-    """Faces of a mechanism for thresholds between rest and motion, the likeliest first."""
+    """Faces of a mechanism for thresholds between rest and motion, the likeliest first.
+
+    None where strength depends on pressure: flow does not fix the stress of a cone.
+    """
+    if program.presses:
+        return
     speeds = _speeds(program, point.velocity)
     known: list[_Branches] = []
     for threshold in [*_gaps(speeds), *_THRESHOLDS]:

@@ -82,7 +82,9 @@ def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int)
     dofs = state.discretisation.bodies[name]
     factor, shape = strain_per_length(dofs), dofs.weights.shape
     lengths = np.linalg.norm(group.cone_vectors(state.point.velocity), axis=1)
-    strength = group.hardened(state.point.velocity).bound
+    number_of = [group.name for group in state.discretisation.full.groups].index(name)
+    mean = state.point.mean_stress[number_of]
+    strength = group.hardened(state.point.velocity).carried(mean)  # at its pressure
     fields = {"equivalent_strain_rate": factor * lengths, "yield_stress": strength / factor}
     means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
     xx, yy, zz, xy = (element_means(dofs, own) for own in state.stress[name].transpose(2, 0, 1))

@@ -227,7 +227,7 @@ def _endless(
     unlimited = np.isinf(laws.bound)
     bare = replace(
         program,
-        groups=tuple(replace(g, bound=np.zeros(g.bound.size)) for g in program.groups),
+        groups=tuple(group.times(0.0) for group in program.groups),
         contact=replace(rows, limit=np.where(np.isinf(rows.limit), rows.limit, 0.0)),
         dead_load=sign * program.reference_load,
     )

@@ -50,8 +50,10 @@ def plot_strength(bound: LowerBound) -> Figure:
         raise ValueError("there are no stresses to show")
     bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
     used = {
-        group.name: (np.linalg.norm(stress, axis=1) / group.bound).reshape(-1, 3).max(axis=1)
-        for group, stress in zip(bound.model.full.groups, bound.point.stress, strict=True)
+        group.name: group.uses(stress, mean).reshape(-1, 3).max(axis=1)
+        for group, stress, mean in zip(
+            bound.model.full.groups, bound.point.stress, bound.point.mean_stress, strict=True
+        )
     }
     label = "largest stress in an element, per strength"
     colours = matplotlib.colormaps["viridis"]

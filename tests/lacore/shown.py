@@ -103,7 +103,7 @@ def values():
         *(la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)), la.SMOOTH, la.STICK),
         *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),
         *(la.MohrCoulomb(wide, 30, tension_cutoff=0.0, crushing=wide), la.MaximumShear(wide)),
-        *(la.Rankine(wide, wide), la.NoTension(wide)),
+        *(la.Rankine(wide, wide), la.NoTension(wide), la.DruckerPrager(wide, 30, "compression")),
         *(la.VonMises(hardening=table), la.VonMises(hardening=Creep()), table),
         *(la.hardening.Perfect(1.0), la.hardening.Linear(1.0, wide)),
         *(la.hardening.Voce(1.0, 2.0, 1 / 3), la.hardening.Swift(1.0, 1 / 3, 0.2)),

@@ -21,6 +21,7 @@ CRITERIA = {
     "masonry": la.Rankine(0.1, 2.0),
     "no tension": la.NoTension(),
     "shear": la.MaximumShear(0.7),
+    "cone": la.DruckerPrager(1.0, 20, "extension"),
 }
 
 

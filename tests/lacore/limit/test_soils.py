@@ -94,6 +94,33 @@ def test_a_bar_of_revolution_in_compression():
     assert state.load_factor == pytest.approx(2 * sqrt(3) + 1.5, rel=1e-7)
 
 
+def cone(match):
+    """c = 1 Pa, phi = 20 degrees."""
+    return la.DruckerPrager(1.0, 20, match)
+
+
+def test_a_cone_is_mohr_coulomb_where_it_is_matched():
+    """In plane strain, and in a sphere, whose hoop stresses are equal: triaxial compression."""
+    soil = la.MohrCoulomb(1.0, 20)
+    for pull in (False, True):
+        one, other = (block(own, 0.3, pull) for own in (cone("plane_strain"), soil))
+        assert la.solve(one).load_factor == pytest.approx(la.solve(other).load_factor, rel=1e-7)
+    states = [la.solve(cavity(own, True, "p2-gauss", 6)) for own in (cone("compression"), soil)]
+    exact = (2 ** (4 * sin(radians(20)) / (1 + sin(radians(20)))) - 1) / tan(radians(20))
+    # The tolerance of `test_cavities`.
+    assert [state.load_factor for state in states] == pytest.approx([exact] * 2, rel=2.6e-4)
+
+
+@pytest.mark.parametrize("pull", [False, True])
+@pytest.mark.parametrize("match", ["plane_strain", "compression", "extension"])
+def test_a_plate_of_the_cone(match, pull):
+    """Uniaxial: ``|sigma|/sqrt(3) = k - a sigma/3``."""
+    own = cone(match)
+    exact = own.strength / (1 / sqrt(3) + (1 if pull else -1) * own.slope / 3)
+    state = la.solve(block(own, pull=pull, kinematics="plane_stress"))
+    assert state.load_factor == pytest.approx(exact, rel=1e-7)
+
+
 @pytest.mark.parametrize("backend", ["newton", "ipopt", "slsqp", "ipopt-static", "highs"])
 def test_backends_without_surfaces_refuse(backend):
     with pytest.raises(la.CapabilityError, match=r"clarabel|linear programs"):
@@ -124,6 +151,18 @@ def test_what_is_confined_is_locked():
         supports=[la.Fix("soil", side) for side in ("left", "right", "bottom", "top")],
     )
     assert la.solve(problem).status is Status.LOCKED
+
+
+def test_what_pulls_at_confined_soil_is_not_locked():
+    """Held at its sides, pulled apart: tension has an end, where flow keeps no volume, too."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    problem = la.Problem(
+        {"soil": la.Body(mesh, SOIL)},
+        [la.Traction("soil", "top", (0, 1)), la.Traction("soil", "bottom", (0, -1))],
+        supports=[la.Fix("soil", side, "x") for side in ("left", "right")],
+    )
+    # Plane strain without lateral strain: theta = eps_yy >= sin(phi) eps_yy, up to the apex.
+    assert la.solve(problem).load_factor == pytest.approx(sqrt(3), rel=1e-6)
 
 
 def test_a_slope_steeper_than_its_friction_is_unsafe():

@@ -30,6 +30,13 @@ WRONG = {
     ),
     "crushed by nothing": (lambda: la.MohrCoulomb(1.0, 30, crushing=0.0), "crushing", "> 0"),
     "no shear": (lambda: la.MaximumShear(0.0), "MaximumShear.shear_strength", "> 0"),
+    "a cone of nothing": (lambda: la.DruckerPrager(0.0, 0.0), "cohesion", "give a cohesion > 0"),
+    "an unknown match": (lambda: la.DruckerPrager(1.0, 30, "tension"), "match", "extension"),
+    "a sheet without an end": (
+        lambda: la.DruckerPrager(1.0, 60, "compression").conic_form("plane_stress"),
+        "friction_angle",
+        "give a smaller angle",
+    ),
     "masonry without strength": (lambda: la.NoTension(0.0), "compressive_strength", "> 0"),
     "tension of Rankine": (lambda: la.Rankine(-1.0), "Rankine.tensile_strength", ">= 0"),
 }
@@ -59,6 +66,7 @@ def test_what_they_say():
         la.MohrCoulomb(5e3, 20, crushing=1e6).label
         == "c = 5000 Pa, φ = 20°, compression ≤ 1e+06 Pa"
     )
+    assert la.DruckerPrager(1.0, 30).label == "c = 1 Pa, φ = 30°, matched in plane strain"
     assert la.NoTension().label == "no tension"
     assert la.Rankine(1.0).label == "tension ≤ 1 Pa"
     assert la.MaximumShear(2.0).label == "largest shear 2 Pa"

@@ -1,0 +1,113 @@
+"""The criterion of Drucker and Prager (T41, T42)."""
+
+from dataclasses import dataclass, replace
+from math import cos, radians, sin, sqrt
+
+import numpy as np
+
+from lacore.errors import InputError, require_known
+from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.planes import planes_form, require_angle, require_not_negative
+from lacore.materials.von_mises import VonMises
+from lacore.showing import Compact
+
+MATCHES = ("plane_strain", "compression", "extension")
+"""Where a cone of Drucker and Prager meets one of Mohr and Coulomb."""
+_LEAST_ROOT = 1e-3  # m of plane stress: below it a sheet is all but locked
+
+
+@dataclass(frozen=True, repr=False)
+class DruckerPrager(Compact):
+    """A cone around the hydrostatic axis, ``sqrt(J2) <= k - a tr(sigma)/3`` (T41), associated flow.
+
+    Attributes:
+        cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match.
+        match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
+            in triaxial ``compression`` or ``extension``.
+
+    Raises:
+        InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
+            stresses of a sheet have no bound.
+    """
+
+    cohesion: float
+    friction_angle: float
+    match: str = "plane_strain"
+
+    def __post_init__(self) -> None:
+        require_not_negative("DruckerPrager.cohesion", self.cohesion)
+        require_angle("DruckerPrager.friction_angle", self.friction_angle)
+        require_known("DruckerPrager.match", self.match, MATCHES)
+        if self.cohesion == 0 and self.friction_angle == 0:
+            raise InputError(
+                "DruckerPrager.cohesion",
+                self.cohesion,
+                "without friction it is the only strength",
+                "give a cohesion > 0 in Pa, or a friction_angle in degrees",
+            )
+
+    @property
+    def slope(self) -> float:
+        """Slope a of the cone."""
+        sine = sin(radians(self.friction_angle))
+        if self.match == "plane_strain":
+            return sqrt(3) * sine / sqrt(3 + sine**2)
+        sign = -1 if self.match == "compression" else 1
+        return 6 * sine / (sqrt(3) * (3 + sign * sine))
+
+    @property
+    def strength(self) -> float:
+        """Shear stress k that it carries without pressure, Pa."""
+        sine, cosine = (f(radians(self.friction_angle)) for f in (sin, cos))
+        if self.match == "plane_strain":
+            return sqrt(3) * self.cohesion * cosine / sqrt(3 + sine**2)
+        sign = -1 if self.match == "compression" else 1
+        return 6 * self.cohesion * cosine / (sqrt(3) * (3 + sign * sine))
+
+    @property
+    def label(self) -> str:
+        """``c = 5000 Pa, phi = 30°, matched in compression``."""
+        matched = self.match.replace("_", " ")
+        return f"c = {self.cohesion:.4g} Pa, φ = {self.friction_angle:.4g}°, matched in {matched}"
+
+    @property
+    def law(self) -> None:
+        """It does not harden: paths are not followed with it."""
+        return None
+
+    def conic_form(self, kinematics: str) -> ConicForm:
+        """Rows of von Mises, with the one plane of the cone (T41).
+
+        Plane strain: ``theta^2/3`` of the norm moves to the other side. Plane stress: eps_zz is
+        free, and ``m lam = ||(d, sqrt(3) theta/m)|| - 2 a theta/m`` with ``m^2 = 1 - 4 a^2/3``; the
+        linear part is that of two planes.
+        """
+        require_known("Body.kinematics", kinematics, KINEMATICS)
+        a, k = self.slope, self.strength
+        if kinematics == "plane_strain":
+            root = sqrt(1 - a**2 / 3)
+            return planes_form(kinematics, k / root, a / root, None, None)
+        flat = VonMises(shear_strength=1.0).conic_form(kinematics)
+        if kinematics == "axisymmetric":
+            if not a:
+                return replace(flat, bound=k)
+            return replace(flat, bound=k, surfaces=(Surface((a,), k),))
+        m = sqrt(max(1 - 4 * a**2 / 3, 0.0))
+        if m < _LEAST_ROOT:
+            raise InputError(
+                "DruckerPrager.friction_angle",
+                self.friction_angle,
+                "so much friction that a sheet compressed in both directions has no bound",
+                "give a smaller angle, or MohrCoulomb",
+            )
+        linear = 2 * a * k / (sqrt(3) * m)
+        return ConicForm(
+            rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0], [sqrt(3) / m, sqrt(3) / m, 0.0]]),
+            volumetric=np.array([[1.0, 1.0, 0.0]]),
+            bound=k,
+            volumetric_factor=0.0,
+            surfaces=tuple(
+                Surface((sign * m / sqrt(3),), k / m - sign * linear) for sign in (1.0, -1.0)
+            ),
+            out_of_plane=0.0,
+        )

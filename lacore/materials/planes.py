@@ -1,0 +1,113 @@
+"""Planes of stress that criteria are made of, and what their numbers must be (T39, T40)."""
+
+from math import degrees, pi
+
+import numpy as np
+
+from lacore.errors import InputError, is_number, require_known, require_positive, require_range
+from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.von_mises import VonMises
+
+_LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
+_LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle, in radians
+
+
+def planes_form(
+    kinematics: str,
+    shear: float | None,
+    slope: float,
+    tension: float | None,
+    crushing: float | None,
+) -> ConicForm:
+    """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
+
+    Args:
+        kinematics: one of `lacore.materials.conic_form.KINEMATICS`.
+        shear: ``c cos(phi)``, Pa; None: no such plane.
+        slope: ``sin(phi)``.
+        tension, crushing: Pa; None: none.
+    """
+    require_known("Body.kinematics", kinematics, KINEMATICS)
+    cut = tension is not None or crushing is not None
+    if shear is not None and slope == 0 and not cut and kinematics == "plane_strain":
+        return VonMises(shear_strength=shear).conic_form(kinematics)
+    planes: list[Surface] = []
+    around = kinematics == "axisymmetric"
+
+    def add(pressure: float, strength: float, third: float = 0.0, normed: bool = True) -> None:
+        # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
+        own = (pressure + third, third) if around else (pressure,)
+        planes.append(Surface(own, strength, normed))
+
+    if shear is not None:
+        add(slope, shear)
+        below, above = 2 * shear / (1 + slope), 2 * shear / (1 - slope)
+        if around:
+            add(1.0, below, -(1 - slope) / (1 + slope))
+            add(-1.0, above, (1 + slope) / (1 - slope))
+        elif kinematics == "plane_stress":
+            add(1.0, below)
+            add(-1.0, above)
+    for limit, sign in ((tension, 1.0), (crushing, -1.0)):
+        if limit is not None:
+            add(sign, limit)
+            if around:
+                add(0.0, limit, sign, normed=False)
+    rows, volumes = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[1.0, 1.0, 0.0]])
+    if around:
+        rows = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+        volumes = np.array([[1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    limits = [limit for limit in (shear, tension, crushing) if limit is not None]
+    return ConicForm(
+        rows=rows,
+        volumetric=volumes,
+        bound=min(limits, default=0.0),
+        volumetric_factor=0.0,
+        surfaces=tuple(planes),
+        out_of_plane=0.0 if kinematics == "plane_stress" else 1.0,
+    )
+
+
+def limits_told(tension: float | None, crushing: float | None) -> list[str]:
+    """Limits of principal stresses in words, those that there are."""
+    return [
+        f"{text} ≤ {limit:.4g} Pa"
+        for text, limit in (("tension", tension), ("compression", crushing))
+        if limit is not None
+    ]
+
+
+def require_not_negative(field: str, value: float) -> None:
+    """Raise `InputError` unless a strength is a finite number >= 0."""
+    if not (is_number(value) and value >= 0):
+        raise InputError(field, value, "not a number >= 0", "give a strength >= 0 in Pa")
+    require_range(field, value)
+
+
+def require_cutoffs(tension: tuple[str, float | None], crushing: tuple[str, float | None]) -> None:
+    """Raise `InputError` unless a tension is >= 0 and a crushing strength > 0, named by fields."""
+    (tensile, most), (compressive, least) = tension, crushing
+    if most is not None:
+        require_not_negative(tensile, most)
+    if least is not None:
+        require_positive(compressive, least)
+
+
+def require_angle(field: str, value: float) -> None:
+    """Raise `InputError` unless an angle is 0, or from 0.1 to 89 degrees, and not in radians."""
+    if not (is_number(value) and 0 <= value <= _LARGEST_ANGLE):
+        raise InputError(
+            field, value, "not an angle from 0 to 89 degrees", "give degrees, such as 30"
+        )
+    if 0 < value < _LEAST_ANGLE:
+        raise InputError(
+            field, value, "a plane that is all but level, which no solver tells from one", "take 0"
+        )
+    whole = round(degrees(value))
+    if value < pi / 2 and whole >= _LEAST_WHOLE and abs(degrees(value) - whole) < _WHOLE:
+        raise InputError(
+            field,
+            value,
+            f"{whole} degrees in radians, by its looks",
+            f"give degrees: {whole}; if {value:.4g} degrees are meant, round them",
+        )
