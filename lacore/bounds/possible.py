@@ -18,6 +18,7 @@ from lacore.inner.preparing import Prepare
 from lacore.program import KinematicProgram, associated_contact
 
 _MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
+_ROUND_OFF = 1e-12  # of the largest rate: the margin that is left
 _DOUBLED = 8  # times that the share of the inner velocity grows where round-off is left
 
 
@@ -58,11 +59,14 @@ def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Float
 
 
 def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Floats:
-    """The velocity with the least share of another one that makes it possible."""
+    """The velocity with the least share of another one that makes it possible, and stays so."""
     out, within = _outside(program, velocity), _outside(program, inside)
-    wrong = out > 0
+    # In other units, and with what supports hold, the same rates differ by round-off.
+    fastest = max(float(np.abs(g.cone_vectors(velocity)).max(initial=0.0)) for g in program.groups)
+    kept = min(_ROUND_OFF * fastest, max(-float(within.max()), 0.0) / 2)
+    wrong = out > -kept
     room = np.maximum(out[wrong] - within[wrong], np.finfo(float).tiny)
-    share = float(np.max(out[wrong] / room, initial=0.0))
+    share = float(np.max((out[wrong] + kept) / room, initial=0.0))
     for _ in range(_DOUBLED):
         share = min(share, 1.0)
         moved = (1 - share) * velocity + share * inside

@@ -1,10 +1,12 @@
 """What a strain rate costs, as rows of a cone: the form that criteria take (T1)."""
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.errors import InputError
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -103,16 +105,41 @@ class ConicForm(Compact):
     def across(self) -> "ConicForm":
         """The same for a layer in which only ``(eps_nn, gamma_nt)`` vary: a velocity jump (T23).
 
-        `rows` and `volumetric` act on these two. Of an isotropic criterion.
+        `rows` and `volumetric` act on these two. Of an isotropic criterion. Where strength depends
+        on pressure, of one plane, it is ``|tau| <= c - sigma_n tan(phi)`` (T43).
+
+        Raises:
+            InputError: several planes: the layer would have an envelope that is none of planes.
         """
         axes = np.array([0, 2])
-        rows, factor = self.rows[:, axes], self.volumetric_factor
         if self.surfaces:
-            raise NotImplementedError("velocity jumps of a material whose strength feels pressure")
+            return self._layer()
+        rows, factor = self.rows[:, axes], self.volumetric_factor
         if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
             factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
             rows = rows * np.array([0.0, 1.0])
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
+
+    def _layer(self) -> "ConicForm":
+        plane, *others = self.surfaces
+        if others or not plane.normed or plane.slope[0] >= 1:
+            raise InputError(
+                "Body.space",
+                f"a criterion of {len(self.surfaces)} planes",
+                "velocities that jump need the strength of a layer, which cut-offs make curved, and"
+                " plane stress and revolution do not have",
+                "take 'p2-vertex', or 'p2-gauss'; or MohrCoulomb without cut-offs in plane strain",
+            )
+        (sine,) = plane.slope
+        cosine = sqrt(1 - sine**2)
+        strength = np.asarray(plane.strength) / cosine  # c of c cos(phi)
+        return ConicForm(
+            rows=np.array([[0.0, 1.0]]),
+            volumetric=np.array([[1.0, 0.0]]),
+            bound=np.asarray(self.bound) / cosine,
+            volumetric_factor=0.0,
+            surfaces=(Surface((sine / cosine,), strength),),
+        )
 
 
 def _of(value: float | Floats, elements: Ints) -> Floats:

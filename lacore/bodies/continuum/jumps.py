@@ -16,12 +16,15 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
+from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.slip import Slip
+from lacore.materials.conic_form import ConicForm
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
+from lacore.surfaces import Surfaces
 
 CONTROL = {
     1: np.eye(2),
@@ -56,6 +59,7 @@ class Jumps(Compact):
             weights=self.group.weights[mask],
             bound=self.group.bound[mask],
             volumetric=self.group.volumetric[mask],
+            surfaces=None if self.group.surfaces is None else self.group.surfaces.at(mask),
         )
         return Jumps(group, self.elements[:, mask], self.place[mask], self.copies)
 
@@ -73,6 +77,9 @@ class Jumps(Compact):
         _, first, edge = np.unique(
             self.place // self.copies, return_index=True, return_inverse=True
         )
+        if self.group.surfaces is not None:  # of one plane, linear: all of it is in its cones
+            power = np.bincount(edge, self.group.dissipation(velocity), minlength=first.size)
+            return self.elements[:, first], np.asarray(power)
         control = np.zeros((first.size, self.copies, self.group.dim))
         control[edge, self.place % self.copies] = self.group.cone_vectors(velocity)
         total = np.zeros(first.size)
@@ -107,12 +114,14 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
         return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
 
     # What holds a boundary, or does not, has no normal jump.
-    opening, slipping = across(np.stack([along[1], -along[0]]) * within), across(along)
+    normal = np.stack([along[1], -along[0]]) * within
+    opening, slipping = across(normal * _outward(mesh, facets, normal)), across(along)
     form = dofs.body.form.across()
     dim, count = form.rows.shape[0], length.size
     order = np.arange(dim * count).reshape(dim, count).T.ravel()
     rows = vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
-    volumetric = csr_matrix(form.volumetric[0] * opening + form.volumetric[1] * slipping)
+    (across_it, along_it), *_ = form.volumes
+    volumetric = csr_matrix(across_it * opening + along_it * slipping)
     for matrix in (rows, volumetric):
         matrix.eliminate_zeros()
     group = DissipationGroup(
@@ -123,8 +132,27 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
         bound=np.repeat(form.bounds(elements).min(axis=0), copies),
         volumetric=volumetric,
         volumetric_factor=form.volumetric_factor,
+        surfaces=_weaker(form, elements, copies),
     )
     return Jumps(group, np.repeat(elements, copies, axis=1), np.arange(count), copies)
+
+
+def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
+    """Signs that turn normals of facets away from their first element, shape (k,)."""
+    first = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+    away = mesh.p[:, mesh.facets[0, facets]] - first
+    return np.asarray(np.where(np.sum(normal * away, axis=0) < 0, -1.0, 1.0))
+
+
+def _weaker(form: ConicForm, elements: Ints, copies: int) -> Surfaces | None:
+    """Surfaces of layers between elements of shape (2, e), of the weaker side, `copies` each."""
+    one, other = (form.surfaces_of(np.repeat(side, copies)) for side in elements)
+    if one is None or other is None:
+        return None
+    weaker = np.argmin(np.stack([one.strength[:, 0], other.strength[:, 0]]), axis=0)
+    strength = np.minimum(one.strength, other.strength)
+    slope = np.where(weaker[:, None, None] == 0, one.slope, other.slope)
+    return replace(one, strength=strength, slope=slope)
 
 
 def movable(group: DissipationGroup, basis: Sparse) -> Bools:

@@ -9,7 +9,16 @@ import lacore as la
 from lacore.status import Rigor, Status
 
 
-def footing(angle, cells=4, cohesion=1.0, surcharge=0.0, weight=0.0, size=(4, 2), **criterion):
+def footing(
+    angle,
+    cells=4,
+    cohesion=1.0,
+    surcharge=0.0,
+    weight=0.0,
+    size=(4, 2),
+    space="p2-vertex",
+    **criterion,
+):
     """Half of a smooth footing, 2 m wide."""
     nx, ny = 2 * cells, cells
     mesh = la.meshes.rectangle(x=(0, size[0]), y=(-size[1], 0), nx=nx, ny=ny)
@@ -22,7 +31,7 @@ def footing(angle, cells=4, cohesion=1.0, surcharge=0.0, weight=0.0, size=(4, 2)
     dead = [la.Pressure("soil", "beside", surcharge)] if surcharge else []
     dead += [la.BodyForce("soil", (0, -weight))] if weight else []
     return la.Problem(
-        {"soil": la.Body(mesh, la.MohrCoulomb(cohesion, angle, **criterion))},
+        {"soil": la.Body(mesh, la.MohrCoulomb(cohesion, angle, **criterion), space=space)},
         [la.RigidFooting("soil", "under", (0, -1), rough=False)],
         supports=[la.Fix("soil", "left", "x"), la.Fix("soil", "right"), la.Fix("soil", "bottom")],
         dead_loads=dead,
@@ -90,6 +99,33 @@ def test_shares_add_up_to_the_gap(angle, weight):
     gap = upper.load_factor - lower.load_factor
     assert identity.total == pytest.approx(gap, rel=1e-9)
     assert identity.least >= -1e-12 * gap
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
+@pytest.mark.parametrize("angle", [1, 30])
+def test_velocities_that_jump_are_closer(angle, space):
+    """They open as they slip, ``[u_n] >= tan(phi) |[u_t]|`` (T43): strict, and closer."""
+    upper = la.upper_bound(footing(angle, space=space))
+    assert upper.rigor is Rigor.UPPER
+    assert prandtl(angle)[0] < upper.load_factor < la.upper_bound(footing(angle)).load_factor
+    jumps = upper.discretisation.jumps["soil"].group
+    slip, opening = jumps.cone_vectors(upper.velocity)[:, 0], jumps.volumetric @ upper.velocity
+    assert np.all(opening >= tan(radians(angle)) * np.abs(slip) * (1 - 1e-12))
+    assert opening.max() > 0
+
+
+def test_shares_of_jumps_add_up_to_the_gap():
+    problem = footing(20, space="p2-disc")
+    upper, lower = la.upper_bound(problem), la.lower_bound(problem)
+    identity = la.gap_identity(upper, lower)
+    gap = upper.load_factor - lower.load_factor
+    assert identity.total == pytest.approx(gap, rel=1e-9)
+    assert identity.least >= -1e-12 * gap
+
+
+def test_a_layer_of_cut_offs_is_refused():
+    with pytest.raises(la.InputError, match=r"Body.space.*take 'p2-vertex'"):
+        la.solve(footing(30, space="p1-disc", tension_cutoff=0.1))
 
 
 def cut(angle, tension, cells=4):
