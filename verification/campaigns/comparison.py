@@ -105,7 +105,8 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 def default_backends(case: Case, variant: Variant) -> list[str]:
     """Backends that a comparison runs when none is named, by what they say of themselves.
 
-    None on demand, none that cannot do the variant; linear programs are those of rigid bodies.
+    None on demand, none that cannot do the variant; linear programs are those of rigid bodies, and
+    strengths that depend on pressure are for those that take surfaces.
     Paths, tens of solves each, are for those that are quick enough; where the exact loads are not
     known, and of implicit schemes, which take several solves a step, for the exact ones of them.
     """
@@ -113,6 +114,8 @@ def default_backends(case: Case, variant: Variant) -> list[str]:
     names = [name for name, can in found.items() if not can.on_demand]
     if case.meshed:
         names = [name for name in names if not found[name].linear_only]
+    if case.surfaces:
+        names = [name for name in names if found[name].surfaces]
     if case.path is not None:
         dear = _is_dear(case, variant)
         names = [name for name in names if found[name].paths]

@@ -67,6 +67,8 @@ class Case:
         sweep: parameter against which a figure of the load factor is drawn; empty for none.
         valid: whether the closed form holds at the parameters of a variant; its docstring says why.
         on_demand: whether it is run only when it is named.
+        surfaces: whether strength depends on pressure (T39), in one variant at least. Comparisons
+            leave out backends that do not take that.
         order: what refinement must show, from the parameters of a variant; None where no order is
             expected, or known.
         bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
@@ -92,6 +94,7 @@ class Case:
     sweep: str = ""
     valid: Callable[..., bool] | None = None
     on_demand: bool = False
+    surfaces: bool = False
     order: Callable[..., Order | None] | None = None
     bracket: Bracketing | None = field(default_factory=Bracketing)
     path: Callable[..., Following] | None = None

@@ -25,12 +25,15 @@ def name_of(part):
 
 def test_catalogue_holds_the_cases_of_the_references():
     assert {
+        "biaxial",
         "block-between-walls",
         "block-incline",
         "block-incline-horizontal",
         "block-incline-vertical",
         "block-slide",
         "block-topple",
+        "cavity-cylinder",
+        "cavity-sphere",
         "centre-crack",
         "circular-footing",
         "deformable-block",
@@ -82,6 +85,18 @@ def test_case_explains_itself(case):
         if case.valid is not None:
             assert case.valid.__doc__
             assert case.valid(**variant.parameters)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_case_says_whether_its_strength_depends_on_pressure(case):
+    """What comparisons choose backends by is what its materials are."""
+    pressed = [
+        body.criterion.conic_form(body.kinematics).surfaces
+        for variant in case.variants
+        for body in case.problem(variant, next(iter(case.meshes))).bodies.values()
+        if isinstance(body, la.Body)
+    ]
+    assert case.surfaces == any(pressed)
 
 
 STATIC = [case for case in CASES if case.meshed and case.path is None]
@@ -170,6 +185,8 @@ ORDERED = [(c, v, o) for c in CASES for v in c.variants if (o := c.order_of(v)) 
 
 def test_orders_are_expected_where_the_reference_is_good_enough():
     assert {f"{case.id}:{variant.name}" for case, variant, _ in ORDERED} == {
+        "cavity-cylinder:phi-30",
+        "cavity-sphere:phi-30",
         "centre-crack:plane-strain",
         "centre-crack:plane-stress",
         "notched-strip:half",

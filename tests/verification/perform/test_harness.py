@@ -276,6 +276,7 @@ CAN = {
     "exact": Capabilities(regularised=False, paths=True),
     "linear": Capabilities(regularised=False, max_cone=1),
     "named": Capabilities(regularised=False, on_demand=True, paths=True),
+    "pressed": Capabilities(regularised=False, surfaces=True),
     "smooth": Capabilities(regularised=True, paths=True),
 }
 
@@ -283,9 +284,10 @@ CAN = {
 @pytest.mark.parametrize(
     ("name", "backends"),
     [
-        ("shear-patch", ["dense", "exact", "smooth"]),
-        ("wall-1", ["exact", "linear"]),  # which is none for penalties
-        ("block-slide", ["dense", "exact", "linear", "smooth"]),
+        ("shear-patch", ["dense", "exact", "pressed", "smooth"]),
+        ("wall-1", ["exact", "linear", "pressed"]),  # which is none for penalties
+        ("block-slide", ["dense", "exact", "linear", "pressed", "smooth"]),
+        ("biaxial", ["pressed"]),  # strength depends on pressure
         ("tension:linear-1", ["exact", "smooth"]),
         ("upsetting", ["exact"]),  # nobody knows its loads
     ],
