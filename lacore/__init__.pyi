@@ -59,5 +59,7 @@ from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess
 from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
+from .ranges.safety import SafetyFactor as SafetyFactor
+from .ranges.safety import safety_factor as safety_factor
 from .status import Rigor as Rigor
 from .status import Status as Status

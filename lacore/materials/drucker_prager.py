@@ -1,7 +1,7 @@
 """The criterion of Drucker and Prager (T41, T42)."""
 
 from dataclasses import dataclass, replace
-from math import cos, radians, sin, sqrt
+from math import atan, cos, degrees, radians, sin, sqrt, tan
 
 import numpy as np
 
@@ -74,6 +74,11 @@ class DruckerPrager(Compact):
     def law(self) -> None:
         """It does not harden: paths are not followed with it."""
         return None
+
+    def weakened(self, factor: float) -> "DruckerPrager":
+        """Cohesion and ``tan(phi)`` divided by a factor."""
+        angle = degrees(atan(tan(radians(self.friction_angle)) / factor))
+        return DruckerPrager(self.cohesion / factor, angle, self.match)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Rows of von Mises, with the one plane of the cone (T41).

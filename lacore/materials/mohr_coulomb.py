@@ -5,7 +5,7 @@ third principal stress where it is not free.
 """
 
 from dataclasses import dataclass
-from math import cos, inf, radians, sin, tan
+from math import atan, cos, degrees, inf, radians, sin, tan
 
 from lacore.errors import InputError, require_positive
 from lacore.materials.conic_form import ConicForm
@@ -87,6 +87,21 @@ class MohrCoulomb(Compact):
         """It does not harden: paths are not followed with it."""
         return None
 
+    def weakened(self, factor: float) -> "MohrCoulomb":
+        """Cohesion, ``tan(phi)`` and cut-offs divided by a factor; the apex stays.
+
+        Raises:
+            InputError: an angle below 0.1 degrees comes of it.
+        """
+        angle = degrees(atan(tan(self.angle) / factor))
+        tension, crushing = self.tension_cutoff, self.crushing
+        return MohrCoulomb(
+            self.cohesion / factor,
+            angle,
+            None if tension is None else tension / factor,
+            None if crushing is None else crushing / factor,
+        )
+
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
         return planes_form(
@@ -135,6 +150,12 @@ class Rankine(Compact):
         """It does not harden: paths are not followed with it."""
         return None
 
+    def weakened(self, factor: float) -> "Rankine":
+        """Both strengths divided by a factor."""
+        crushing = self.compressive_strength
+        least = None if crushing is None else crushing / factor
+        return Rankine(self.tensile_strength / factor, least)
+
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39."""
         return planes_form(kinematics, None, 0.0, self.tensile_strength, self.compressive_strength)
@@ -172,6 +193,11 @@ class NoTension(Compact):
     def law(self) -> None:
         """It does not harden: paths are not followed with it."""
         return None
+
+    def weakened(self, factor: float) -> "NoTension":
+        """Its strength in compression divided by a factor."""
+        crushing = self.compressive_strength
+        return NoTension(None if crushing is None else crushing / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39."""
@@ -211,6 +237,10 @@ class MaximumShear(Compact):
     def law(self) -> None:
         """It does not harden: paths are not followed with it."""
         return None
+
+    def weakened(self, factor: float) -> "MaximumShear":
+        """Its strength divided by a factor."""
+        return MaximumShear(self.shear_strength / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """In plane strain the cone of von Mises; planes of T39 and T40 else."""

@@ -83,6 +83,10 @@ class VonMises(Compact):
             return Perfect(self.yield_stress)
         return Perfect(sqrt(3) * self.k)
 
+    def weakened(self, factor: float) -> "VonMises":
+        """Perfectly plastic, its initial strength divided by a factor."""
+        return VonMises(shear_strength=self.k / factor)
+
     def conic_form(self, kinematics: str) -> ConicForm:
         """Cone of the dissipation (T1).
 

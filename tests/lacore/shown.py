@@ -161,6 +161,7 @@ def results():
     below, above = la.lower_bound(punch(2, 2)), la.upper_bound(punch(2, 2))
     made += [below, above, la.lower_bound(locked()), la.upper_bound(locked())]
     gap = la.gap_identity(above, below)
+    made += [la.safety_factor(punch(2, 2), tolerance=0.5)]
     made += [gap, la.bracket(punch(2, 2), 0.2), la.bracket(locked(), 0.2)]
     made += [la.bracket(punch(2, 2), 0.01, max_elements=200, meshes="separate")]
     made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]

@@ -1,0 +1,204 @@
+"""Strength reduction: by how much strengths may be divided until given loads are the collapse load.
+
+For the factor F every cohesion and every ``tan(phi)`` is divided by F, and the load factor of all
+given loads together falls with it. Where a strict lower bound of that is still 1 or more the
+structure stands, where a strict upper bound is below 1 it does not: the two ends are proven.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import exp, inf, isnan, log, nan
+
+import numpy as np
+import pandas as pd
+
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
+from lacore.bounds.lower import lower_bound
+from lacore.bounds.upper import upper_bound
+from lacore.errors import InputError, require_positive
+from lacore.materials.friction import Coulomb, Friction, Tresca
+from lacore.materials.weakening import Weakening
+from lacore.problem.problem import Problem
+from lacore.showing import Facts, Shown
+from lacore.status import Rigor, Status
+
+_FARTHEST = 4.0  # times the last factor, where nothing brackets the next
+_INSIDE = 0.1  # share of a bracket, in logarithms, that the next factor keeps from its ends
+_MOST = 25  # solves of one end: 4^25 is more than any strength
+
+
+@dataclass(frozen=True, repr=False)
+class SafetyFactor(Shown):
+    """A factor of safety between two proven ends.
+
+    Attributes:
+        lower: the structure stands with strengths divided by this factor; nan where not proven.
+        upper: with strengths divided by this one it collapses; nan where not proven.
+        history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads, ``proves``.
+        problem: as stated.
+    """
+
+    lower: float
+    upper: float
+    history: pd.DataFrame
+    problem: Problem
+
+    @property
+    def width(self) -> float:
+        """``(upper - lower)/mean``."""
+        return 2 * (self.upper - self.lower) / (self.upper + self.lower)
+
+    @property
+    def stands(self) -> bool | None:
+        """Whether the structure as it is carries the given loads; None where neither is proven."""
+        if self.lower >= 1:
+            return True
+        return False if self.upper <= 1 else None
+
+    def facts(self) -> Facts:
+        """Both ends, and what they took."""
+        told = {
+            "rigor": "both ends by strict bounds of the continuum problem",
+            "given": f"{len(self.problem.loads)} loads, all of them at their full size",
+            "solved by": f"{len(self.history)} bounds",
+        }
+        return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
+
+
+def safety_factor(
+    problem: Problem,
+    of: str = "strength",
+    *,
+    interfaces: bool = False,
+    tolerance: float = 1e-3,
+    backend: str = "clarabel",
+) -> SafetyFactor:
+    """Factor by which strengths may be divided until the given loads collapse the structure.
+
+    On the mesh of the problem: how far its ends are apart is what its bounds are. Refine it, or
+    take the space ``p2-disc`` and a fan at its toe, for closer ones.
+
+    Args:
+        problem: its reference and dead loads count alike, at their full size (load factor 1).
+        of: what is divided: ``strength``, that is cohesion, ``tan(phi)``, shear strength and
+            cut-offs of all bodies.
+        interfaces: divide the friction of interfaces as well.
+        tolerance: of each end, relative, to which it is looked for.
+        backend: name of an exact backend.
+
+    Raises:
+        InputError: Coulomb friction that is not associated; a criterion that cannot be weakened;
+            a body without any cohesion, whose factor no load factor tells; what bounds refuse.
+        CapabilityError: the backend cannot take the problem.
+    """
+    if of != "strength":
+        raise InputError("of", of, "nothing that can be divided", "give 'strength'")
+    require_positive("tolerance", tolerance)
+    given = replace(
+        problem, reference_loads=[*problem.reference_loads, *problem.dead_loads], dead_loads=[]
+    )
+    for name, body in of_kind(given.bodies, Body).items():
+        _check(name, body)
+    rows: list[dict[str, object]] = []
+
+    def below(factor: float) -> float:
+        bound = lower_bound(_weakened(given, factor, interfaces), backend)
+        value = bound.load_factor if bound.rigor is Rigor.LOWER else nan
+        return inf if bound.status is Status.LOCKED else value
+
+    def above(factor: float) -> float:
+        bound = upper_bound(_weakened(given, factor, interfaces), backend)
+        value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
+        return inf if bound.status is Status.LOCKED else value
+
+    lower = _end("lower", below, 1.0, tolerance, rows)
+    upper = _end("upper", above, lower if lower > 0 else 1.0, tolerance, rows)
+    return SafetyFactor(lower, upper, pd.DataFrame(rows), problem)
+
+
+def _end(
+    end: str,
+    load_factor: Callable[[float], float],
+    start: float,
+    tolerance: float,
+    rows: list[dict[str, object]],
+) -> float:
+    """The last factor that is proven of one end; nan where none is."""
+    stands, falls = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
+    low, high = -inf, inf
+    factor, best = start, nan
+    for _ in range(_MOST):
+        value = load_factor(factor)
+        proves = value >= 1 if end == "lower" else value < 1
+        rows.append({"end": end, "factor": factor, "load_factor": value, "proves": proves})
+        if proves and not isnan(best):
+            best = max(best, factor) if end == "lower" else min(best, factor)
+        elif proves:
+            best = factor
+        size = log(value) if value > 0 else -inf
+        # What is not proven is taken for the other side: the end is never beyond what is.
+        if (proves and end == "lower") or (not proves and end == "upper"):
+            low, stands = log(factor), (log(factor), size)
+        else:
+            high, falls = log(factor), (log(factor), size)
+        if high - low <= log(1 + tolerance):
+            break
+        factor = exp(_next(low, high, stands, falls, size))
+    return best
+
+
+def _next(
+    low: float,
+    high: float,
+    stands: tuple[float, float],
+    falls: tuple[float, float],
+    size: float,
+) -> float:
+    """Logarithm of the next factor: where the load factor is about 1."""
+    if low == -inf or high == inf:
+        here = high if low == -inf else low
+        known = size if np.isfinite(size) else (log(_FARTHEST) if low > -inf else -log(_FARTHEST))
+        step = float(np.clip(known, -log(_FARTHEST), log(_FARTHEST)))
+        least = 1e-3 if low > -inf else -1e-3
+        return here + (step if abs(step) > abs(least) else least)
+    if not (np.isfinite(stands[1]) and np.isfinite(falls[1])) or stands[1] <= falls[1]:
+        return (low + high) / 2
+    share = stands[1] / (stands[1] - falls[1])
+    inside = float(np.clip(share, _INSIDE, 1 - _INSIDE))
+    return low + inside * (high - low)
+
+
+def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem:
+    """The problem with strengths divided by a factor."""
+    weaker = {}
+    for name, body in of_kind(problem.bodies, Body).items():
+        assert isinstance(body.criterion, Weakening)
+        weaker[name] = replace(body, criterion=body.criterion.weakened(factor))
+    pairs = problem.interfaces
+    if interfaces:
+        pairs = tuple(replace(pair, friction=_divided(pair.law, factor)) for pair in pairs)
+    return replace(problem, bodies={**problem.bodies, **weaker}, interfaces=pairs)
+
+
+def _divided(law: Friction, factor: float) -> Friction:
+    if isinstance(law, Coulomb):
+        return replace(law, mu=law.mu / factor)
+    return Tresca(law.limit / factor)
+
+
+def _check(name: str, body: Body) -> None:
+    if not isinstance(body.criterion, Weakening):
+        raise InputError(
+            f"Problem.bodies[{name!r}].criterion",
+            type(body.criterion).__name__,
+            "does not say how it is when its strength is divided",
+            "give lacore's criteria, or one with a method `weakened(factor)`",
+        )
+    if not body.criterion.strength > 0:
+        raise InputError(
+            f"Problem.bodies[{name!r}].criterion",
+            body.criterion.label,
+            "without cohesion all loads together have no size: the load factor is 0 or endless",
+            "give it a small cohesion; that of an infinite slope of sand is tan(phi)/tan(slope)",
+        )

@@ -1,0 +1,101 @@
+"""Factors of safety by strength reduction, against load factors and rotational mechanisms."""
+
+from dataclasses import replace
+from math import radians, tan
+
+import pytest
+
+import lacore as la
+
+
+def cut(weight, criterion, cells=4):
+    """A vertical cut of height 1 above a layer of the same soil, under its weight."""
+    mesh = la.meshes.rectangle(x=(0, 3), y=(0, 1), nx=3 * cells, ny=cells)
+    return la.Problem(
+        {"soil": la.Body(mesh, criterion)},
+        [la.BodyForce("soil", (0, -weight))],
+        supports=[la.Fix("soil", "left"), la.Fix("soil", "bottom")],
+    )
+
+
+@pytest.mark.parametrize("criterion", [la.VonMises(2.0), la.MohrCoulomb(2.0, 0)], ids=["k", "c"])
+def test_without_friction_it_is_the_load_factor(criterion):
+    """Strengths and loads then are in proportion: F is alpha, end by end."""
+    problem = cut(1.0, criterion)
+    found = la.safety_factor(problem, tolerance=1e-3)
+    lower, upper = la.lower_bound(problem).load_factor, la.upper_bound(problem).load_factor
+    assert lower * (1 - 1e-3) <= found.lower <= lower
+    assert upper <= found.upper <= upper * (1 + 1e-3)
+    assert found.stands is True
+
+
+def test_with_friction_loads_at_the_ends_are_those_of_collapse():
+    """At each end the bound of the weakened soil is 1, from the side that proves it."""
+    soil = la.MohrCoulomb(1.0, 20)
+    problem = cut(4.0, soil)
+    found = la.safety_factor(problem, tolerance=1e-3)
+    for end, bound in ((found.lower, la.lower_bound), (found.upper, la.upper_bound)):
+        weaker = cut(4.0, soil.weakened(end))
+        # A load factor falls no faster than F^-2 here, over a step of 1e-3.
+        assert bound(weaker).load_factor == pytest.approx(1.0, abs=3e-3)
+    assert la.lower_bound(cut(4.0, soil.weakened(found.lower))).load_factor >= 1
+    assert la.upper_bound(cut(4.0, soil.weakened(found.upper))).load_factor < 1
+    # The log-spiral through the toe is a mechanism (Chen): at gamma H/c = 5.5049 F is at most 1.
+    steep = la.safety_factor(cut(5.5049, soil), tolerance=1e-2)
+    assert steep.lower <= 1
+    assert found.lower > steep.lower
+
+
+def test_dead_loads_count_like_others():
+    problem = cut(2.0, la.MohrCoulomb(1.0, 20))
+    half = [la.BodyForce("soil", (0, -1.0))]
+    split = replace(problem, reference_loads=half, dead_loads=half)
+    one, other = la.safety_factor(problem), la.safety_factor(split)
+    assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-6)
+
+
+def test_weakened_criteria():
+    soil = la.MohrCoulomb(3.0, 30, tension_cutoff=0.6, crushing=9.0).weakened(3)
+    assert soil.cohesion == pytest.approx(1.0)
+    assert tan(radians(soil.friction_angle)) == pytest.approx(tan(radians(30)) / 3)
+    assert (soil.tension_cutoff, soil.crushing) == pytest.approx((0.2, 3.0))
+    assert soil.apex == pytest.approx(la.MohrCoulomb(3.0, 30).apex)
+    assert la.Rankine(3.0, 9.0).weakened(3) == la.Rankine(1.0, 3.0)
+    assert la.NoTension(9.0).weakened(3) == la.NoTension(3.0)
+    assert la.MaximumShear(3.0).weakened(3) == la.MaximumShear(1.0)
+    assert la.VonMises(3.0).weakened(3).k == pytest.approx(1.0)
+    cone = la.DruckerPrager(3.0, 30, "compression").weakened(3)
+    assert (cone.cohesion, cone.match) == (1.0, "compression")
+
+
+def test_interfaces_are_weakened_where_asked():
+    """A block that is held by the shear of its joint: 2 Pa over 2 m, against 1 Pa over 1 m."""
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+    floor = la.RigidObstacle((0, 0), (0, 1))
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(100.0))},
+        [la.Traction("block", "left", (1, 0))],
+        interfaces=[la.Interface(("block", "bottom"), floor, la.Tresca(2.0))],
+        dead_loads=[la.Pressure("block", "top", 3.0)],  # it does not topple
+    )
+    assert la.safety_factor(problem, interfaces=True).lower == pytest.approx(4.0, rel=2e-3)
+    assert not la.safety_factor(problem).lower < 25  # its own strength alone
+
+
+WRONG = {
+    "another thing": (lambda p: la.safety_factor(p, of="load"), "of", "'strength'"),
+    "no tolerance": (lambda p: la.safety_factor(p, tolerance=0), "tolerance", "> 0"),
+    "no cohesion": (
+        lambda p: la.safety_factor(cut(1.0, la.MohrCoulomb(0.0, 30))),
+        "criterion",
+        "small cohesion",
+    ),
+}
+
+
+@pytest.mark.parametrize(("asked", "field", "mend"), WRONG.values(), ids=WRONG)
+def test_what_is_refused(asked, field, mend):
+    with pytest.raises(la.InputError) as error:
+        asked(cut(1.0, la.VonMises(1.0)))
+    assert field in str(error.value)
+    assert mend in str(error.value)
