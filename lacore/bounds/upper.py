@@ -110,7 +110,8 @@ def upper_bound(
 
     Raises:
         InputError: Coulomb friction, which has no bounds; a state within a step of a path that
-            hardens or closes a distance; what `lacore.solve` refuses.
+            hardens or closes a distance; strength that depends on pressure in a space that is not
+            strict by itself; what `lacore.solve` refuses.
         SolveError: see `throw`.
     """
     if isinstance(problem, LimitState | Discretisation):
@@ -129,6 +130,14 @@ def upper_bound(
             "give Coulomb(mu, associated=True); `solve` with coupling='associated' has an upper"
             " bound of every Coulomb load factor",
         )
+    for name, dofs in discretisation.bodies.items():
+        if dofs.body.form.surfaces and not dofs.space.strict:
+            raise InputError(
+                f"Problem.bodies[{name!r}].space",
+                dofs.body.space,
+                "what flows as it can at interior points may not do so in their corners",
+                "take 'p2-vertex', 'p2-disc' or 'p1-disc'; `bracket` does by itself",
+            )
     judged = state.status.has_point or state.status is Status.NOT_CERTIFIED
     if state.point is None or not judged:
         return _unbounded(state)

@@ -123,6 +123,22 @@ def test_shares_of_jumps_add_up_to_the_gap():
     assert identity.least >= -1e-12 * gap
 
 
+@pytest.mark.parametrize("space", ["p2-gauss", "q2"])
+def test_interior_strain_points_prove_nothing(space):
+    """Unlike those of metals: between them soil may shear without growing (T43)."""
+    problem = footing(30)
+    body = problem.bodies["soil"]
+    if space == "q2":
+        mesh = la.meshes.quadrilaterals(x=(0, 4), y=(-2, 0), nx=8, ny=4)
+        names = {"under": lambda x: (x[1] == 0) & (x[0] < 1)}
+        body = la.Body(mesh.with_boundaries(names), body.criterion, space=space)
+    else:
+        body = la.Body(body.mesh, body.criterion, space=space)
+    other = la.Problem({"soil": body}, problem.reference_loads, problem.supports)
+    with pytest.raises(la.InputError, match=r"space = '(p2-gauss|q2)'.*take 'p2-vertex'"):
+        la.upper_bound(other)
+
+
 def test_a_layer_of_cut_offs_is_refused():
     with pytest.raises(la.InputError, match=r"Body.space.*take 'p2-vertex'"):
         la.solve(footing(30, space="p1-disc", tension_cutoff=0.1))

@@ -200,3 +200,28 @@ def test_it_is_the_same_turned_and_in_other_units(turn):
         dead_loads=[la.Pressure("block", side, 0.5 * stress) for side in ("left", "right")],
     )
     assert la.solve(other).load_factor == pytest.approx(exact, rel=1e-7)
+
+
+def shaken(values):
+    rng = np.random.default_rng(3)
+    return {"block": values["block"] * (1 + 1e-4 * rng.standard_normal(values["block"].shape))}
+
+
+PLANTED = {
+    "load factor": lambda s: {"load_factor": s.load_factor * 1.0001},
+    "stress": lambda s: {"stress": shaken(s.stress)},
+    "stress beyond strength": lambda s: {"stress": {"block": 1.001 * s.stress["block"]}},
+    "tension for compression": lambda s: {"stress": {"block": -s.stress["block"]}},
+    "velocity": lambda s: {"velocity": shaken(s.velocity)},
+    "flow that keeps its volume": lambda s: {
+        "velocity": {"block": s.velocity["block"] * np.array([[1 / 3], [1.0]])}
+    },
+    "no number": lambda s: {"stress": {"block": np.nan * s.stress["block"]}},
+}
+
+
+@pytest.mark.parametrize("planted", PLANTED.values(), ids=PLANTED)
+def test_planted_errors_are_refused(planted):
+    state = la.solve(block(SOIL, 0.5))
+    assert state.certify().holds(1e-6)
+    assert not state.certify(**planted(state)).holds(1e-6)
