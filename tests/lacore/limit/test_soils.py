@@ -79,6 +79,17 @@ def test_cavities(angle, sphere, space):
     assert state.load_factor == pytest.approx(exact, rel=2.6e-4 if space == "p2-gauss" else 2.2e-3)
 
 
+def test_a_ring_that_tension_bursts():
+    """Its hoop stress is the tensile strength T everywhere: ``p a = T (b - a)``."""
+    mesh = la.meshes.rectangle(x=(1, 2), y=(0, 0.5), nx=4, ny=2)
+    body = la.Body(mesh, la.Rankine(0.5, 10.0), "axisymmetric", "p2-gauss")
+    problem = la.Problem({"ring": body}, [la.Pressure("ring", "left")])
+    state = la.solve(problem)
+    assert state.status is Status.SOLVED
+    # Velocities of such a ring are 1/r, which quadratic ones follow to the fourth order.
+    assert state.load_factor == pytest.approx(0.5, rel=1e-3)
+
+
 def test_a_bar_of_revolution_in_compression():
     """Triaxial compression under a pressure from around: that of plane strain, with c and phi."""
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
