@@ -22,6 +22,7 @@ from backends._ipopt import to_casadi
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
+from lacore.surfaces import Surfaces
 
 LARGEST = 1e6  # dimensionless load factor that no structure carries
 _DAMPING = 1e-6  # curvature per weight: with 1e-5 graded meshes need half as many steps again
@@ -92,16 +93,24 @@ class StaticProgram:
         loads = [csr_matrix(-f[:, None]) for f in (program.reference_load, program.dead_load)]
         forces, damped = loads, [np.zeros(2)]
         for group in program.groups:
-            size = np.repeat(group.weights * group.bound, group.dim)
-            forces += [_forces(group.rows, size), _forces(group.volumetric, group.weights)]
-            damped += [np.zeros(size.size), group.weights]
+            unit = group.bound if group.surfaces is None else np.ones(group.weights.size)
+            size = np.repeat(group.weights * unit, group.dim)
+            volumes = group.volume_weights
+            forces += [_forces(group.rows, size), _forces(group.volumetric, volumes)]
+            damped += [np.zeros(size.size), volumes]
         slip = _forces(points.tangential, -weights)
         forces += [_forces(points.normal, -points.weights), slip, slip[:, turning]]
         damped += [np.zeros(points.count), weights, weights[turning]]
+        # What surfaces leave of their strength is an unknown, on which no force acts.
+        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
+        forces += [csr_matrix((program.n, own.strength.size)) for own in pressed]
+        damped += [np.zeros(own.strength.size) for own in pressed]
         ends = np.cumsum([0, *(block.shape[1] for block in forces)])
         parts = [np.arange(a, b) for a, b in pairwise(ends)]
-        self._stresses, self._means = parts[2:-3:2], parts[3:-3:2]
-        self._normal, self._friction, self._dilated = parts[-3:]
+        contacts = 2 + 2 * len(program.groups)
+        self._stresses, self._means = parts[2:contacts:2], parts[3:contacts:2]
+        self._normal, self._friction, self._dilated = parts[contacts : contacts + 3]
+        self._left = parts[contacts + 3 :]
         self._damped = _DAMPING * np.concatenate(damped)
 
         linear = [csr_matrix(hstack(forces, format="csr"))]
@@ -110,18 +119,45 @@ class StaticProgram:
             linear += [
                 _combined(lifted, d, self._dilated, sign, int(ends[-1])) for sign in (1.0, -1.0)
             ]
+        self._unequal = sum(block.shape[0] for block in linear) - program.n
+        own = [
+            (group.surfaces, means)
+            for group, means in zip(program.groups, self._means, strict=True)
+            if group.surfaces is not None
+        ]
+        linear += [
+            _remaining(surfaces, left, means, int(ends[-1]))
+            for (surfaces, means), left in zip(own, self._left, strict=True)
+        ]
+        self._strengths = np.concatenate([np.zeros(0), *(s.strength.ravel() for s, _ in own)])
         self._linear = csr_matrix(vstack(linear, format="csr"))
         self._balls = [
             _Cones(_square(group.dim), columns, group.dim, np.ones(group.weights.size))
             for group, columns in zip(program.groups, self._stresses, strict=True)
-            if group.dim > 1
+            if group.dim > 1 and group.surfaces is None
         ]
-        self._discs, self._fans = [], []
+        self._discs, self._fans = [], self._planes()
         if dim > 1:
             both = np.column_stack([lifted, self._dilated.reshape(-1, dim)])
             self._discs = [_Cones(_square(dim), self._friction, dim, np.ones(points.count))]
-            self._fans = [_Cones(_fan(1 + dim), both.ravel(), 1 + dim, d)]
+            self._fans += [_Cones(_fan(1 + dim), both.ravel(), 1 + dim, d)]
         self._problem, self._derivatives = self._functions()
+
+    def _planes(self) -> list[_Cones]:
+        """``||s||`` below what each surface leaves of its strength."""
+        pressed = [
+            (group, columns)
+            for group, columns in zip(self._program.groups, self._stresses, strict=True)
+            if group.surfaces is not None
+        ]
+        found = []
+        for (group, columns), left in zip(pressed, self._left, strict=True):
+            assert group.surfaces is not None
+            shear = columns.reshape(-1, group.dim)
+            for lead in left.reshape(-1, group.surfaces.count).T[group.surfaces.normed > 0]:
+                both = np.column_stack([lead, shear]).ravel()
+                found.append(_Cones(_fan(1 + group.dim), both, 1 + group.dim, np.ones(lead.size)))
+        return found
 
     def _functions(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """The problem and its derivatives, as `casadi.nlpsol` wants them."""
@@ -200,8 +236,10 @@ class StaticProgram:
         low[1], high[1] = 0.0 if share else 1.0, 1.0
         high[0] = np.inf if share else LARGEST
         low[self._normal] = 0.0
+        for left in self._left:
+            low[left] = 0.0
         for group, columns in zip(self._program.groups, self._stresses, strict=True):
-            if group.dim == 1:
+            if group.dim == 1 and group.surfaces is None:
                 low[columns], high[columns] = -1.0, 1.0
         bound = np.repeat(contact.bound, dim)
         high[self._friction] = bound if dim == 1 else np.where(bound > 0, np.inf, 0.0)
@@ -210,6 +248,8 @@ class StaticProgram:
         upper = np.full(self._problem["g"].shape[0], np.inf)
         upper[:equal] = 0.0
         first = self._linear.shape[0]
+        leaving = slice(equal + self._unequal, first)
+        upper[leaving] = self._strengths
         for part in self._balls:
             upper[first : first + part.count] = 1.0
             first += part.count
@@ -218,9 +258,12 @@ class StaticProgram:
             first += part.count
         upper[first:] = 0.0
         lower = np.zeros(upper.size)
+        lower[leaving] = self._strengths
         lower[self._linear.shape[0] :] = -np.inf
         start = np.zeros(cost.size)
         start[1], start[self._normal] = 1.0, 1.0
+        for left in self._left:
+            start[left] = 1.0
         answer = nlp(x0=start, p=cost, lbx=low, ubx=high, lbg=lower, ubg=upper)
         stats = nlp.stats()
         return Found(
@@ -246,7 +289,8 @@ class StaticProgram:
             velocity=velocity / (power if power > 0 else 1.0),
             load_factor=float(x[0]),
             stress=tuple(
-                x[columns].reshape(-1, group.dim) * group.bound[:, None]
+                x[columns].reshape(-1, group.dim)
+                * (group.bound[:, None] if group.surfaces is None else 1.0)
                 for group, columns in zip(program.groups, self._stresses, strict=True)
             ),
             mean_stress=tuple(x[columns] for columns in self._means),
@@ -266,6 +310,20 @@ def _combined(lifted: Ints, d: Floats, dilated: Ints, sign: float, size: int) ->
     entries = np.concatenate([d, np.full(d.size, sign)])
     where = (np.concatenate([own, own]), np.concatenate([lifted, dilated]))
     return csr_matrix((entries, where), (d.size, size))
+
+
+def _remaining(surfaces: Surfaces, left: Ints, means: Ints, size: int) -> Sparse:
+    """Rows ``left + slope . p``, equal to the strengths, of each surface of each point."""
+    m, k, volumes = surfaces.slope.shape
+    own = np.arange(m * k)
+    slopes = surfaces.slope.reshape(m * k, volumes)
+    pressed = means.reshape(m, volumes)[own // k]
+    entries = np.concatenate([np.ones(own.size), slopes.ravel()])
+    where = (
+        np.concatenate([own, np.repeat(own, volumes)]),
+        np.concatenate([left, pressed.ravel()]),
+    )
+    return csr_matrix((entries, where), (own.size, size))
 
 
 def _law(value: Any, local: Any, constant: Any) -> _Law:

@@ -52,7 +52,7 @@ class IpoptStatic:
     title: ClassVar[str] = "IPOPT through CasADi, exact static program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=False, on_demand=True, packages=("casadi",)
+        regularised=False, on_demand=True, surfaces=True, packages=("casadi",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptStaticOptions
@@ -136,7 +136,7 @@ class IpoptStaticSolver:
         slip = np.linalg.norm(points.slip(velocity), axis=1)
         held = np.where(np.isinf(contact.bound), slip, 0.0)
         inward = np.maximum(contact.dilatancy * slip - points.opening(velocity), held)
-        theta = [np.abs(group.volumetric @ velocity) for group in program.groups]
+        theta = [group.impossible(velocity) for group in program.groups]
         broken = max(float(part.max(initial=0.0)) for part in (inward, *theta))
         idle = abs(float(program.reference_load @ velocity))
         size = float(np.abs(velocity).max())
