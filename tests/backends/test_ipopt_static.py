@@ -127,9 +127,13 @@ def both(stated, held):
 
 
 def leak(program, mean_stress, velocity):
-    """Power of mean stresses on the divergence of a velocity, signs dropped."""
+    """Power of mean stresses on the divergence of a velocity, signs dropped; that of a soil that
+    its flow rule does not allow.
+    """
     return sum(
         float(group.weights @ np.abs(p * (group.volumetric @ velocity)))
+        if group.surfaces is None
+        else group.taken(velocity, p)
         for group, p in zip(program.groups, mean_stress, strict=True)
     )
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.claims.locking_ray import locking_ray
+from lacore.program import associated_contact
 from lacore.status import Status
 from tests.lacore.limit.cavities import cavity
 
@@ -164,6 +166,23 @@ def test_what_is_confined_is_locked():
     assert la.solve(problem).status is Status.LOCKED
 
 
+@pytest.mark.parametrize("pull", [False, True])
+def test_only_what_presses_is_a_proof_of_locking(pull):
+    """Confined at its sides, soil carries any pressure by itself, but only so much tension."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    problem = la.Problem(
+        {"soil": la.Body(mesh, SOIL)},
+        [la.Traction("soil", "top", (0, 1 if pull else -1))],
+        supports=[
+            la.Fix("soil", "bottom", "y"),
+            *(la.Fix("soil", side, "x") for side in ("left", "right")),
+        ],
+    )
+    program = la.discretise(problem).program
+    assert locking_ray(program, associated_contact(program.contact)).proves != pull
+    assert (la.solve(problem).status is Status.LOCKED) != pull
+
+
 def test_what_pulls_at_confined_soil_is_not_locked():
     """Held at its sides, pulled apart: tension has an end, where flow keeps no volume, too."""
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
@@ -229,6 +248,15 @@ PLANTED = {
     },
     "no number": lambda s: {"stress": {"block": np.nan * s.stress["block"]}},
 }
+
+
+def test_flow_that_keeps_its_volume_is_seen_by_its_divergence():
+    """The power of the mean stress, -5.46/2 of a power of 3.46, on what is missing of theta."""
+    state = la.solve(block(SOIL, 0.5))
+    found = state.certify(**PLANTED["flow that keeps its volume"](state))
+    # sin(phi) ||d|| = 1 at a unit of settlement, and theta = 0; powers of that flow are of order 1.
+    assert 0.1 < found.divergence < 10
+    assert state.certificate.divergence < 1e-6
 
 
 @pytest.mark.parametrize("planted", PLANTED.values(), ids=PLANTED)
