@@ -107,7 +107,7 @@ plate:          s1 = 0 across it: q drops out, 3.464102 c
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("phi-30", {"angle": 30.0, "lateral": 0.5, "state": "pressed"}),
+        Variant("phi-30", {"angle": 30.0, "lateral": 0.5, "state": "pressed"}, ("coarse",)),
         Variant("phi-1", {"angle": 1.0, "lateral": 0.5, "state": "pressed"}, ("coarse",)),
         Variant("phi-0", {"angle": 0.0, "lateral": 0.5, "state": "pressed"}, ("coarse",)),
         Variant("tension", {"angle": 30.0, "lateral": 0.0, "state": "pulled"}, ("coarse",)),

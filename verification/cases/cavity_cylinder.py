@@ -83,7 +83,7 @@ b/a = 2:      1.386294, 1.291128, 1.164280, 1.017409 c
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("phi-30", {"angle": 30.0}),
+        Variant("phi-30", {"angle": 30.0}, ("coarse",)),
         Variant("phi-20", {"angle": 20.0}, ("coarse",)),
         Variant("phi-10", {"angle": 10.0}, ("coarse",)),
         Variant("phi-0", {"angle": 0.0}, ("coarse",)),

@@ -85,7 +85,7 @@ b/a = 2:      2.772589, 2.876194, 2.821940, 2.632444 c
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("phi-30", {"angle": 30.0}),
+        Variant("phi-30", {"angle": 30.0}, ("coarse",)),
         Variant("phi-20", {"angle": 20.0}, ("coarse",)),
         Variant("phi-10", {"angle": 10.0}, ("coarse",)),
         Variant("phi-0", {"angle": 0.0}, ("coarse",)),
