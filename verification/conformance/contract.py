@@ -25,6 +25,7 @@ from verification.conformance.hardening_programs import closing_and_hardening, t
 from verification.conformance.judge import FAIL, SKIPPED, Finding, R, Subject, judge, said
 from verification.conformance.plastic_programs import many_cones
 from verification.conformance.programs import WORKED
+from verification.conformance.soil_programs import mohr_coulomb
 from verification.conformance.worked import (
     LENGTH,
     Worked,
@@ -116,6 +117,18 @@ def hardening(bench: Bench) -> Iterator[Finding]:
         bench.prepare(two_that_harden().program).close()
     except la.CapabilityError as error:
         named = "hardening" in str(error)
+        yield said(name, "refused", named and not can, f"refused with: {error}")
+    else:
+        yield said(name, "taken", can, "it was taken by a backend without the capability")
+
+
+def surfaces(bench: Bench) -> Iterator[Finding]:
+    """Strength that depends on pressure is taken by whoever says so, and refused by the others."""
+    name, can = "surfaces", bench.subject.backend.capabilities.surfaces
+    try:
+        bench.prepare(mohr_coulomb().program).close()
+    except la.CapabilityError as error:
+        named = any(word in str(error) for word in ("pressure", "linear programs"))
         yield said(name, "refused", named and not can, f"refused with: {error}")
     else:
         yield said(name, "taken", can, "it was taken by a backend without the capability")
@@ -300,6 +313,7 @@ _FRICTION = next(worked for worked in WORKED if worked.name == "friction")
 EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
     **{worked.name: worked_exercise(worked) for worked in WORKED},
     "hardening": hardening,
+    "surfaces": surfaces,
     "repeated solves": repeated_solves,
     "repeated solves that harden": repeated_steps,
     "two solvers": two_solvers,

@@ -87,7 +87,7 @@ def by_hand(worked):
             for values, group in zip(worked.stress or none, groups, strict=True)
         ),
         mean_stress=tuple(
-            filled(values, group.weights.size)
+            filled(values, group.volume_weights.size)
             for values, group in zip(worked.mean_stress or none, groups, strict=True)
         ),
         normal_reaction=filled(worked.normal_reaction, contact.count),
