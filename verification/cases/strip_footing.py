@@ -29,6 +29,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from lacore.conditions.loads import Load
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
@@ -55,7 +56,7 @@ def build(
     mesh = la.meshes.rectangle(
         x=(0, width), y=(-depth, 0), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.0, ratio / 2)
     ).with_boundaries({"under": _under, "beside": _beside})
-    dead: list[la.Load] = [la.Pressure("soil", "beside", surcharge)] if surcharge else []
+    dead: list[Load] = [la.Pressure("soil", "beside", surcharge)] if surcharge else []
     dead += [la.BodyForce("soil", (0, -weight))] if weight else []
     return la.Problem(
         bodies={"soil": la.Body(mesh, la.MohrCoulomb(1.0, angle))},

@@ -24,7 +24,9 @@ def soil(
     rows: npt.ArrayLike, volumetric: npt.ArrayLike, planes: Sequence[tuple[Sequence[float], float]]
 ) -> DissipationGroup:
     """One point of weight 1/2; rows of shape (dim, n), volumetric (L, n), planes ``(a_i, b_i)``."""
-    plain = cones([rows], [_WEIGHT], [min(strength for _, strength in planes)])
+    plain = cones(
+        np.asarray(rows, dtype=float)[None], [_WEIGHT], [min(strength for _, strength in planes)]
+    )
     surfaces = Surfaces(
         slope=np.array([[slope for slope, _ in planes]], dtype=float),
         strength=np.array([[strength for _, strength in planes]], dtype=float),

@@ -226,6 +226,14 @@ class Forgetful(Planted):
         return super().prepare(replace(program, groups=perfect), options)
 
 
+class Weightless(Planted):
+    """It takes soil for a metal as strong as soil is without pressure."""
+
+    def prepare(self, program, options):
+        plain = tuple(replace(group, surfaces=None) for group in program.groups)
+        return super().prepare(replace(program, groups=plain), options)
+
+
 def closed(_, contact):
     return replace(contact, shift=np.zeros(contact.shift.size))
 
@@ -304,6 +312,7 @@ WRONG = {
         "volumetric row",
         "minimum",
     ),
+    "pressure forgotten": (Weightless(), "Mohr-Coulomb", "load factor"),
     "hardening forgotten": (Forgetful(), "hardening shares the load", "load factor"),
     "hardening forgotten by highs": (
         Forgetful(of="highs"),
