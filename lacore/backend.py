@@ -231,7 +231,7 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
     if program.presses and not can.surfaces:
         raise CapabilityError(
             f"backend {backend.name!r} takes strengths that do not depend on pressure, and this"
-            " problem has a material with friction or a cut-off: take 'clarabel' or 'cvxpy'"
+            " problem has a material with friction or a cut-off: take 'clarabel' or 'ipopt-static'"
         )
     if program.hardens and not can.hardening:
         states = "solves linear programs" if can.linear_only else "has costs linear in them only"
