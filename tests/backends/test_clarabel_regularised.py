@@ -33,7 +33,7 @@ from tests.backends.test_clarabel import (
 from tests.backends.test_clarabel import frozen as held
 from tests.backends.test_clarabel import random_program as mixed_program
 from tests.backends.test_regularised import NAMED, SOLVER, frozen
-from tests.backends.variants import VARIANTS
+from tests.backends.variants import METALS
 from tests.lacore.models import deformable_block, punch
 from tests.lacore.random_programs import POINTS, random_program, random_step
 from tests.lacore.random_programs import frozen as random_contact
@@ -151,7 +151,7 @@ def judged(problem, coupling, r, other):
 
 @pytest.mark.parametrize("mesh", ["coarse", pytest.param("medium", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("coupling", ["associated", "reaction"])
-@pytest.mark.parametrize(("case", "variant"), VARIANTS)
+@pytest.mark.parametrize(("case", "variant"), METALS)
 def test_newton_finds_the_same_triple(case, variant, coupling, mesh):
     """T19 at equal r, and its order: P <= alpha_reg <= lambda <= alpha*.
 

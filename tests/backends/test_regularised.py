@@ -7,7 +7,7 @@ import lacore as la
 from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.ipopt_nlp import Ipopt, IpoptOptions
 from lacore.program import dimensionless, reaction_contact
-from tests.backends.variants import VARIANTS
+from tests.backends.variants import METALS
 from tests.lacore.models import deformable_block, punch, square
 from tests.shares import one_in
 
@@ -30,7 +30,7 @@ def values(program, contact, r):
 
 
 @pytest.mark.parametrize("mesh", ["coarse", pytest.param("medium", marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("case", "variant"), VARIANTS)
+@pytest.mark.parametrize(("case", "variant"), METALS)
 def test_three_values_bound_the_exact_one_from_below(case, variant, mesh):
     """T19 at r = 1e-3: P <= alpha_reg <= lambda <= alpha*, and lambda within 1e-3."""
     program, contact, exact = frozen(case.problem(variant, mesh))
@@ -125,7 +125,7 @@ def test_ipopt_and_slsqp_are_one_program(friction):
 
 
 @pytest.mark.parametrize("coupling", ["associated", "reaction"])
-@pytest.mark.parametrize(("case", "variant"), VARIANTS)
+@pytest.mark.parametrize(("case", "variant"), METALS)
 def test_newton_and_ipopt_are_one_program(case, variant, coupling):
     """At equal r the three values of T19 agree; both leave at most 1e-8 of the load unbalanced."""
     discretisation = la.discretise(case.problem(variant, "coarse"))

@@ -4,15 +4,24 @@ import pytest
 
 from verification.catalogue.catalogue import catalogue
 
-# Rigid bodies have no meshes: test_walls and the conformance suite.
-CASES = [case for case in catalogue().values() if "coarse" in case.meshes]
-VARIANTS = [
-    pytest.param(
-        case,
-        variant,
-        id=f"{case.id}-{variant.name}",
-        marks=[pytest.mark.slow] if number or place % 3 else [],
-    )
-    for place, case in enumerate(CASES)
-    for number, variant in enumerate(case.variants)
-]
+
+def _variants(surfaces):
+    """Of cases whose strength depends on pressure, or not, as parameters of a test."""
+    # Rigid bodies have no meshes: test_walls and the conformance suite.
+    cases = [case for case in catalogue().values() if "coarse" in case.meshes]
+    return [
+        pytest.param(
+            case,
+            variant,
+            id=f"{case.id}-{variant.name}",
+            marks=[pytest.mark.slow] if number or place % 3 else [],
+        )
+        for place, case in enumerate(case for case in cases if case.surfaces == surfaces)
+        for number, variant in enumerate(case.variants)
+    ]
+
+
+METALS = _variants(surfaces=False)
+"""For every backend."""
+VARIANTS = METALS + _variants(surfaces=True)
+"""For those that take surfaces, too."""
