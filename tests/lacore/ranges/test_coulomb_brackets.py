@@ -180,7 +180,8 @@ def test_a_bracket_that_friction_keeps_open_ends():
     assert found.status is la.Ending.SETTLED
     assert found.lower == pytest.approx(0, abs=1e-9)
     assert found.upper == pytest.approx(1.2, rel=1e-3)
-    assert found.upper >= 1.2
+    # Sliding alone is exact; "exact" is 1e-12 of what an upper bound may penetrate.
+    assert found.upper >= 1.2 * (1 - 1e-12)
     assert found.history.elements.max() < 1000
 
 
