@@ -33,8 +33,8 @@ class Certificate(Shown):
         equilibrium: largest nodal force out of balance, with the reported load factor and dead
             loads, per total load; or per force of its part, where that is more.
         yield_violation: largest ``||stress||/bound - 1``; where strength depends on pressure, by
-            how much a surface is exceeded, per largest of its terms at the point, or the mean of
-            these over the body where that is more.
+            how much a surface is exceeded, per sum of its own terms at the point, or their mean
+            over the body where that is more.
         cone: largest ``||t_t|| - mu t_n - limit`` with the true t_n, and ``-t_n``, per largest
             reaction or, where reactions vanish, per total load over contact length; or as a force,
             per force of the lesser of the parts that touch, where that is more.
@@ -42,7 +42,7 @@ class Certificate(Shown):
             the force of the lesser of the parts that touch, per force times speed of the part with
             most of it, where that is more; slip of points that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate; where strength depends on pressure the
-            power of mean stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power.
+            power of stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power.
         normalisation: ``|F0.u - 1|``.
         flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
             power; where strength depends on pressure with the power of mean stresses.

@@ -96,16 +96,16 @@ class Surfaces(Compact):
     def beyond(self, size: Floats, mean: Floats) -> Floats:
         """By how much stresses exceed the surfaces, relative, shape (m,); NaN of NaN.
 
-        Per largest term at the point, or the mean of these over all points where that is more: at
-        an apex all terms vanish.
+        Each surface per the terms of its own, or their mean over all points where that is more: at
+        an apex all terms vanish, and a strength in crushing is no measure of a cohesion.
         """
         if not size.size:
             return np.zeros(0)
         terms = np.abs(self.slope) * np.abs(mean.reshape(-1, 1, self.volumes))
-        largest = np.max(np.abs(self.strength) + terms.sum(axis=2), axis=1)
-        scale = np.maximum(largest, largest.mean())
-        excess = np.max(self.use(size, mean) - self.strength, axis=1)
-        return np.asarray(excess / np.where(scale > 0, scale, 1.0))
+        own = np.abs(self.strength) + terms.sum(axis=2)
+        scale = np.maximum(own, own.mean(axis=0))
+        excess = self.use(size, mean) - self.strength
+        return np.asarray(np.max(excess / np.where(scale > 0, scale, 1.0), axis=1))
 
     def dissipation(self, length: Floats, volume: Floats) -> Floats:
         """Power per volume of strain rates, shape (m,): ``D``, or of possible ones next to them.

@@ -144,14 +144,6 @@ def static_model(problem: Problem) -> StaticModel:
     for name, own in bodies.items():
         _check_cohesion(name, own, full.dead_load)
     length = sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values()))
-    stress = max(strengths_of(full.groups, full.dead_load, length))
-    if not stress > 0:
-        raise InputError(
-            "Problem.dead_loads",
-            None,
-            "no body has any cohesion, and no dead load presses them: the bound would always be 0",
-            "give dead_loads (a Pressure beside a footing, a BodyForce), or a cohesion",
-        )
     return StaticModel(
         problem=problem,
         full=full,
@@ -161,7 +153,7 @@ def static_model(problem: Problem) -> StaticModel:
         points=points.kept(kept),
         natural=Scales(
             length=length,
-            stress=stress,
+            stress=max(strengths_of(full.groups, full.dead_load, length)),
             velocity=1 / size,
         ),
     )
@@ -214,7 +206,7 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
         f"Problem.bodies[{name!r}].criterion",
         dofs.body.criterion.label,
         "no cohesion or no tension: where nothing presses it stresses have no room to be exact in",
-        f"lend it next to none, {lent:.1e} Pa: the bound is one of that soil, about 1e-5 higher",
+        f"lend it next to none, {lent:.1e} Pa: what is proven then is of that soil",
     )
 
 

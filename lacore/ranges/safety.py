@@ -58,8 +58,10 @@ class SafetyFactor(Shown):
 
     def facts(self) -> Facts:
         """Both ends, and what they took."""
+        missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
+        proven = "both ends by strict bounds of the continuum problem"
         told = {
-            "rigor": "both ends by strict bounds of the continuum problem",
+            "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
             "given": f"{len(self.problem.loads)} loads, all of them at their full size",
             "solved by": f"{len(self.history)} bounds",
         }

@@ -7,9 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
+from scipy.sparse import csr_matrix
 
 import lacore as la
+from lacore.certificate import certify
+from lacore.dissipation import DissipationGroup
 from lacore.materials.conic_form import KINEMATICS
+from lacore.program import ContactRows, KinematicProgram
+from lacore.state import ProgramState
 from lacore.surfaces import Surfaces
 
 CRITERIA = {
@@ -121,3 +126,44 @@ def test_the_cone_of_no_friction_is_that_of_tresca(kinematics):
         assert one.slope == other.slope
         assert one.strength == other.strength
     assert shear.preserved.any() == (kinematics != "plane_stress")
+
+
+def test_each_surface_is_judged_by_its_own_strength():
+    """Beside a strength of 1e8 in crushing, a tenth too much for a cohesion of 1 is a tenth."""
+    form = la.MohrCoulomb(1.0, 30, crushing=1e8).conic_form("plane_strain")
+    own = form.surfaces_of(np.zeros(1, dtype=int))
+    most = own.carried(np.zeros(1))
+    assert own.beyond(1.1 * most, np.zeros(1)) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_a_mechanism_that_cannot_be_is_refused_where_nothing_presses(points):
+    """Shear without growth, with yield met and no mean stress: the truth is locked.
+
+    All forces are in balance and no power is missing; only the flow rule is broken.
+    """
+    shear = csr_matrix(np.array([[0.0], [1.0]] * points))
+    flat = la.MohrCoulomb(1.0, 30).conic_form("plane_strain")
+    strong = flat.surfaces_of(np.zeros(points, dtype=int))
+    group = DissipationGroup(
+        "soil",
+        shear,
+        2,
+        np.ones(points),
+        flat.bounds(np.zeros(points, dtype=int)),
+        csr_matrix((points, 1)),
+        0.0,
+        surfaces=strong,
+    )
+    none = csr_matrix((0, 1))
+    empty = np.zeros(0)
+    contact = ContactRows(none, none, 1, empty, empty, empty, empty, np.zeros(0, dtype=int))
+    load = points * float(flat.bound)
+    program = KinematicProgram((group,), contact, np.array([1.0]), np.zeros(1))
+    stress = np.column_stack([np.zeros(points), np.full(points, float(flat.bound))])
+    state = ProgramState(np.ones(1), load, (stress,), (np.zeros(points),), empty, np.zeros((0, 1)))
+    found = certify(program, state)
+    assert max(found.equilibrium, found.yield_violation, found.gap, found.flow) <= 1e-12
+    # sin(phi) of the shear rate is missing of theta, times the strength, per power.
+    assert found.divergence == pytest.approx(0.5)
+    assert not found.holds(1e-6)

@@ -82,6 +82,15 @@ def test_interfaces_are_weakened_where_asked():
     assert not la.safety_factor(problem).lower < 25  # its own strength alone
 
 
+def test_an_end_that_is_not_proven_says_so():
+    """No mesh, no solve: a factor whose lower end was not found."""
+    found = la.safety_factor(cut(1.0, la.VonMises(1.0), cells=1), tolerance=0.5)
+    assert "strict bounds" in repr(found)
+    open_ended = replace(found, lower=float("nan"))
+    assert "not proven: lower end" in repr(open_ended)
+    assert open_ended.stands is None
+
+
 WRONG = {
     "another thing": (lambda p: la.safety_factor(p, of="load"), "of", "'strength'"),
     "no tolerance": (lambda p: la.safety_factor(p, tolerance=0), "tolerance", "> 0"),
