@@ -72,8 +72,8 @@ def bracket(
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
         meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, with Coulomb
-            friction, and with friction in the body. Where the mesh of a problem knows nothing of
-            its stresses, a shared one is the better choice.
+            friction, and with friction in the body and singular points of it. Where the mesh of a
+            problem knows nothing of its stresses, a shared one is the better choice.
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
             `lacore.meshes.fan`. None: that of the problem; where meshes are separate, with fans at
             its singular points.

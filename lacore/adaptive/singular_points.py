@@ -1,6 +1,7 @@
 """Where strain rates may be unbounded, and how finely elements turn around there (T26b)."""
 
-from math import ceil, pi, sqrt
+from functools import singledispatch
+from math import ceil, hypot, pi, sqrt
 
 import numpy as np
 from skfem import MeshTri
@@ -9,18 +10,21 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
+from lacore.conditions.loads import BodyForce, Load
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
 _ENOUGH = 1.6  # sectors in 180 degrees, times the root of a width: see `sectors_for`
 _RUBBED = 4.7  # what friction costs, per its tangent
+_LOOSE = 1e-3  # of weight per size of a body, what a soil carries that is as good as none
 
 
 def singular_points(problem: Problem, name: str) -> list[int]:
     """Vertices where strain rates may be unbounded: re-entrant corners, and ends of loads.
 
     On the boundary of the body: where the interior angle is above 180 degrees, or where loads,
-    supports or interfaces end along a straight line.
+    supports or interfaces end along a straight line. Not at the end of a free edge of a heavy soil
+    without cohesion: stresses vanish there, and turn as much at any distance.
     """
     body = of_kind(problem.bodies, Body)[name]
     mesh = body.mesh
@@ -43,7 +47,10 @@ def singular_points(problem: Problem, name: str) -> list[int]:
         for vertex in mesh.facets[:, facet].tolist():
             sides.setdefault(vertex, []).append(facet)
     found = []
+    loose = _loose(problem, name)
     for vertex, (one, *others) in sorted(sides.items()):
+        if loose and not all(conditions[side].any() for side in (one, *others)):
+            continue
         changes = any(np.any(conditions[one] != conditions[other]) for other in others)
         if angle[vertex] > pi + _STRAIGHT or (changes and angle[vertex] > pi - _STRAIGHT):
             found.append(vertex)
@@ -67,6 +74,29 @@ def friction_of(body: Body) -> float:
     """Tangent of the largest friction angle of a body, 0 where strength feels no pressure."""
     slopes = [slope for one in body.form.surfaces for slope in one.slope if 0 < slope < 1]
     return max((slope / sqrt(1 - slope**2) for slope in slopes), default=0.0)
+
+
+def _loose(problem: Problem, name: str) -> bool:
+    """Whether a body carries next to nothing along a free edge, by its weight."""
+    body = of_kind(problem.bodies, Body)[name]
+    weight = sum(_per_volume(load) for load in problem.dead_loads if load.body == name)
+    carried = [
+        2 * float(np.min(one.strength)) / (1 - one.slope[0])
+        for one in body.form.surfaces
+        if one.normed and one.slope[0] < 1
+    ]
+    return min(carried, default=np.inf) < _LOOSE * weight * body.size
+
+
+@singledispatch
+def _per_volume(load: Load) -> float:
+    """Size of a force per volume, N/m^3; none of what acts on boundaries."""
+    return 0.0
+
+
+@_per_volume.register(BodyForce)
+def _of_volume(load: BodyForce) -> float:
+    return hypot(*load.vector)
 
 
 def _angles(mesh: MeshTri) -> Floats:

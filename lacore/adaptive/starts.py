@@ -56,7 +56,9 @@ def starts(
             "leave it out",
         )
     if meshes is None:
-        apart = coulomb or lower_mesh is not None or friction_of(only_body(problem)[1]) > 0
+        name, body = only_body(problem)
+        fans = friction_of(body) > 0 and bool(singular_points(problem, name))
+        apart = coulomb or lower_mesh is not None or fans
         meshes = "separate" if apart else "shared"
     problem = on_mesh(problem, mesh_of(problem))
     if meshes == "shared":

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from lacore.dissipation import DissipationGroup
 from lacore.program import KinematicProgram
 from lacore.state import ProgramState
 
@@ -12,7 +13,10 @@ from lacore.state import ProgramState
 # moves, up to 2e-8 measured, or four times the backend's tolerance, and then more.
 _MARGIN, _WIDER = 1e-7, (1.0, 100.0, 10_000.0)
 _WIDEST = 0.01
-_HALF = 0.5  # of a cohesion that is next to none, lent to a sand (T45)
+_LENT = (0.05, 0.5)  # of a cohesion that is next to none, lent to a sand (T45)
+# Of friction within a body, per share of all strengths: where pressure carries there is no strength
+# to take it from. A share of 1e-5 costs a footing without cohesion 5e-5 of its load.
+_RUBBED, _MOST_RUBBED = 10.0, 1e-5
 _NOISE = 1e-9  # of the largest reaction or the mean traction of the loads
 _NOTHING = 1e-9  # load factor, dimensionless: what a solver leaves of zero
 _BELOW_ONE = 1 - 4 * np.finfo(float).eps  # so that a scaled stress is not above by round-off
@@ -24,17 +28,38 @@ def margins(program: KinematicProgram, options: Any) -> list[float]:
         return [0.0]
     least = max(_MARGIN, 4 * float(getattr(options, "tolerance", 0.0)))
     shares = [min(factor * least, _WIDEST) for factor in _WIDER]
-    return [*shares, _HALF] if program.presses else shares
+    return [*shares, *_LENT] if program.presses else shares
 
 
 def weaker(program: KinematicProgram, margin: float) -> KinematicProgram:
-    """The program with a share taken off all strengths."""
+    """The program with a share taken off all strengths, and of soils a little off friction."""
     contact, left = program.contact, 1 - margin
     return replace(
         program,
-        groups=tuple(group.times(left) for group in program.groups),
+        groups=tuple(_less_rubbed(group.times(left), margin) for group in program.groups),
         contact=replace(contact, limit=left * contact.limit, dilatancy=left * contact.dilatancy),
     )
+
+
+def _less_rubbed(group: DissipationGroup, margin: float) -> DissipationGroup:
+    """With surfaces that open less, about their apex: within them wherever they carry at all."""
+    own = group.surfaces
+    if own is None:
+        return group
+    left = np.where(own.normed > 0, 1 - min(_RUBBED * margin, _MOST_RUBBED), 1.0)
+    surfaces = replace(own, slope=left[:, None] * own.slope, strength=left * own.strength)
+    return replace(group, surfaces=surfaces)
+
+
+def lacking(program: KinematicProgram, state: ProgramState) -> float:
+    """Share of its own strength by which a stress is beyond a surface; 0 where none is."""
+    lack = 0.0
+    for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
+        if group.surfaces is not None and group.weights.size:
+            own = group.surfaces
+            excess = own.use(np.linalg.norm(stress, axis=1), mean) - own.strength
+            lack = max(lack, float((excess / own.strength).max(initial=0.0)))
+    return lack
 
 
 def within_friction(program: KinematicProgram, state: ProgramState, margin: float) -> ProgramState:

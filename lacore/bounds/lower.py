@@ -11,7 +11,7 @@ import pandas as pd
 from lacore import views
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
-from lacore.bounds.admissible import margins, scaled, weaker, within_friction
+from lacore.bounds.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stress_projection import in_equilibrium
@@ -177,7 +177,10 @@ def lower_bound(
     attempts: list[_Attempt] = []
     status = Status.NOT_CERTIFIED
     with preparing(engine, engine_options) as prepare:
-        for margin in margins(program, engine_options):
+        tried = margins(program, engine_options)
+        for margin in tried:
+            if attempts and margin < min(attempts[-1].lacks, tried[-1]):
+                continue  # it would lack as much again
             less = weaker(program, margin)
             solver = prepare(less)
             try:
@@ -209,6 +212,7 @@ class _Attempt:
     state: ProgramState | None
     before: Certificate | None
     after: Certificate | None
+    lacks: float
     projection_time: float
     exact: float
 
@@ -244,7 +248,7 @@ def _attempt(
     program: KinematicProgram, margin: float, inner: InnerSolution, exact: float
 ) -> _Attempt:
     if inner.point is None:
-        return _Attempt(margin, inner, None, None, None, 0.0, exact)
+        return _Attempt(margin, inner, None, None, None, 0.0, 0.0, exact)
     begin = time.perf_counter()
     laws = associated_contact(program.contact)
     state = in_equilibrium(program, within_friction(program, inner.point, margin))
@@ -256,6 +260,7 @@ def _attempt(
         state,
         before=certify(program, inner.point, laws),
         after=certify(program, state, laws),
+        lacks=lacking(program, state),
         projection_time=time.perf_counter() - begin,
         exact=exact,
     )

@@ -31,7 +31,7 @@ from lacore.program import KinematicProgram, Scales
 from lacore.reduction import kept_points, reduced
 from lacore.showing import Facts, Shown, counted, listed, sized
 
-_LENT = 1e-6  # of the dead load per size of a body: a cohesion that no result sees
+_LENT = 1e-5  # of the dead load per size of a body: a cohesion that no result sees, and proofs do
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.adaptive.singular_points import singular_points
+from lacore.bounds.admissible import weaker
 from lacore.status import Rigor, Status
 
 
@@ -174,6 +176,33 @@ def test_nothing_is_proven_of_what_has_no_cohesion_but_how_much_to_lend_it():
     with pytest.raises(la.InputError, match=r"no cohesion.*lend it next to none, \d\.\de-0\d Pa"):
         la.lower_bound(footing(30, cohesion=0.0, weight=1.0))
     assert la.upper_bound(footing(30, cohesion=0.0, weight=1.0)).status is Status.SOLVED
+
+
+def test_a_margin_takes_of_friction_where_that_is_all_that_carries():
+    """Strengths alone would leave a sand under pressure no room to be exact in."""
+    program = la.upper_bound(footing(30, cohesion=1e-5, weight=1.0)).discretisation.program
+    (whole,), (less,) = program.groups, weaker(program, 1e-7).groups
+    for pressure in (1e-3, 1.0, 1e3):
+        mean = np.full(whole.weights.size, -pressure)
+        share = less.carried(mean) / whole.carried(mean)
+        assert np.all(share < 1 - 1e-7)
+        assert np.all(share > 1 - 2e-5)  # at most 1e-5 of friction, and 1e-7 of cohesion
+
+
+def test_a_sand_has_a_bracket():
+    """N_gamma by characteristics, of weight alone; the cohesion lent lifts it by 1e-4 of it.
+
+    Without fans, as stresses vanish at the edge: with them nothing was proven from below. Small
+    boxes hold N_gamma, which reaches less far than Prandtl's mechanism.
+    """
+    sand = footing(20, cohesion=1e-5, weight=1.0, size=(4, 1.8))
+    assert singular_points(sand, "soil") == []
+    found = la.bracket(sand, target_width=0.6)
+    assert found.strict
+    assert found.lower < 1.57863 < found.upper
+    assert found.width <= 0.6
+    assert singular_points(footing(20, cohesion=1e-5, surcharge=1.0, weight=1.0), "soil")
+    assert singular_points(footing(20, weight=1.0), "soil")
 
 
 def test_a_bracket_is_narrow_around_the_exact_value():
