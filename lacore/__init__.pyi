@@ -26,6 +26,9 @@ from .conditions.loads import PointForce as PointForce
 from .conditions.loads import Pressure as Pressure
 from .conditions.loads import RigidFooting as RigidFooting
 from .conditions.loads import Traction as Traction
+from .conditions.water import PorePressure as PorePressure
+from .conditions.water import StandingWater as StandingWater
+from .conditions.water import WaterTable as WaterTable
 from .contact.interfaces import Interface as Interface
 from .contact.obstacles import RigidObstacle as RigidObstacle
 from .coupling.interval import Interval as Interval

@@ -1,10 +1,12 @@
 """What a bracket starts from: which problems, on which meshes (T26d)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from skfem import MeshTri
 
+from lacore.adaptive.kept_water import differs, kept
 from lacore.adaptive.same_domain import difference
 from lacore.adaptive.singular_points import friction_of, sectors_for, singular_points
 from lacore.bodies.any_body import of_kind
@@ -14,6 +16,7 @@ from lacore.bodies.continuum.spaces import BOUNDING
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
+from lacore.conditions.loads import Load
 from lacore.errors import InputError, require_known
 from lacore.meshes.checks import quality
 from lacore.meshes.fans import fanned
@@ -60,7 +63,7 @@ def starts(
         fans = friction_of(body) > 0 and bool(singular_points(problem, name))
         apart = coulomb or lower_mesh is not None or fans
         meshes = "separate" if apart else "shared"
-    problem = on_mesh(problem, mesh_of(problem))
+    problem = with_kept_water(on_mesh(problem, mesh_of(problem)))
     if meshes == "shared":
         both = _statable(problem)
         _check("both bounds", mesh_of(both), max_elements)
@@ -126,6 +129,20 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
     return replace(problem, bodies={**problem.bodies, name: finer})
 
 
+def with_kept_water(problem: Problem) -> Problem:
+    """The problem with the water that it has on its mesh, whatever mesh comes next."""
+    name, body = only_body(problem)
+
+    def held(loads: Sequence[Load]) -> list[Load]:
+        return [kept(load, body) if load.body == name else load for load in loads]
+
+    return replace(
+        problem,
+        reference_loads=held(problem.reference_loads),
+        dead_loads=held(problem.dead_loads),
+    )
+
+
 def mesh_of(problem: Problem) -> MeshTri:
     """The mesh that is refined."""
     return only_body(problem)[1].mesh
@@ -149,6 +166,15 @@ def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
             f"covers another domain: {why}; a lower bound there is none of this problem",
             "mesh the same outline, with the same names of its parts",
         )
+    (name, body), (_, other) = only_body(problem), only_body(below)
+    for field, load in problem.loads.items():
+        if load.body == name and differs(load, body, other):
+            raise InputError(
+                "lower_mesh",
+                f"mesh of {lower_mesh.nelements} elements",
+                f"has other water between its vertices than the problem's: {field}",
+                "let edges of both follow the water table, or leave it out",
+            )
     return below
 
 

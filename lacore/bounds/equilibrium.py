@@ -121,6 +121,12 @@ class EquilibriumDofs(Compact):
         """Areas of the elements, m^2, shape (elements,)."""
         return element_geometry(self.body)[0]
 
+    def rises(self, values: Floats) -> Floats:
+        """Area times gradient of what is linear between vertices, shape (2, elements)."""
+        _, sides = element_geometry(self.body)
+        across = values[self.body.mesh.t[_OPPOSITE]]
+        return np.asarray(-np.sum(across * sides, axis=1) / 2)
+
     def force(self, load: Load) -> Floats:
         """Forces of a load on the multipliers, shape (count,), N/m."""
         return multiplied(load, self)

@@ -10,6 +10,7 @@ import pandas as pd
 
 from lacore import views
 from lacore.arrays import Floats
+from lacore.assembly.water import pore_pressures, total_stress
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
 from lacore.bounds.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.precision import exactness, smallest_angle
@@ -103,10 +104,16 @@ class LowerBound(Shown):
 
     @property
     def stress(self) -> dict[str, Floats]:
-        """Stress (xx, yy, zz, xy) at the vertices of ``mesh.t``, shape (elements, 3, 4), Pa.
+        """Total stress (xx, yy, zz, xy) at the vertices of ``mesh.t``, shape (elements, 3, 4), Pa.
 
         By body, linear in an element, tension positive.
         """
+        water = self.pore_pressure
+        return {name: total_stress(own, water[name]) for name, own in self.effective_stress.items()}
+
+    @property
+    def effective_stress(self) -> dict[str, Floats]:
+        """What the skeleton carries of `stress`, and criteria judge (T64): without water all."""
         point, result = self._point(), {}
         for (name, dofs), s, p in zip(
             self.model.bodies.items(), point.stress, point.mean_stress, strict=True
@@ -114,6 +121,12 @@ class LowerBound(Shown):
             form = dofs.body.form
             result[name] = form.stress(s, p).reshape(-1, 3, 4)
         return result
+
+    @property
+    def pore_pressure(self) -> dict[str, Floats]:
+        """Pressure of the water in the pores there, by body, shape (elements, 3), Pa."""
+        water = pore_pressures(self.model.problem, self._point().load_factor)
+        return {name: water[name][own.body.mesh.t.T] for name, own in self.model.bodies.items()}
 
     @property
     def reactions(self) -> pd.DataFrame:

@@ -8,7 +8,9 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
+from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.loads import BodyForce, Load, Pressure, Traction
+from lacore.conditions.water import PorePressure, StandingWater
 
 if TYPE_CHECKING:
     from lacore.bounds.equilibrium import EquilibriumDofs
@@ -33,6 +35,28 @@ def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
 def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
     force = dofs.areas * np.reshape(load.vector, (2, 1))
     return _at(dofs, dofs.element_nodes, force)
+
+
+@multiplied.register(StandingWater)
+def _standing(load: StandingWater, dofs: "EquilibriumDofs") -> Floats:
+    facets = facets_of(load, dofs.body)
+    return _pushed(dofs, facets, -on_facets(load, dofs.body, facets, "StandingWater"))
+
+
+@multiplied.register(PorePressure)
+def _of_pores(load: PorePressure, dofs: "EquilibriumDofs") -> Floats:
+    # The power of -u I on the vertex strains: of the multipliers of facets inside nothing is left.
+    u, outline = in_pores(load, dofs.body, "PorePressure"), dofs.body.mesh.boundary_facets()
+    return _at(dofs, dofs.element_nodes, -dofs.rises(u)) + _pushed(dofs, outline, u)
+
+
+def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
+    """Pressures at vertices, linear along facets, with the outward normal."""
+    start, end, outward = facet_geometry(dofs.body, facets)
+    ends = dofs.body.mesh.facets[:, facets]
+    half = np.linalg.norm(end - start, axis=0) / 2
+    force = np.concatenate([half * pressure[own] * outward for own in ends], axis=1)
+    return _at(dofs, dofs.facet_nodes(facets).ravel(), force)
 
 
 def _at(dofs: "EquilibriumDofs", nodes: Ints, force: Floats) -> Floats:

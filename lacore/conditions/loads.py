@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.conditions.where import Where, where_name
 from lacore.errors import (
     InputError,
@@ -252,7 +253,7 @@ class RigidFooting(Compact):
         )
 
 
-Load = Traction | Pressure | BodyForce | PointForce | RigidFooting
+Load = Traction | Pressure | BodyForce | PointForce | RigidFooting | PorePressure | StandingWater
 """Each says its `boundary`, None where it acts on none, and its `point`, None where on none."""
 
 

@@ -48,7 +48,8 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
     continua means over each element of `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see
     `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
-    tensors of ParaView; of axisymmetric bodies rr zz tt rz). Blocks are polygons, members lines,
+    tensors of ParaView; of axisymmetric bodies rr zz tt rz), where there is water in pores also
+    `effective_stress` and `pore_pressure` (Pa). Blocks are polygons, members lines,
     and have NaN there.
 
     Returns:
@@ -87,10 +88,20 @@ def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int)
     strength = group.hardened(state.point.velocity).carried(mean)  # at its pressure
     fields = {"equivalent_strain_rate": factor * lengths, "yield_stress": strength / factor}
     means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
-    xx, yy, zz, xy = (element_means(dofs, own) for own in state.stress[name].transpose(2, 0, 1))
-    stress = np.stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
-    at_cells = means | {"dissipation": state.dissipation[name], "stress": stress}
+    means["dissipation"] = state.dissipation[name]
+    stresses = {"stress": state.stress[name]}
+    water = state.pore_pressure
+    if any(own.any() for own in water.values()):
+        stresses["effective_stress"] = state.effective_stress[name]
+        means["pore_pressure"] = element_means(dofs, water[name])
+    at_cells = means | {key: _tensors(dofs, own) for key, own in stresses.items()}
     return _continuum(dofs, number, {"velocity": _spatial(state.velocity[name])}, at_cells)
+
+
+def _tensors(dofs: BodyDofs, stress: Floats) -> Floats:
+    """Means over elements of stresses (elements, q, 4), as ParaView takes them, (6, elements)."""
+    xx, yy, zz, xy = (element_means(dofs, own) for own in stress.transpose(2, 0, 1))
+    return np.stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
 
 
 def _rigid(dofs: RigidDofs, motion: Floats, number: int) -> Iterator[_Part]:

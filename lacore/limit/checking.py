@@ -17,7 +17,9 @@ from scipy.sparse.linalg import spsolve
 
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.water import effective_stress, pore_pressures
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.volume import means_projector
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
@@ -83,14 +85,14 @@ def checked(
     """
     check_shapes(discretisation, point)
     unlike = 0.0
+    if stress is not None:
+        point, unlike = _with_stress(discretisation, point, stress)
     if load_factor is not None:
         if not isinstance(load_factor, Real):
             raise InputError("load_factor", load_factor, "not a number", "give one")
         point = replace(point, load_factor=float(load_factor))
     if velocity is not None:
         point = replace(point, velocity=_velocity(discretisation, point.velocity, velocity))
-    if stress is not None:
-        point, unlike = _with_stress(discretisation, point, stress)
     if reactions is not None:
         t_n, t_t = (
             _column("reactions", reactions, name, discretisation.full.contact.count)
@@ -173,12 +175,14 @@ def _with_stress(
     or plane stress does not leave free, mean stresses that the elements do not have.
     """
     stresses, means, unlike = list(point.stress), list(point.mean_stress), 0.0
+    water = pore_pressures(d.problem, point.load_factor)
     for number, name in enumerate(d.bodies):  # their groups come first
         if name not in given:
             continue
         dofs = d.bodies[name]
         form = dofs.body.form
-        sigma = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4)).reshape(-1, 4)
+        total = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4))
+        sigma = effective_stress(total, point_values(dofs, water[name])).reshape(-1, 4)
         dim = form.rows.shape[0]
         parts = np.eye(dim + len(form.volumes))
         own = sigma @ np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))

@@ -14,6 +14,8 @@ from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.water import pore_pressures, total_stress
+from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.volume import means_projector
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
@@ -111,10 +113,16 @@ class LimitState(Shown):
 
     @property
     def stress(self) -> dict[str, Floats]:
-        """Stress (xx, yy, zz, xy) at the strain points of continua, (elements, q, 4), Pa.
+        """Total stress (xx, yy, zz, xy) at the strain points of continua, (elements, q, 4), Pa.
 
         Of axisymmetric bodies (rr, zz, tt, rz), t the hoop. Tension is positive.
         """
+        water = self.pore_pressure
+        return {name: total_stress(own, water[name]) for name, own in self.effective_stress.items()}
+
+    @property
+    def effective_stress(self) -> dict[str, Floats]:
+        """What the skeleton carries of `stress`, and criteria judge (T64): without water all."""
         point = self._point()
         result = {}
         # Jumps and hinges come after the continua.
@@ -125,6 +133,13 @@ class LimitState(Shown):
             mean = means_projector(dofs) @ p
             result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
         return result
+
+    @property
+    def pore_pressure(self) -> dict[str, Floats]:
+        """Pressure of the water in the pores of continua there, shape (elements, q), Pa."""
+        d = self.discretisation
+        water = pore_pressures(d.problem, self._point().load_factor)
+        return {name: point_values(dofs, water[name]) for name, dofs in d.bodies.items()}
 
     @property
     def dissipation(self) -> dict[str, Floats]:

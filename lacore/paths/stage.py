@@ -6,7 +6,7 @@ there goes with them.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, singledispatch
 from types import MappingProxyType
 from typing import Any
 
@@ -21,6 +21,7 @@ from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import Load, PointForce
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle, Plane, RigidObstacle
@@ -113,6 +114,23 @@ class Stage(Compact):
         )
 
 
+@singledispatch
+def _check_load(load: Load, field: str) -> None:
+    """Refuse loads that do not go along with bodies as these deform."""
+
+
+@_check_load.register(PorePressure)
+@_check_load.register(StandingWater)
+def _no_water(load: PorePressure | StandingWater, field: str) -> None:
+    raise InputError(
+        field,
+        load.told,
+        "bodies that flow far do not feel water in their pores, and its surface does not follow"
+        " their vertices",
+        "leave it out, or give Pressure along the boundary",
+    )
+
+
 def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     """A problem made ready for a path.
 
@@ -131,6 +149,8 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
             raise InputError(
                 f"approaching[{index}]", interface, "not an interface", "give lacore.Interface"
             )
+    for field, load in problem.loads.items():
+        _check_load(load, field)
     bodies = {name: _curved(name, body) for name, body in problem.bodies.items()}
     names = _Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 

@@ -9,6 +9,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body, on_axis
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.conditions.loads import Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.water import StandingWater
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
@@ -64,7 +65,8 @@ def _check_load(load: Load, field: str, body: Body) -> None:
 
 @_check_load.register(Traction)
 @_check_load.register(Pressure)
-def _check_boundary(load: Traction | Pressure, field: str, body: Body) -> None:
+@_check_load.register(StandingWater)
+def _check_boundary(load: Traction | Pressure | StandingWater, field: str, body: Body) -> None:
     _check_off_axis(body, load.where, f"{field}.where")
 
 

@@ -14,6 +14,7 @@ from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError, suggest
 from lacore.problem.axisymmetry import check_axisymmetry
 from lacore.problem.contacts import check_contacts
+from lacore.problem.wet import check_wet
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -118,6 +119,7 @@ class Problem(Shown):
             for side, (name, _) in zip(("slave", "master"), interface.sides, strict=False):
                 self._body(name, f"{where}.{side}")
         check_contacts(self)
+        check_wet(self.loads, self.interfaces)
         check_axisymmetry(self.bodies, self.loads, self.supports, self.interfaces)
 
     @cached_property

@@ -8,6 +8,7 @@ import numpy as np
 
 import lacore as la
 from lacore.adaptive.bracket import Ending as BracketEnding
+from lacore.adaptive.kept_water import Interpolated
 from lacore.paths.path import Ending as PathEnding
 from lacore.status import Rigor, Status
 from tests.lacore.models import cantilever, deformable_block, punch, square
@@ -99,6 +100,9 @@ def values():
         *(la.Fix("block", "left"), la.Fix(LONG, MANY, "normal")),
         *(la.Traction(LONG, MANY, (wide, 1)), la.Pressure(LONG, LONG, wide)),
         *(la.BodyForce(LONG, (10**50, 1), MANY), la.PointForce(LONG, LONG, (1, wide), LONG)),
+        *(la.WaterTable(wide, 1 / 3), la.StandingWater(LONG, MANY, la.WaterTable(wide))),
+        *(la.PorePressure(LONG, np.full(1000, 1 / 3)), la.PorePressure(LONG, lambda x: x[0])),
+        Interpolated(la.meshes.rectangle((0, 1), (0, 1), 1, 1), np.full(5, 1 / 3)),
         *(la.RigidFooting(LONG, lambda x: x[0] > 0, (0, -1), wide), plane, la.RigidObstacle()),
         *(la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)), la.SMOOTH, la.STICK),
         *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),

@@ -9,6 +9,7 @@ import shapely
 
 from lacore.arrays import Floats, Ints
 from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError, suggest
 
 if TYPE_CHECKING:
@@ -42,6 +43,18 @@ def _boundary(load: Traction | Pressure, body: "BlockAssembly") -> Carried:
 def _footing(load: RigidFooting, body: "BlockAssembly") -> Carried:
     raise InputError(
         "RigidFooting.body", load.body, "its blocks are rigid already", "load the blocks"
+    )
+
+
+@carried.register(PorePressure)
+@carried.register(StandingWater)
+def _water(load: PorePressure | StandingWater, body: "BlockAssembly") -> Carried:
+    raise InputError(
+        f"{type(load).__name__}.body",
+        load.body,
+        "rigid blocks, which have no pores, and whose edges are too long for a pressure that is"
+        " linear along each",
+        "load their edges by Pressure, part by part, or by a PointForce in the centre of pressure",
     )
 
 

@@ -5,11 +5,13 @@ from functools import singledispatch
 from typing import TYPE_CHECKING
 
 import numpy as np
-from skfem import Basis, FacetBasis, LinearForm
+from skfem import Basis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
+from skfem.assembly.basis import AbstractBasis
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.boundaries import boundary_facets, vertex_at
+from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.loads import (
     BodyForce,
     Fix,
@@ -19,6 +21,7 @@ from lacore.conditions.loads import (
     RigidFooting,
     Traction,
 )
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
 from lacore.meshes.curved import is_curved
 
@@ -55,6 +58,24 @@ def _check_volume(load: BodyForce, body: "Body", field: str) -> None:
         raise InputError(f"{field}.where", load.where, "a continuum has no blocks", "leave it out")
 
 
+@check_load.register(PorePressure)
+def _check_pores(load: PorePressure, body: "Body", field: str) -> None:
+    if body.kinematics == "plane_stress":
+        raise InputError(
+            f"{field}.body",
+            load.body,
+            "plane stress: what is free to grow across the plane has no water to hold in",
+            "take kinematics='plane_strain'",
+        )
+    in_pores(load, body, field)
+
+
+@check_load.register(StandingWater)
+def _check_standing(load: StandingWater, body: "Body", field: str) -> None:
+    facets = boundary_facets(body, load.where, f"{field}.where")
+    on_facets(load, body, facets, field)
+
+
 @singledispatch
 def force(load: Load, dofs: "BodyDofs") -> Floats:
     """Nodal forces of a load on the unknowns of its body, shape (count,), N/m."""
@@ -83,6 +104,33 @@ def _of_point(load: PointForce, dofs: "BodyDofs") -> Floats:
     return total
 
 
+@force.register(PorePressure)
+def _of_pores(load: PorePressure, dofs: "BodyDofs") -> Floats:
+    # int u div(v) and what it is where velocities jump, by parts: -grad(u) in the volume of each
+    # element, u along the outward normal on all of the boundary.
+    mesh, u = dofs.body.mesh, in_pores(load, dofs.body, "PorePressure")
+    inside = Basis(mesh, dofs.basis.elem, intorder=_load_order(dofs))
+    slope = np.asarray(_linear(inside).interpolate(u).grad)
+    outline, centre = _facet_basis(dofs, mesh.boundary_facets())
+    pushed = np.asarray(_linear(outline).interpolate(u)) * np.asarray(outline.normals)
+    return _power(dofs, inside, np.zeros(2), -slope) + _power(dofs, outline, centre, pushed)
+
+
+@force.register(StandingWater)
+def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
+    facets = facets_of(load, dofs.body)
+    basis, centre = _facet_basis(dofs, facets)
+    pressure = on_facets(load, dofs.body, facets, "StandingWater")
+    along = np.asarray(_linear(basis).interpolate(pressure))
+    return _power(dofs, basis, centre, -along * np.asarray(basis.normals))
+
+
+def _linear(basis: AbstractBasis) -> AbstractBasis:
+    """For values at vertices, at the points of a basis."""
+    element = ElementTriP1() if isinstance(basis.mesh, MeshTri1) else ElementQuad1()
+    return basis.with_element(element)
+
+
 def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Floats:
     """Of forces per area or volume at the points of a basis, on the shape functions."""
     thickness = dofs.body.thickness(_places(basis, centre))
@@ -99,7 +147,10 @@ def _places(basis: Basis, centre: Floats) -> Floats:
     return np.asarray(basis.global_coordinates()) + centre[:, None, None]
 
 
-def facets_of(part: Traction | Pressure | RigidFooting | Fix, body: "Body") -> Ints:
+Part = Traction | Pressure | RigidFooting | StandingWater | Fix
+
+
+def facets_of(part: Part, body: "Body") -> Ints:
     """The part of the boundary of a body that a load or a support acts on."""
     return boundary_facets(body, part.where, f"{type(part).__name__}.where")
 

@@ -39,6 +39,12 @@ def node_means(dofs: BodyDofs, values: Floats) -> Floats:
     return means
 
 
+def point_values(dofs: BodyDofs, values: Floats) -> Floats:
+    """Values of vertices at the strain points, linear (bilinear) between, (elements, q)."""
+    corners = dofs.body.mesh.t
+    return np.asarray(values[corners].T @ corner_shapes(dofs.space.points, len(corners)))
+
+
 def corner_shapes(points: Floats, corners: int) -> Floats:
     """Linear (bilinear) shape functions of the corners at reference points, (corners, points)."""
     x, y = points

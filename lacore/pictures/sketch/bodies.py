@@ -20,7 +20,7 @@ from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.sketch.sheet import Label, Sheet
 from lacore.problem.problem import Problem
 
-_SOIL, _BLOCK, _OUTLINE, _NAME = "#efe3c8", "#ece7dc", "#333333", "#555555"
+SOIL, _BLOCK, _OUTLINE, _NAME = "#efe3c8", "#ece7dc", "#333333", "#555555"
 
 
 @singledispatch
@@ -35,7 +35,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     corners = outlines(mesh)
     # Edges in the colour of the faces leave no hairlines between them.
     fill = PolyCollection(
-        list(corners), facecolors=_SOIL, edgecolors=_SOIL, linewidths=0.5, zorder=1.5
+        list(corners), facecolors=SOIL, edgecolors=SOIL, linewidths=0.5, zorder=1.5
     )
     sheet.axes.add_collection(fill)
     outer = edge_lines(mesh, mesh.boundary_facets())
@@ -45,7 +45,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
     symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", body.criterion.label)
     text = f"rigid-plastic, {symbols}"
-    sheet.handles[text] = Patch(facecolor=_SOIL, edgecolor=_OUTLINE)
+    sheet.handles[text] = Patch(facecolor=SOIL, edgecolor=_OUTLINE)
 
 
 @draw_body.register

@@ -4,22 +4,32 @@ from functools import singledispatch
 
 import numpy as np
 import shapely
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, to_rgb, to_rgba
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.tri import Triangulation
 
 from lacore.arrays import Floats
 from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.loaded import named
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.water import in_pores
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.loaded import line_load
 from lacore.bodies.touching import Edges
 from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
+from lacore.pictures.sketch.bodies import SOIL
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
+_WATER = "#1f77b4"
+_DEEPEST = 0.55  # of the blue where pores are pressed most
+_SHALLOW = 0.15  # of the largest pressure: less has no arrow
 _SINGLE, _OF_BODY, _OF_ROW = 40.0, 34.0, 20.0  # points: lengths of arrows
 _SHORTEST = 28.0  # points of a block that an arrow inside of it needs
 _SPACING = 15.0  # points, in a row
@@ -216,6 +226,67 @@ def _row(
     place, normal = middle(edges)
     outside = place + (low + depth) * sheet.point * normal
     sheet.labels.append(Label(_worth(size, unit, live), outside, normal, colour))
+
+
+@_draw.register
+def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
+    """The deeper the blue, the larger the pressure."""
+    pressure = in_pores(load, body, "PorePressure")
+    largest = float(pressure.max())
+    if largest == 0:
+        return
+    corners, places = body.mesh.t, body.mesh.p[:, : pressure.size]
+    halves = [corners[:3]] if len(corners) == 3 else [corners[[0, 1, 2]], corners[[0, 2, 3]]]
+    # Agg draws such triangles without transparency.
+    mixed = (1 - _DEEPEST) * np.array(to_rgb(SOIL)) + _DEEPEST * np.array(to_rgb(_WATER))
+    shades = [to_rgb(SOIL), to_rgb(mixed.tolist())]
+    sheet.axes.tripcolor(
+        Triangulation(places[0], places[1], np.concatenate(halves, axis=1).T),
+        pressure,
+        shading="gouraud",
+        cmap=LinearSegmentedColormap.from_list("water", shades),
+        vmin=0.0,
+        zorder=1.6,
+        gid=gid,
+    )
+    sheet.handles["pore water"] = Patch(facecolor=shades[1])
+    home = shapely.union_all(shapely.polygons(outlines(body.mesh)))
+    text = rf"$u \leq$ {_worth(largest, 'Pa', live)}"
+    deepest = places[:, corners].mean(axis=1)[:, int(np.argmax(pressure[corners].mean(axis=0)))]
+    sheet.labels.append(Label(text, deepest, np.zeros(2), _WATER, home=home))
+
+
+@_draw.register
+def _standing(
+    load: StandingWater, body: Body, sheet: Sheet, colour: str, live: bool, gid: str
+) -> None:
+    """Arrows as long as the pressure is large, and the water that they come from."""
+    edges = body.boundary(load.where, "StandingWater.where")[1]
+    places, normals = spaced(edges, _SPACING * sheet.point)
+    sizes = load.at(places, "StandingWater")
+    largest = float(sizes.max())
+    if largest == 0:
+        return
+    low, reach = _free_depth(sheet, edges, _OF_ROW), _OF_ROW * sheet.point / largest
+    shown = sizes > _SHALLOW * largest
+    tips = places + low * sheet.point * normals
+    tails = tips + reach * sizes * normals
+    for tail, tip in zip(tails.T[shown], tips.T[shown], strict=True):
+        sheet.arrow(tail, tip, _WATER, gid, width=1.1)
+    start, end = (c + low * sheet.point * edges.normal for c in (edges.start, edges.end))
+    far, near = (
+        reach * load.at(c, "StandingWater") * edges.normal for c in (edges.end, edges.start)
+    )
+    strips = np.stack([start, end, end + far, start + near]).transpose(2, 0, 1)
+    sheet.axes.add_collection(
+        PolyCollection(
+            list(strips), facecolors=to_rgba(_WATER, 0.25), edgecolors="none", zorder=1.3, gid=gid
+        )
+    )
+    sheet.take(sheet.band(edges, low, low + _OF_ROW))
+    deepest = int(np.argmax(sizes))
+    label = Label(_worth(largest, "Pa", live), tails[:, deepest], normals[:, deepest], _WATER)
+    sheet.labels.append(label)
 
 
 def _between(places: Floats) -> Floats:

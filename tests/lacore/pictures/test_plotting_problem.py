@@ -251,3 +251,23 @@ def test_many_laws_are_counted():
         reference_loads=[la.BodyForce("stack", (1, 0))],
     )
     assert "joints: 8 laws of friction" in legend(problem.plot())
+
+
+def test_water_is_drawn_where_it_is():
+    """Deep blue where pores are pressed most; arrows on the ground as long as the water is deep."""
+    table = la.WaterTable(1.0, 1.0)
+    problem = la.Problem(
+        bodies={"soil": la.Body(SOIL, la.MohrCoulomb(1.0, 30))},
+        supports=[la.Fix("soil", "bottom")],
+        reference_loads=[la.Pressure("soil", "top")],
+        dead_loads=[la.PorePressure("soil", table), la.StandingWater("soil", "left", table)],
+    )
+    figure = problem.plot()
+    assert {"dead-load-0", "dead-load-1"} <= names(figure)
+    assert "pore water" in legend(figure)
+    assert any("$u \\leq$ $1$ Pa" in text for text in labels(figure))
+    tails, tips = np.array(arrows(figure, "dead-load-1")).swapaxes(0, 1)
+    lengths = np.linalg.norm(tips - tails, axis=1)
+    assert (tips[:, 0] > tails[:, 0]).all()
+    depth = 1.0 - tips[:, 1]
+    assert np.allclose(lengths / lengths.max(), depth / depth.max(), atol=1e-9)
