@@ -328,3 +328,15 @@ def test_files_show_both_parts_of_the_stress(tmp_path):
     assert np.allclose(cells["pore_pressure"], 0.3)
     water = cells["effective_stress"] - cells["stress"]
     assert np.allclose(water, [0.3, 0.3, 0.3, 0, 0, 0])
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_pressures_are_shown_where_stresses_are(space):
+    """Of a linear function those of the strain points, on whatever elements."""
+
+    def rising(x):
+        return 0.1 * (1 + x[0] + 2 * (1 + x[1]))
+
+    state = la.solve(loaded([la.PorePressure("soil", rising)], space=space))
+    places = np.asarray(state.discretisation.bodies["soil"].basis.global_coordinates())
+    assert np.allclose(state.pore_pressure["soil"], rising(places), rtol=1e-12)
