@@ -232,6 +232,9 @@ class StaticProgram:
         cost = np.zeros(self._linear.shape[1])
         cost[1 if share else 0] = -1.0
         cost[self._normal] = points.weights * contact.shift
+        for group, means in zip(self._program.groups, self._means, strict=True):
+            if group.surfaces is not None and not share:
+                cost[means] = group.volume_weights * group.surfaces.besides
         low, high = np.full(cost.size, -np.inf), np.full(cost.size, np.inf)
         low[1], high[1] = 0.0 if share else 1.0, 1.0
         high[0] = np.inf if share else LARGEST

@@ -102,7 +102,7 @@ def certify(
         contact: judge against these frozen bounds and dilatancies instead of the laws: the
             certificate of one inner solve.
     """
-    program, rows = program.hardened(state.velocity), program.contact
+    program, rows = program.at_state(state.velocity, state.mean_stress), program.contact
     t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
     opening, slip = rows.opening(u), rows.slip(u)
     slip_rate = np.linalg.norm(slip, axis=1)

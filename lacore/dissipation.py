@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lacore.arrays import Floats, Sparse
+from lacore.errors import InputError
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -145,6 +146,58 @@ class DissipationGroup(Compact):
         """The group with its strength times a factor, of all cones or of each, shape (m,)."""
         surfaces = None if self.surfaces is None else self.surfaces.times(factor)
         return replace(self, bound=factor * self.bound, surfaces=surfaces)
+
+    @property
+    def frictional(self) -> bool:
+        """Whether flow is not associated: friction dissipates beside what dilates (T50)."""
+        return self.surfaces is not None and self.surfaces.dilating is not None
+
+    @property
+    def frictions(self) -> int:
+        """Numbers that `friction` lists."""
+        return 0 if self.surfaces is None or not self.frictional else self.surfaces.strength.size
+
+    def friction(self, mean: Floats) -> Floats:
+        """Friction of all cones at mean stresses, shape (m k,), Pa; empty of associated flow."""
+        if self.surfaces is None or not self.frictional:
+            return np.zeros(0)
+        return self.surfaces.friction(mean).ravel()
+
+    def at_friction(self, friction: Floats) -> "DissipationGroup":
+        """The group with its friction frozen, shape (m k,), Pa (T52)."""
+        if self.surfaces is None or not self.frictional:
+            return self
+        surfaces = self.surfaces.at_friction(friction.reshape(-1, self.surfaces.count))
+        return replace(self, surfaces=surfaces)
+
+    def at_flow(self, velocity: Floats) -> "DissipationGroup":
+        """The group with the flow of a velocity frozen (T52)."""
+        if self.surfaces is None or not self.frictional:
+            return self
+        return replace(self, surfaces=self.surfaces.at_flow(self.rates(velocity)))
+
+    def associated(self) -> "DissipationGroup":
+        """The group with flow normal to its surfaces."""
+        if self.surfaces is None:
+            return self
+        return replace(self, surfaces=self.surfaces.associated())
+
+    def davis(self) -> "DissipationGroup":
+        """The group with Davis's strength (T55), of cones that are planes of slip.
+
+        Raises:
+            InputError: other cones.
+        """
+        if self.surfaces is None or not self.frictional:
+            return self
+        if self.dim != 2:
+            raise InputError(
+                "coupling",
+                "davis",
+                f"his strength is that of planes of slip, and {self.name!r} has none",
+                "take it of MohrCoulomb in plane strain",
+            )
+        return replace(self, surfaces=self.surfaces.davis())
 
     def hardened(self, velocity: Floats) -> "DissipationGroup":
         """The group with the stress bounds of a velocity, and no hardening beyond them.

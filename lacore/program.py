@@ -248,11 +248,47 @@ class KinematicProgram(Compact):
         """Whether the strength of a group depends on pressure."""
         return any(group.surfaces is not None for group in self.groups)
 
+    @property
+    def frictional(self) -> bool:
+        """Whether a group flows less than its friction would dilate (T49)."""
+        return any(group.frictional for group in self.groups)
+
+    def friction(self, means: tuple[Floats, ...]) -> Floats:
+        """Friction of the cones of such groups at mean stresses, one after the other, Pa (T50)."""
+        own = zip(self.groups, means, strict=True)
+        return np.concatenate([np.zeros(0), *(group.friction(mean) for group, mean in own)])
+
+    def at_friction(self, friction: Floats | float) -> "KinematicProgram":
+        """The program with friction of groups frozen, as `friction` lists it (T52)."""
+        if not self.frictional:
+            return self
+        ends = np.cumsum([group.frictions for group in self.groups])
+        parts = np.split(np.broadcast_to(friction, ends[-1]), ends[:-1])
+        own = zip(self.groups, parts, strict=True)
+        return replace(self, groups=tuple(group.at_friction(part) for group, part in own))
+
+    def at_flow(self, velocity: Floats) -> "KinematicProgram":
+        """The program with the flow of groups frozen at a velocity (T52)."""
+        groups = tuple(group.at_flow(velocity) for group in self.groups)
+        return replace(self, groups=groups) if self.frictional else self
+
+    def associated(self) -> "KinematicProgram":
+        """The program with flow of all groups normal to their surfaces."""
+        groups = tuple(group.associated() for group in self.groups)
+        return replace(self, groups=groups) if self.frictional else self
+
     def hardened(self, velocity: Floats) -> "KinematicProgram":
         """The program with the stress bounds of a velocity, see `DissipationGroup.hardened`."""
         if not self.hardens:
             return self
         return replace(self, groups=tuple(group.hardened(velocity) for group in self.groups))
+
+    def at_state(self, velocity: Floats, means: tuple[Floats, ...]) -> "KinematicProgram":
+        """The program with the stress bounds and the friction of groups that a state has.
+
+        Of a state that is optimal with its own the same is proven as with the laws.
+        """
+        return self.hardened(velocity).at_friction(self.friction(means))
 
     @property
     def homogeneous(self) -> bool:

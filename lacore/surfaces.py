@@ -9,6 +9,9 @@ s and d of the cone rows, p and v of the volumetric ones. As a polyhedron of (q,
 give the dissipation, ``D = max (q ||d|| + p . v)``, and its edges to infinity the flow that is
 possible at all: ``q ||d|| + p . v <= 0`` along each. For Mohr-Coulomb in plane strain there is one
 corner, the apex, and ``D = c cot(phi) theta`` with ``theta >= sin(phi) ||d||`` (T38).
+
+Where flow dilates less than its surface slopes (T49), only its friction at a frozen pressure, or a
+frozen flow, leaves something convex: again surfaces whose normals flow keeps (T52).
 """
 
 from dataclasses import dataclass, replace
@@ -35,17 +38,23 @@ class Surfaces(Compact):
         normed: 1 where ``||s||`` counts, 0 of a plane in p alone, shape (k,).
         dilation: volumetric rates that flow has besides, shape (m L,), 1/s; None: none. With it a
             velocity comes out strictly inside of what is possible (T45).
+        dilating: share of its slope by which flow on each dilates, shape (m, k), in [0, 1]; None:
+            all of it, the associated flow.
     """
 
     slope: Floats
     strength: Floats
     normed: Floats
     dilation: Floats | None = None
+    dilating: Floats | None = None
 
     @property
     def numbers(self) -> dict[str, Floats]:
         """All that must be finite, by name."""
-        return {"slope": self.slope.ravel(), "strength of surfaces": self.strength.ravel()}
+        numbers = {"slope": self.slope.ravel(), "strength of surfaces": self.strength.ravel()}
+        if self.dilating is not None:
+            numbers["share that dilates"] = self.dilating.ravel()
+        return numbers
 
     @property
     def count(self) -> int:
@@ -75,8 +84,63 @@ class Surfaces(Compact):
     def at(self, points: Bools | Ints) -> "Surfaces":
         """Those of the points of a mask of shape (m,), or of numbers; without dilation."""
         return replace(
-            self, slope=self.slope[points], strength=self.strength[points], dilation=None
+            self,
+            slope=self.slope[points],
+            strength=self.strength[points],
+            dilation=None,
+            dilating=None if self.dilating is None else self.dilating[points],
         )
+
+    def associated(self) -> "Surfaces":
+        """The same, with flow normal to them."""
+        return replace(self, dilating=None)
+
+    def friction(self, mean: Floats) -> Floats:
+        """What p of shape (m L,) adds to the shear that flow dissipates, shape (m, k), Pa; >= 0.
+
+        ``(sin(phi) - sin(psi)) pi`` (T50); none of surfaces with associated flow.
+        """
+        room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
+        return np.asarray(self._kept * np.maximum(room, 0.0))
+
+    def at_friction(self, friction: Floats) -> "Surfaces":
+        """Associated ones that flow of a frozen friction obeys (T52, K-step), and their apex.
+
+        Args:
+            friction: as of `friction`, shape (m, k), Pa.
+        """
+        share = 1.0 - self._kept
+        return Surfaces(
+            slope=np.concatenate([share[:, :, None] * self.slope, self.slope], axis=1),
+            strength=np.concatenate([share * self.strength + friction, self.strength], axis=1),
+            normed=np.concatenate([self.normed, np.zeros(self.count)]),
+        )
+
+    def at_flow(self, length: Floats) -> "Surfaces":
+        """Associated ones that dilate more than flow of a frozen rate does (T52, S-step).
+
+        Args:
+            length: ``||d||``, shape (m,), 1/s.
+        """
+        more = np.einsum("mk,mkl,m->ml", self._kept, self.slope, length).ravel()
+        return replace(self, dilation=self.besides - more, dilating=None)
+
+    def davis(self) -> "Surfaces":
+        """Associated ones with the strength of lines that do not extend (T55), of one plane."""
+        sine = self.slope[:, :, 0]
+        cosine, dilating = np.sqrt(1 - sine**2), (1 - self._kept) * sine
+        share = np.sqrt(1 - dilating**2) * cosine / (1 - dilating * sine)
+        tangent = share * sine / cosine
+        along = 1 / np.sqrt(1 + tangent**2)
+        strength = self.strength * share * along / cosine
+        slope = (tangent * along)[:, :, None]
+        return replace(self, slope=slope, strength=strength, dilating=None)
+
+    @property
+    def _kept(self) -> Floats:
+        """Share of its slope by which flow does not dilate, shape (m, k)."""
+        none = np.zeros_like(self.strength)
+        return none if self.dilating is None else 1.0 - self.dilating
 
     def use(self, size: Floats, mean: Floats) -> Floats:
         """What stresses call on, ``normed q + slope . p``, shape (m, k).
@@ -117,6 +181,8 @@ class Surfaces(Compact):
             length: ``||d||``, shape (m,).
             volume: v, shape (m L,), point after point.
         """
+        if self.dilating is not None:
+            raise ValueError("flow that is not associated dissipates at a friction: freeze it")
         if not length.size:
             return np.zeros(0)
         rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))

@@ -17,7 +17,7 @@ from lacore.arrays import Floats
 from lacore.backend import find_backend
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.bounds.enclosing import has_coulomb
+from lacore.bounds.enclosing import has_coulomb, require_associated_flow
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.errors import InputError, require_count, require_positive
@@ -85,6 +85,7 @@ def bracket(
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
     """
     begin = time.perf_counter()
+    require_associated_flow(of_kind(problem.bodies, Body))
     require_positive("target_width", target_width)
     require_count("max_elements", max_elements)
     require_positive("time_limit", time_limit)

@@ -1,10 +1,15 @@
-"""The two problems with bounds that enclose every Coulomb load factor of a problem (T14)."""
+"""The two problems with bounds that enclose every Coulomb load factor of a problem (T14).
 
-from collections.abc import Callable
+And the refusal of what has no bounds: soils whose flow is not associated (T54).
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.errors import InputError
 from lacore.materials.friction import SMOOTH, Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
 
@@ -29,6 +34,20 @@ def associated(problem: Problem) -> Problem:
         return replace(law, associated=True) if isinstance(law, Coulomb) else law
 
     return _with_laws(problem, dilating)
+
+
+def require_associated_flow(bodies: Mapping[str, Body]) -> None:
+    """Raise `InputError` where the flow of a body is not associated."""
+    for name, body in bodies.items():
+        if body.form.frictional:
+            raise InputError(
+                f"Problem.bodies[{name!r}].criterion",
+                body.criterion.label,
+                "its flow is not associated, and the bound theorems do not hold with it",
+                "an upper bound with its dilation_angle left out is one of all its load factors, a"
+                " lower one with friction_angle = dilation_angle and the cohesion times"
+                " tan(psi)/tan(phi) as well (T54); lacore.soil_range looks for them",
+            )
 
 
 def _follows_pressure(law: Friction) -> bool:

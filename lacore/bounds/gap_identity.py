@@ -8,9 +8,11 @@ import numpy as np
 
 from lacore import views
 from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.slip import Slip
+from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound, plastic_power
@@ -197,6 +199,7 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
     )
     stated, contact = upper.discretisation, upper.discretisation.full.contact
     continua, blocks = stated.bodies, stated.assemblies
+    require_associated_flow(of_kind(stated.problem.bodies, Body))
     if contact.coulomb.any():
         raise InputError(
             "upper",

@@ -18,6 +18,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.frames.frame import Frame
+from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
@@ -212,6 +213,7 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
 
 def _check_statable(problem: Problem) -> None:
     deforming = of_kind(problem.bodies, Body)
+    require_associated_flow(of_kind(problem.bodies, Body))
     for field, load in problem.loads.items():
         if load.point is not None and load.body in deforming:
             raise InputError(

@@ -10,7 +10,10 @@ from scipy.sparse.linalg import lsqr
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.backend import find_backend, read_options
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.spaces import VelocitySpace
+from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
@@ -117,6 +120,8 @@ def upper_bound(
     if isinstance(problem, LimitState | Discretisation):
         stated = problem.discretisation if isinstance(problem, LimitState) else problem
         require_homogeneous(stated.program, "problem", _BOUNDED)
+    given = stated.problem if isinstance(problem, LimitState | Discretisation) else problem
+    require_associated_flow(of_kind(given.bodies, Body))
     if isinstance(problem, LimitState):
         state = problem
     else:

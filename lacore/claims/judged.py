@@ -28,7 +28,7 @@ def judged_claim(
 
     Args:
         status: LOCKED, UNSAFE or JAM; any other is returned as it is.
-        program: dimensionless.
+        program: dimensionless; soils whose flow is not associated carry what they would if it were.
         admitting: contact whose velocities are admissible: that of the solve, or for a claim of
             Coulomb friction one without any.
         carrying: contact whose reactions are admissible: that of the solve, or the associated one.
@@ -37,7 +37,7 @@ def judged_claim(
     """
     if status not in CLAIMED:
         return status, ""
-    if dead_collapse(program, carrying, prepare, tolerance) is not None:
+    if dead_collapse(program.associated(), carrying, prepare, tolerance) is not None:
         return Status.UNSAFE, ""
     if status is Status.JAM:
         return status, ""
@@ -45,7 +45,7 @@ def judged_claim(
         return Status.NOT_CERTIFIED, (
             "the solver calls the structure unsafe, and no mechanism of the dead load proves it"
         )
-    ray = locking_ray(program, admitting)
+    ray = locking_ray(program.at_friction(0.0), admitting)
     if ray.proves:
         return status, ""
     return Status.NOT_CERTIFIED, (

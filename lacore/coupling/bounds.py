@@ -66,7 +66,7 @@ def kinematic_load_factor(
     """
     u, rows = point.velocity, program.contact
     bound = (contact or reaction_contact(program.contact, point.normal_reaction)).bound
-    plastic = program.hardened(u).plastic_dissipation(u)
+    plastic = program.at_state(u, point.mean_stress).plastic_dissipation(u)
     dissipated = plastic + program.friction_dissipation(u, bound)
     closed = float(rows.weights @ (point.normal_reaction * rows.lead))
     return (dissipated + closed - float(program.dead_load @ u)) / float(program.reference_load @ u)
@@ -76,7 +76,8 @@ def kinematic_power(program: KinematicProgram, point: ProgramState) -> float:
     """Power that a state turns over: the scale of (T15)."""
     u = point.velocity
     bound = reaction_contact(program.contact, point.normal_reaction).bound
-    dissipated = program.hardened(u).plastic_dissipation(u) + program.friction_dissipation(u, bound)
+    plastic = program.at_state(u, point.mean_stress).plastic_dissipation(u)
+    dissipated = plastic + program.friction_dissipation(u, bound)
     return dissipated + abs(float(program.dead_load @ u))
 
 

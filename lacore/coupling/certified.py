@@ -19,15 +19,20 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
-from lacore.coupling.fixed_point import OnIterate, fixed_point, slip_rate
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, paired
+from lacore.coupling.fixed_point import OnIterate, fixed_point
+from lacore.coupling.freezing import (
+    associated,
+    at_pressing,
+    at_slip,
+    friction_of,
+    generous,
+    pressing,
+)
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, paired, worst
 from lacore.numerics.anderson import Anderson
 from lacore.program import (
     KinematicProgram,
-    associated_contact,
     frictionless_contact,
-    reaction_contact,
-    shift_contact,
 )
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -35,6 +40,8 @@ from lacore.status import Status
 _FALLS = 0.9  # of the least gap so far: anything above is a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _PATIENCE = 4  # steps in a row without progress
+_DRIFT = 40  # damped steps: fewer do not get far
+_ENOUGH = 40  # solves of soils, where what is accepted may be reached by then
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _OUTSIDE = (
@@ -63,17 +70,19 @@ def certified_loop(
     """
     run = Run(program, solver, regularised, options, on_iterate, prepare)
     rows = program.contact
-    if not rows.coulomb.any():
+    if not (rows.coulomb.any() or program.frictional):
         return run.judged(run.solve("single", frictionless_contact(rows)))
-    first = run.solve("associated", associated_contact(rows))
+    frozen = associated(program)
+    first = run.solve("associated", frozen.contact, program=frozen.program)
     anchor = _anchor(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
     if run.free(anchor):
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
-    for attempt in (averaged, _damped, _alternated, _shifted):
-        found = attempt(run, _closest(run, static))
+    of_contact = (averaged, _damped, _alternated, _shifted)
+    for attempt in (_flowing, _wandering) if program.frictional else of_contact:
+        found = attempt(run, _closest(run, static)) or run.accept()
         if found is not None:
             return _bounded(run, run.judged(found), first)
     return _undecided(run, first)
@@ -88,7 +97,7 @@ def _bounded(run: Run, coupled: Coupled, first: Iterate) -> Coupled:
     state = coupled.final.state
     if state is None or not run.program.homogeneous:
         return coupled
-    upper = upper_bound(run.program, first.inner, run.options.tolerance)
+    upper = upper_bound(run.program.associated(), first.inner, run.options.tolerance)
     slack = run.options.tolerance * kinematic_power(run.program, state)
     if state.load_factor <= upper + slack:
         return coupled
@@ -115,9 +124,11 @@ def _anchor(run: Run) -> Iterate:
     """
     program, rows = run.program, run.program.contact
     load = float(np.abs(program.dead_load).sum() + np.abs(program.reference_load).sum())
+    area = sum(float(group.weights.sum()) for group in program.groups)
+    length = float(rows.weights.sum()) if rows.coulomb.any() else area**0.5
     for factor in _GENEROUS:
-        generous = np.full(rows.count, factor * load / float(rows.weights.sum()))
-        k = run.solve("generous", reaction_contact(rows, generous))
+        frozen = at_pressing(program, generous(program, factor * load / length))
+        k = run.solve("generous", frozen.contact, program=frozen.program)
         if k.inner.status is not Status.UNSAFE:
             break
     return k if k.inner.point is None else _s_step(run, k.inner.point)
@@ -139,15 +150,15 @@ def _alternated(run: Run, static: ProgramState) -> Iterate | None:
 
 
 def _alternate(
-    run: Run, static: ProgramState, kind: str, patience: int, blend: Blend
+    run: Run, static: ProgramState, kind: str, patience: int, blend: Blend, most: int | None = None
 ) -> Iterate | None:
-    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall."""
-    reaction, least, failed = _normal(static), np.inf, 0
-    while not run.exhausted and failed <= patience:
-        k = _k_step(run, reaction, static, kind)
-        if k.inner.status is Status.UNSAFE:  # less friction than any admissible state needs
-            reaction = np.maximum(reaction, _normal(static))
-            k = _k_step(run, reaction, static, kind)
+    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall.
+
+    Or after `most` solves of the loop.
+    """
+    pressed, least, failed = pressing(run.program, static), np.inf, 0
+    while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
+        pressed, k = _carried_k_step(run, pressed, static, kind)
         if k.inner.point is None or run.free(k) or run.proven(k):
             return k if _carries(run, k) else None
         s = _s_step(run, k.inner.point)
@@ -159,7 +170,8 @@ def _alternate(
             return None
         failed = 0 if gap <= _FALLS * least else failed + 1
         least = min(least, gap)
-        reaction = blend(reaction, _normal(static), _normal(k.inner.point))
+        both = pressing(run.program, static), pressing(run.program, k.inner.point)
+        pressed = blend(pressed, *both)
     return None
 
 
@@ -171,21 +183,52 @@ def _shifted(run: Run, static: ProgramState) -> Iterate | None:
     return coupled.final if coupled.status is Status.SOLVED else None
 
 
-def _k_step(run: Run, reaction: Floats, static: ProgramState, kind: str) -> Iterate:
-    """``u = argmin`` of (T5) at a frozen normal reaction, judged with the static state before."""
-    rows = run.program.contact
-    k = run.solve(kind, reaction_contact(rows, reaction), partner=lambda k: paired(k, static))
+def _flowing(run: Run, static: ProgramState) -> Iterate | None:
+    """Friction of S-steps alone, of soils: the gap falls, if slowly, and rarely stalls (T57)."""
+    most = None if run.options.accepted is None else len(run.iterates) + _ENOUGH
+    return _alternate(run, static, "K", _LONG, lambda _last, s, _k: s, most)
+
+
+def _wandering(run: Run, static: ProgramState) -> Iterate | None:
+    """Damped K-steps, which drift to lower loads and never settle by themselves; then S (T57)."""
+    pressed = pressing(run.program, static)
+    for _ in range(_DRIFT):
+        pressed, k = _carried_k_step(run, pressed, static, "damped K")
+        if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
+            return k if _carries(run, k) else None
+        moved, own = k.inner.point, pressing(run.program, k.inner.point)
+        pressed = (pressed + own) / 2
+    settled = _s_step(run, moved).inner.point
+    return None if settled is None else _flowing(run, settled)
+
+
+def _carried_k_step(
+    run: Run, pressed: Floats, static: ProgramState, kind: str
+) -> tuple[Floats, Iterate]:
+    """A K-step, and what it froze: more where that is less than any admissible state needs."""
+    k = _k_step(run, pressed, static, kind)
+    if k.inner.status is Status.UNSAFE:
+        pressed = np.maximum(pressed, pressing(run.program, static))
+        k = _k_step(run, pressed, static, kind)
+    return pressed, k
+
+
+def _k_step(run: Run, pressed: Floats, static: ProgramState, kind: str) -> Iterate:
+    """``u = argmin`` of (T5) at frozen friction, judged with the static state before."""
+    program = run.program
+    frozen, partner = at_pressing(program, pressed), lambda k: paired(k, static)
+    k = run.solve(kind, frozen.contact, partner=partner, program=frozen.program)
     if k.inner.point is not None:
-        bound = rows.coefficient * reaction
-        run.mapped("K", bound, rows.coefficient * _normal(k.inner.point))
+        image = pressing(program, k.inner.point)
+        run.mapped("K", friction_of(program, pressed), friction_of(program, image))
     return k
 
 
 def _s_step(run: Run, kinematic: ProgramState) -> Iterate:
     """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
-    contact = shift_contact(run.program.contact, slip_rate(run.program, kinematic))
-    velocity = kinematic.velocity
-    return run.solve("S", contact, partner=lambda s: paired(kinematic, s), hardened_by=velocity)
+    frozen = at_slip(run.program, kinematic.velocity)
+    partner = lambda s: paired(kinematic, s)  # noqa: E731
+    return run.solve("S", frozen.contact, partner=partner, program=frozen.program)
 
 
 def _carries(run: Run, iterate: Iterate) -> bool:
@@ -211,20 +254,13 @@ def _undecided(run: Run, first: Iterate) -> Coupled:
         return replace(run.end(Status.FREE, trivial), note=_TRIVIAL)
     locked = first.inner.status is Status.LOCKED
     candidates = [iterate for iterate in run.iterates if iterate.certificate is not None]
-    best = min(candidates, key=lambda iterate: _worst(iterate))
+    best = min(candidates, key=worst)
     if not run.program.homogeneous:  # T14 knows of no hardening and of no distance to close
         return run.end(Status.NOT_CERTIFIED, best)
-    upper = upper_bound(run.program, first.inner, run.options.tolerance)
-    smooth = run.solve("frictionless", frictionless_contact(run.program.contact)).inner
-    lower = lower_bound(run.program, smooth, run.options.tolerance)
+    upper = upper_bound(run.program.associated(), first.inner, run.options.tolerance)
+    least = run.program.at_friction(0.0)
+    frozen = frictionless_contact(run.program.contact)
+    smooth = run.solve("frictionless", frozen, program=least).inner
+    lower = lower_bound(least, smooth, run.options.tolerance)
     status = Status.JAM if locked and max(run.rates, default=0.0) >= 1 else Status.NOT_CERTIFIED
     return run.end(status, best, bracket=(lower, upper))
-
-
-def _worst(iterate: Iterate) -> float:
-    assert iterate.certificate is not None
-    return float(np.nan_to_num(iterate.certificate.worst[1], nan=np.inf))
-
-
-def _normal(state: ProgramState) -> Floats:
-    return np.maximum(state.normal_reaction, 0.0)

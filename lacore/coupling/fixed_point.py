@@ -48,6 +48,7 @@ def _single(kind: str, freeze: Callable[[ContactRows], FrozenContact]) -> Coupli
 associated = _single("associated", associated_contact)
 frictionless = _single("frictionless", frictionless_contact)
 stick = _single("stick", stick_contact)
+davis = _single("davis", associated_contact)
 
 
 def reaction_loop(

@@ -49,6 +49,8 @@ class CouplingOptions(Compact):
         tolerance: bar for the residuals of the certificate.
         max_iterations: of the loop, not counting the start.
         kappa: of the ``kappa`` loop (T11), 0 <= kappa <= 1.
+        accepted: bar that is good enough of soils whose flow is not associated, where `tolerance`
+            is not reached soon: their residuals may come down slowly (T58). None: none is.
     """
 
     start: str = "associated"
@@ -57,6 +59,7 @@ class CouplingOptions(Compact):
     tolerance: float = 1e-6
     max_iterations: int = 100
     kappa: float = 0.5
+    accepted: float | None = None
 
     def __post_init__(self) -> None:
         require_known("start", self.start, STARTS)
@@ -130,6 +133,7 @@ class Coupled(Compact):
         bracket: load factors that enclose every Coulomb one of the program (T14), for a loop that
             found none.
         note: what the message of a status should say besides.
+        tolerance: bar that residuals were judged by.
     """
 
     status: Status
@@ -139,6 +143,14 @@ class Coupled(Compact):
     contraction: float = float("nan")
     bracket: tuple[float, float] | None = None
     note: str = ""
+    tolerance: float = 1e-6
+
+
+def worst(iterate: Iterate) -> float:
+    """The largest residual of an iterate; inf where there is none."""
+    if iterate.certificate is None:
+        return float("inf")
+    return float(np.nan_to_num(iterate.certificate.worst[1], nan=np.inf))
 
 
 def paired(kinematic: ProgramState, static: ProgramState) -> ProgramState:
@@ -166,17 +178,18 @@ class Run:
         contact: FrozenContact,
         laws: FrozenContact | None = None,
         partner: Callable[[ProgramState], ProgramState] | None = None,
-        hardened_by: Floats | None = None,
+        program: KinematicProgram | None = None,
     ) -> Iterate:
         """Solve for a frozen contact and judge the answer by `laws` (None: the true ones).
 
         With `partner`, judge the pair that it makes of the answer, unless the answer itself holds.
-        With `hardened_by`, a velocity, yield stresses are those that it makes (T29).
+        With `program`, groups are those of it: of a velocity that hardens them (T29), or with
+        friction that is frozen (T52).
         """
-        if hardened_by is None or self.prepare is None or not self.program.hardens:
+        if program is None or program is self.program or self.prepare is None:
             answer = self.solver.solve(contact)
         else:
-            with closing(self.prepare(self.program.hardened(hardened_by))) as solver:
+            with closing(self.prepare(program)) as solver:
                 answer = solver.solve(contact)
         inner = checked_answer(self.program, self.regularised, answer)
         state, certificate, mismatch = inner.point, None, np.nan
@@ -251,7 +264,16 @@ class Run:
     ) -> Coupled:
         """The end of the loop, at its last iterate unless another is given."""
         final = final or self.iterates[-1]
-        return Coupled(status, tuple(self.iterates), final, laws, self.contraction, bracket)
+        found = tuple(self.iterates), final, laws, self.contraction, bracket
+        return Coupled(status, *found, tolerance=self.options.tolerance)
+
+    def accept(self) -> Iterate | None:
+        """The pair with the least residual, where that is accepted; it is the bar from then on."""
+        if self.options.accepted is None:
+            return None
+        self.options = replace(self.options, tolerance=self.options.accepted)
+        proven = [one for one in self.iterates if self.proven(one) and not self.free(one)]
+        return min(proven, key=worst, default=None)
 
     def judged(self, iterate: Iterate, laws: FrozenContact | None = None) -> Coupled:
         """The end of a loop at an iterate that is final."""

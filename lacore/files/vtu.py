@@ -64,7 +64,7 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     numbers = {name: place for place, name in enumerate(d.problem.bodies)}
     parts = [
         _flowing(state, name, group, numbers[name])
-        for name, group in zip(d.bodies, d.full.groups, strict=False)
+        for name, group in zip(d.bodies, state.program.groups, strict=False)
     ]
     for name, blocks in d.assemblies.items():
         parts += _rigid(blocks, velocity[name], numbers[name])
@@ -85,7 +85,7 @@ def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int)
     lengths = np.linalg.norm(group.cone_vectors(state.point.velocity), axis=1)
     number_of = [group.name for group in state.discretisation.full.groups].index(name)
     mean = state.point.mean_stress[number_of]
-    strength = group.hardened(state.point.velocity).carried(mean)  # at its pressure
+    strength = group.carried(mean)  # at its pressure
     fields = {"equivalent_strain_rate": factor * lengths, "yield_stress": strength / factor}
     means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
     means["dissipation"] = state.dissipation[name]

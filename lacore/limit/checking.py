@@ -23,11 +23,13 @@ from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.volume import means_projector
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
+from lacore.coupling.freezing import davis
 from lacore.errors import InputError, require_known
 from lacore.limit.conversion import point_in_program
 from lacore.program import (
     ContactRows,
     FrozenContact,
+    KinematicProgram,
     associated_contact,
     dimensionless,
     frictionless_contact,
@@ -39,11 +41,25 @@ _LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
     "associated": associated_contact,
     "frictionless": frictionless_contact,
     "stick": stick_contact,
+    "davis": associated_contact,
 }
 """What couplings are judged by that solve another problem; the others by the laws as stated."""
 _READ = ("t_n", "t_t")
 
 Table = pd.DataFrame | Mapping[str, ArrayLike]
+
+
+def program_of(coupling: str, program: KinematicProgram) -> KinematicProgram:
+    """The program that a coupling answers: with the flow of its soils as it takes it.
+
+    Raises:
+        InputError: Davis's strength of a program without soils whose flow is not associated.
+    """
+    if coupling == "davis":
+        return davis(program)
+    if coupling == "frictionless":
+        return program.at_friction(0.0)
+    return program.associated() if coupling in _LAWS else program
 
 
 def laws_of(coupling: str, rows: ContactRows) -> FrozenContact | None:
@@ -56,7 +72,7 @@ def recomputed(discretisation: Discretisation, point: ProgramState, coupling: st
 
     A velocity that supports, rigid footings or rigid members forbid counts as penetration.
     """
-    program = dimensionless(discretisation.program, discretisation.natural)
+    program = program_of(coupling, dimensionless(discretisation.program, discretisation.natural))
     laws = laws_of(coupling, program.contact)
     inside = point_in_program(discretisation, point)
     found = certify(program, inside, laws)
@@ -128,7 +144,7 @@ def check_shapes(discretisation: Discretisation, point: ProgramState) -> None:
         zip(groups, point.stress, point.mean_stress, strict=True)
     ):
         shapes[f"stress[{number}]"] = own, (group.weights.size, group.dim)
-        shapes[f"mean_stress[{number}]"] = mean, (group.weights.size,)
+        shapes[f"mean_stress[{number}]"] = mean, (group.volumetric.shape[0],)
     for name, (values, shape) in shapes.items():
         _array(f"point.{name}", values, shape)
 

@@ -7,6 +7,7 @@ from typing import Any
 from lacore.assembly.discretisation import Discretisation
 from lacore.backend import find_backend, read_options
 from lacore.coupling.interval import End, Interval, further, load_factor_interval
+from lacore.errors import InputError
 from lacore.inner.preparing import preparing
 from lacore.limit.conversion import point_in_program, point_in_si
 from lacore.program import (
@@ -28,13 +29,21 @@ def interval_of_state(
     Of a state that is none of Coulomb (regularised, associated) nothing is certified.
 
     Raises:
-        InputError: a state within a step of a path: how fast it moves is given there.
+        InputError: a state within a step of a path: how fast it moves is given there; soils whose
+            flow is not associated.
     """
     require_homogeneous(
         discretisation.program,
         "LimitState.interval",
         "ask for the interval of a state of lacore.solve",
     )
+    if discretisation.program.frictional:
+        raise InputError(
+            "LimitState.interval",
+            None,
+            "the mechanism of a soil whose flow is not associated has no ends that can be proven",
+            "take lacore.soil_range, which looks for the range of load factors",
+        )
     engine = find_backend(backend)
     program = dimensionless(discretisation.program, discretisation.natural)
     with preparing(engine, read_options(engine, options)) as prepare:

@@ -21,6 +21,7 @@ from lacore.coupling.certified import certified_loop
 from lacore.coupling.fixed_point import (
     Coupling,
     associated,
+    davis,
     frictionless,
     kappa_loop,
     reaction_loop,
@@ -32,6 +33,7 @@ from lacore.coupling.run import Coupled, CouplingOptions, Iterate
 from lacore.errors import InputError, SolveError, require_known
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.inner.rescaling import good_for
+from lacore.limit.checking import program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.hinging import ROUNDS, excess, hinged
@@ -58,10 +60,13 @@ _LOOPS: tuple[Coupling, ...] = (
     associated,
     frictionless,
     stick,
+    davis,
 )
 _LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
+_TOLERANCE = 1e-6
+_ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
@@ -75,7 +80,7 @@ def solve(
     start: str = "associated",
     damping: float = 0.7,
     anderson: int = 10,
-    tolerance: float = 1e-6,
+    tolerance: float | None = None,
     max_iterations: int = 100,
     kappa: float = 0.5,
     options: Mapping[str, Any] | None = None,
@@ -93,10 +98,13 @@ def solve(
             ``kappa`` (T11); or one solve of another problem: ``associated``, friction made
             associated, or ``stick``, no slip, both upper bounds of every Coulomb load factor, or
             ``frictionless``, a lower one (T14); of those of the discrete problem, where bodies
-            deform.
+            deform; or ``davis``, associated flow with Davis's reduced strength of soils (T55), no
+            bound of anything.
         start, damping, anderson, kappa: of ``reaction``, ``shift`` and ``kappa``, see
             `CouplingOptions`.
-        tolerance, max_iterations: of all loops.
+        tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
+            whose flow is not associated 5e-5 where that is not reached soon (T58).
+        max_iterations: of all loops.
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
@@ -110,7 +118,11 @@ def solve(
         CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
     """
-    coupling_options = CouplingOptions(start, damping, anderson, tolerance, max_iterations, kappa)
+    accepted = _ACCEPTED if tolerance is None else None
+    tolerance = _TOLERANCE if tolerance is None else tolerance
+    coupling_options = CouplingOptions(
+        start, damping, anderson, tolerance, max_iterations, kappa, accepted
+    )
     given = problem.problem if isinstance(problem, Discretisation) else problem
     state = _solved(problem, backend, coupling, coupling_options, options, on_iterate, process)
     bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
@@ -146,11 +158,12 @@ def _solved(
 ) -> LimitState:
     """The state with hinges at the nodes that there are."""
     engine, coupling, engine_options = engine_for(backend, coupling, options or {})
-    tolerance = coupling_options.tolerance
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
-    program = dimensionless(problem.program, problem.natural)
+    program = _stated(problem, backend, coupling)
+    if not program.frictional:
+        coupling_options = replace(coupling_options, accepted=None)
     built = time.perf_counter()
     build_time = built - begin
     check_capable(engine, program)
@@ -160,16 +173,17 @@ def _solved(
             process = stack.enter_context(SolverProcess())
         if process is not None:
             built += process.load(engine)  # no part of the solve
-        good = good_for(tolerance)
+        good = good_for(coupling_options.tolerance)
         prepare = stack.enter_context(preparing(engine, engine_options, process, good))
-        solver = prepare(program)
+        solver = prepare(program.associated())
         stack.callback(solver.close)
         couple = _LOOP_OF[coupling]
-        if couple is certified_loop and process is None:
+        if couple is certified_loop and (process is None or program.frictional):
             couple = partial(certified_loop, prepare=prepare)
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
+    tolerance = coupled.tolerance
     if coupled.status in CLAIMED:
         judge = find_backend(JUDGE) if regularised else engine
         settings = read_options(judge, {}) if regularised else engine_options
@@ -197,6 +211,23 @@ def _solved(
     if state.status is Status.UNSAFE and program.homogeneous:
         state = _falling(state)
     return replace(state, solve_time=time.perf_counter() - built)
+
+
+def _stated(problem: Discretisation, backend: str, coupling: str) -> KinematicProgram:
+    """The program that a coupling answers, dimensionless.
+
+    Raises:
+        InputError: a loop on contact reactions alone, beside soils whose flow is not associated.
+    """
+    program = program_of(coupling, dimensionless(problem.program, problem.natural))
+    if program.frictional and coupling != "certified":
+        raise InputError(
+            "coupling",
+            coupling,
+            "iterates on contact reactions, and a soil here dilates less than its friction",
+            "take 'certified', or 'associated' or 'davis' for a single solve",
+        )
+    return program
 
 
 def _falling(state: LimitState) -> LimitState:
@@ -268,7 +299,7 @@ def limit_state(
     if corners:
         coupled = replace(coupled, status=Status.NOT_CERTIFIED)
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
-    bound = coupled.laws is not None or not program.contact.coulomb.any()
+    bound = coupled.laws is not None or not (program.contact.coulomb.any() or program.frictional)
     if bound and point is not None and certificate is not None and not regularised:
         # Of a Coulomb state the static value is reported, with which equilibrium holds.
         point = replace(point, load_factor=kinematic_load_factor(program, point, coupled.laws))
@@ -290,9 +321,12 @@ def limit_state(
         of = discretisation.scope.phrase
         message += f"; every Coulomb load factor{of} is in [{lower:.6g}, {upper:.6g}]"
     rigor = _rigor(discretisation, coupled.status, coupling, regularised)
+    ranging = program.frictional and coupled.status is Status.SOLVED
     bodies = [dofs.body for dofs in discretisation.bodies.values()]
     if rigor is Rigor.DISCRETE and any(body.geometry != "exact" for body in bodies):
         message += f"; {POLYGON}"
+    if ranging:
+        message += f"; {_ONE_OF_MANY}"
     if corners:
         message += f"; {corners}"
     if wary := warning(coupled, load_factor):
@@ -339,7 +373,8 @@ def _rigor(
         return Rigor.NOT_CERTIFIED
     if regularised:
         return Rigor.REGULARISED
-    normal = coupling in _UPPER or not discretisation.full.contact.coulomb.any()
+    full = discretisation.full
+    normal = coupling in _UPPER or not (full.contact.coulomb.any() or full.frictional)
     return Rigor.UPPER if strict_bound(discretisation) and normal else Rigor.DISCRETE
 
 
@@ -347,6 +382,9 @@ def strict_bound(discretisation: Discretisation) -> bool:
     """Whether the dissipation is nowhere below that of the continuum; rigid blocks are exact."""
     bodies = [dofs.body for dofs in discretisation.bodies.values()]
     return all(SPACES[body.space].strict and body.geometry == "exact" for body in bodies)
+
+
+_ONE_OF_MANY = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"
 
 
 def _in_si(values: RegularisedValues | None, scales: Scales) -> RegularisedValues | None:

@@ -22,7 +22,7 @@ from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.run import Coupled
 from lacore.inner.preparing import JUDGE, preparing
-from lacore.limit.checking import laws_of
+from lacore.limit.checking import laws_of, program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.span_moments import span_excess
@@ -134,7 +134,8 @@ def stability_of(
     engine = find_backend(backend)
     if engine.capabilities.regularised:
         engine, options, load_factor = find_backend(JUDGE), {}, np.nan
-    program = dimensionless(discretisation.program, discretisation.natural)
+    stated = dimensionless(discretisation.program, discretisation.natural)
+    program = program_of(coupling, stated).associated()  # what is carried asks for no flow
     rows, scale = program.contact, discretisation.natural.load_factor
     laws = laws_of(coupling, rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []

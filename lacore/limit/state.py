@@ -19,9 +19,10 @@ from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.volume import means_projector
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
-from lacore.limit.checking import Table, checked
+from lacore.limit.checking import Table, checked, program_of
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
+from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.state import ProgramState, out_of_balance
@@ -86,6 +87,17 @@ class LimitState(Shown):
         if self.point is None:
             raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
         return self.point
+
+    @property
+    def program(self) -> KinematicProgram:
+        """The program for all unknowns, SI units, that the state answers, as it is at the state.
+
+        With the yield stresses that hardening makes, the friction of soils at their pressure, and
+        of other couplings the strengths that they take.
+        """
+        point = self._point()
+        program = program_of(self.coupling, self.discretisation.full)
+        return program.at_state(point.velocity, point.mean_stress)
 
     @property
     def outer_iterations(self) -> int:
@@ -153,8 +165,8 @@ class LimitState(Shown):
         """
         u, d = self._point().velocity, self.discretisation
         power = {
-            name: group.hardened(u).dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
-            for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=False)
+            name: group.dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
+            for (name, dofs), group in zip(d.bodies.items(), self.program.groups, strict=False)
         }
         for name, jumps in d.jumps.items():
             halves = jumps.group.dissipation(u) / 2

@@ -21,11 +21,13 @@ class Surface(Compact):
         slope: of each volumetric row, shape (L,).
         strength: Pa; of all elements, or of each, shape (elements,).
         normed: whether ``||s||`` counts; if not, it bounds p alone.
+        dilating: share of its slope by which flow dilates, in [0, 1]; 1 is the associated flow.
     """
 
     slope: tuple[float, ...]
     strength: float | Floats
     normed: bool = True
+    dilating: float = 1.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,6 +68,11 @@ class ConicForm(Compact):
         return not np.any(self.volumes[self.preserved])
 
     @property
+    def frictional(self) -> bool:
+        """Whether flow is not associated: it dilates less than a surface slopes (T49)."""
+        return any(surface.dilating < 1 for surface in self.surfaces)
+
+    @property
     def preserved(self) -> Bools:
         """Volumetric rows that must vanish, as no surface feels their stress, shape (L,)."""
         slopes = [surface.slope for surface in self.surfaces]
@@ -77,10 +84,12 @@ class ConicForm(Compact):
             return None
         strengths = [_of(one.strength, elements) for one in self.surfaces]
         slope = np.array([one.slope for one in self.surfaces], dtype=np.float64)
+        share = np.array([one.dilating for one in self.surfaces], dtype=np.float64)
         return Surfaces(
             slope=np.broadcast_to(slope, (elements.size, *slope.shape)),
             strength=np.stack(strengths, axis=1),
             normed=np.array([one.normed for one in self.surfaces], dtype=np.float64),
+            dilating=np.tile(share, (elements.size, 1)) if self.frictional else None,
         )
 
     def bounds(self, elements: Ints) -> Floats:
@@ -122,6 +131,13 @@ class ConicForm(Compact):
 
     def _layer(self) -> "ConicForm":
         plane, *others = self.surfaces
+        if self.frictional:
+            raise InputError(
+                "Body.space",
+                "flow that is not associated",
+                "velocities that jump have a strength of their own beside it (T62): two laws",
+                "take 'p2-gauss', or leave dilation_angle at the friction angle",
+            )
         if others or not plane.normed or plane.slope[0] >= 1:
             raise InputError(
                 "Body.space",

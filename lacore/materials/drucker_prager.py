@@ -7,7 +7,12 @@ import numpy as np
 
 from lacore.errors import InputError, require_known
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
-from lacore.materials.planes import planes_form, require_angle, require_not_negative
+from lacore.materials.planes import (
+    planes_form,
+    require_angle,
+    require_dilation,
+    require_not_negative,
+)
 from lacore.materials.von_mises import VonMises
 from lacore.showing import Compact
 
@@ -18,12 +23,16 @@ _LEAST_ROOT = 1e-3  # m of plane stress: below it a sheet is all but locked
 
 @dataclass(frozen=True, repr=False)
 class DruckerPrager(Compact):
-    """A cone around the hydrostatic axis, ``sqrt(J2) <= k - a tr(sigma)/3`` (T41), associated flow.
+    """A cone around the hydrostatic axis, ``sqrt(J2) <= k - a tr(sigma)/3`` (T41).
+
+    With a dilation angle below the friction angle flow is not associated (T49), in axisymmetry: its
+    potential is the cone of that angle. In plane strain `MohrCoulomb` is the one to take.
 
     Attributes:
         cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match.
         match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
             in triaxial ``compression`` or ``extension``.
+        dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
 
     Raises:
         InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
@@ -33,6 +42,7 @@ class DruckerPrager(Compact):
     cohesion: float
     friction_angle: float
     match: str = "plane_strain"
+    dilation_angle: float | None = None
 
     def __post_init__(self) -> None:
         require_not_negative("DruckerPrager.cohesion", self.cohesion)
@@ -45,11 +55,22 @@ class DruckerPrager(Compact):
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
+        require_dilation("DruckerPrager", self.dilation_angle, self.friction_angle, cut=False)
 
     @property
     def slope(self) -> float:
         """Slope a of the cone."""
-        sine = sin(radians(self.friction_angle))
+        return self._slope(self.friction_angle)
+
+    @property
+    def dilating(self) -> float:
+        """Slope of the cone of the dilation angle per `slope`; 1 of associated flow."""
+        if self.dilation_angle is None or self.dilation_angle >= self.friction_angle:
+            return 1.0
+        return self._slope(self.dilation_angle) / self.slope
+
+    def _slope(self, angle: float) -> float:
+        sine = sin(radians(angle))
         if self.match == "plane_strain":
             return sqrt(3) * sine / sqrt(3 + sine**2)
         sign = -1 if self.match == "compression" else 1
@@ -67,8 +88,10 @@ class DruckerPrager(Compact):
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°, matched in compression``."""
-        matched = self.match.replace("_", " ")
-        return f"c = {self.cohesion:.4g} Pa, φ = {self.friction_angle:.4g}°, matched in {matched}"
+        told = [f"c = {self.cohesion:.4g} Pa", f"φ = {self.friction_angle:.4g}°"]
+        if self.dilation_angle is not None:
+            told.append(f"ψ = {self.dilation_angle:.4g}°")
+        return ", ".join([*told, f"matched in {self.match.replace('_', ' ')}"])
 
     @property
     def law(self) -> None:
@@ -78,7 +101,8 @@ class DruckerPrager(Compact):
     def weakened(self, factor: float) -> "DruckerPrager":
         """Cohesion and ``tan(phi)`` divided by a factor."""
         angle = degrees(atan(tan(radians(self.friction_angle)) / factor))
-        return DruckerPrager(self.cohesion / factor, angle, self.match)
+        dilation = None if self.dilation_angle is None else min(self.dilation_angle, angle)
+        return DruckerPrager(self.cohesion / factor, angle, self.match, dilation)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Rows of von Mises, with the one plane of the cone (T41).
@@ -89,6 +113,13 @@ class DruckerPrager(Compact):
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
         a, k = self.slope, self.strength
+        if self.dilating < 1 and kinematics != "axisymmetric":
+            raise InputError(
+                "DruckerPrager.dilation_angle",
+                self.dilation_angle,
+                f"in {kinematics.replace('_', ' ')} how it is met depends on the flow (T42)",
+                "take MohrCoulomb in plane strain, or leave the dilation angle out",
+            )
         if kinematics == "plane_strain":
             root = sqrt(1 - a**2 / 3)
             return planes_form(kinematics, k / root, a / root, None, None)
@@ -96,7 +127,7 @@ class DruckerPrager(Compact):
         if kinematics == "axisymmetric":
             if not a:
                 return replace(flat, bound=k)
-            return replace(flat, bound=k, surfaces=(Surface((a,), k),))
+            return replace(flat, bound=k, surfaces=(Surface((a,), k, dilating=self.dilating),))
         m = sqrt(max(1 - 4 * a**2 / 3, 0.0))
         if m < _LEAST_ROOT:
             raise InputError(

@@ -14,6 +14,7 @@ from lacore.materials.planes import (
     planes_form,
     require_angle,
     require_cutoffs,
+    require_dilation,
     require_not_negative,
 )
 from lacore.showing import Compact
@@ -21,23 +22,29 @@ from lacore.showing import Compact
 
 @dataclass(frozen=True, repr=False)
 class MohrCoulomb(Compact):
-    """Soil, rock, concrete: ``tau <= c - sigma tan(phi)`` on every plane, associated flow (T38).
+    """Soil, rock, concrete: ``tau <= c - sigma tan(phi)`` on every plane (T38).
+
+    With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
+    not hold, and load factors need not be unique. In plane strain, without cut-offs.
 
     Attributes:
         cohesion: c, Pa, >= 0.
         friction_angle: phi, degrees: 0, or from 0.1 to 89.
         tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none.
         crushing: largest compression of a principal stress, Pa; None: none.
+        dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
 
     Raises:
         InputError: an angle outside of [0, 89] degrees, or one that looks like radians; neither
-            cohesion nor friction; a cut-off beyond the apex.
+            cohesion nor friction; a cut-off beyond the apex; a dilation angle above the friction
+            angle, or beside cut-offs.
     """
 
     cohesion: float
     friction_angle: float
     tension_cutoff: float | None = None
     crushing: float | None = None
+    dilation_angle: float | None = None
 
     def __post_init__(self) -> None:
         require_not_negative("MohrCoulomb.cohesion", self.cohesion)
@@ -61,6 +68,9 @@ class MohrCoulomb(Compact):
                 f"give at most {self.apex:.6g}, or none",
             )
 
+        cut = self.tension_cutoff is not None or self.crushing is not None
+        require_dilation("MohrCoulomb", self.dilation_angle, self.friction_angle, cut)
+
     @property
     def angle(self) -> float:
         """Friction angle in radians."""
@@ -80,6 +90,8 @@ class MohrCoulomb(Compact):
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
         told = [f"c = {self.cohesion:.4g} Pa", f"φ = {self.friction_angle:.4g}°"]
+        if self.dilation_angle is not None:
+            told.append(f"ψ = {self.dilation_angle:.4g}°")
         return ", ".join([*told, *limits_told(self.tension_cutoff, self.crushing)])
 
     @property
@@ -89,6 +101,8 @@ class MohrCoulomb(Compact):
 
     def weakened(self, factor: float) -> "MohrCoulomb":
         """Cohesion, ``tan(phi)`` and cut-offs divided by a factor; the apex stays.
+
+        A dilation angle stays, too, as far as it is none above the friction angle.
 
         Raises:
             InputError: an angle below 0.1 degrees comes of it.
@@ -100,16 +114,19 @@ class MohrCoulomb(Compact):
             angle,
             None if tension is None else tension / factor,
             None if crushing is None else crushing / factor,
+            None if self.dilation_angle is None else min(self.dilation_angle, angle),
         )
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
+        less = self.dilation_angle is not None and self.dilation_angle < self.friction_angle
         return planes_form(
             kinematics,
             self.cohesion * cos(self.angle),
             sin(self.angle),
             self.tension_cutoff,
             self.crushing,
+            sin(radians(self.dilation_angle or 0.0)) / sin(self.angle) if less else 1.0,
         )
 
 

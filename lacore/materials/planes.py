@@ -18,6 +18,7 @@ def planes_form(
     slope: float,
     tension: float | None,
     crushing: float | None,
+    dilating: float = 1.0,
 ) -> ConicForm:
     """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
 
@@ -26,9 +27,18 @@ def planes_form(
         shear: ``c cos(phi)``, Pa; None: no such plane.
         slope: ``sin(phi)``.
         tension, crushing: Pa; None: none.
+        dilating: share of its slope by which flow on the first dilates; below 1 in plane strain
+            alone, without the others.
     """
     require_known("Body.kinematics", kinematics, KINEMATICS)
     cut = tension is not None or crushing is not None
+    if dilating < 1 and kinematics != "plane_strain":
+        raise InputError(
+            "Body.kinematics",
+            kinematics,
+            "planes meet in corners here, where flow that is not associated has no one direction",
+            "take 'plane_strain'; or DruckerPrager with a dilation_angle in 'axisymmetric'",
+        )
     if shear is not None and slope == 0 and not cut and kinematics == "plane_strain":
         return VonMises(shear_strength=shear).conic_form(kinematics)
     planes: list[Surface] = []
@@ -37,7 +47,7 @@ def planes_form(
     def add(pressure: float, strength: float, third: float = 0.0, normed: bool = True) -> None:
         # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
         own = (pressure + third, third) if around else (pressure,)
-        planes.append(Surface(own, strength, normed))
+        planes.append(Surface(own, strength, normed, dilating))
 
     if shear is not None:
         add(slope, shear)
@@ -110,4 +120,33 @@ def require_angle(field: str, value: float) -> None:
             value,
             f"{whole} degrees in radians, by its looks",
             f"give degrees: {whole}; if {value:.4g} degrees are meant, round them",
+        )
+
+
+def require_dilation(kind: str, dilation: float | None, friction: float, cut: bool) -> None:
+    """Raise `InputError` unless a dilation angle is one from 0 to the friction angle, degrees.
+
+    Args:
+        kind: of the criterion, for messages.
+        dilation: psi; None: flow is associated.
+        friction: phi.
+        cut: whether there are cut-offs besides.
+    """
+    if dilation is None:
+        return
+    field = f"{kind}.dilation_angle"
+    require_angle(field, dilation)
+    if dilation > friction:
+        raise InputError(
+            field,
+            dilation,
+            f"more than the friction angle {friction:.6g}: flow would create energy",
+            f"give at most {friction:.6g}, or none for flow that is associated",
+        )
+    if cut and dilation < friction:
+        raise InputError(
+            field,
+            dilation,
+            "beside cut-offs flow is only known where it is associated",
+            "leave out tension_cutoff and crushing, or dilation_angle",
         )

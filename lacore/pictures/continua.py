@@ -74,7 +74,7 @@ def _edge_curve(places: Floats) -> Floats:
 
 def _colour_scale(state: LimitState, density: Floats) -> LogNorm | None:
     """Scale of the densities; None where what there is of dissipation is round-off."""
-    point, program = state.point, state.discretisation.full
+    point, program = state.point, state.program
     assert point is not None
     slip, weights = program.contact.slip(point.velocity), program.contact.weights
     friction = float(np.abs(weights[:, None] * point.tangential_reaction * slip).sum())

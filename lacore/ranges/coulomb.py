@@ -24,7 +24,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
@@ -209,6 +209,13 @@ def coulomb_range(
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
+    if problem.program.frictional:
+        raise InputError(
+            "problem",
+            listed([name for name, own in problem.bodies.items() if own.body.form.frictional]),
+            "flow of a soil is not associated: what it carries is looked for in other ways",
+            "take lacore.soil_range",
+        )
     continuum = None
     if problem.scope is Scope.DISCRETE:
         continuum = continuum_range(problem, backend, options or {}, target_width)

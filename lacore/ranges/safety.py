@@ -14,6 +14,7 @@ import pandas as pd
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError, require_positive
@@ -100,6 +101,7 @@ def safety_factor(
     given = replace(
         problem, reference_loads=[*problem.reference_loads, *problem.dead_loads], dead_loads=[]
     )
+    require_associated_flow(of_kind(given.bodies, Body))
     for name, body in of_kind(given.bodies, Body).items():
         _check(name, body)
     rows: list[dict[str, object]] = []
