@@ -64,5 +64,7 @@ from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
 from .ranges.safety import SafetyFactor as SafetyFactor
 from .ranges.safety import safety_factor as safety_factor
+from .ranges.soil import SoilRange as SoilRange
+from .ranges.soil import soil_range as soil_range
 from .status import Rigor as Rigor
 from .status import Status as Status

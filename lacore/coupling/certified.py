@@ -74,14 +74,14 @@ def certified_loop(
         return run.judged(run.solve("single", frictionless_contact(rows)))
     frozen = associated(program)
     first = run.solve("associated", frozen.contact, program=frozen.program)
-    anchor = _anchor(run) if first.inner.status is Status.LOCKED else first
+    anchor = anchored(run) if first.inner.status is Status.LOCKED else first
     static = anchor.inner.point
     if run.free(anchor):
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (averaged, _damped, _alternated, _shifted)
-    for attempt in (_flowing, _wandering) if program.frictional else of_contact:
+    for attempt in (settled, drifted) if program.frictional else of_contact:
         found = attempt(run, _closest(run, static)) or run.accept()
         if found is not None:
             return _bounded(run, run.judged(found), first)
@@ -116,7 +116,7 @@ def _closest(run: Run, static: ProgramState) -> ProgramState:
     return min(gaps, key=lambda pair: pair[0])[1]
 
 
-def _anchor(run: Run) -> Iterate:
+def anchored(run: Run) -> Iterate:
     """A state to start from where the associated problem has no mechanism (T13).
 
     The velocities that a K-step admits do not depend on its bounds: LOCKED there is LOCKED for any
@@ -183,13 +183,13 @@ def _shifted(run: Run, static: ProgramState) -> Iterate | None:
     return coupled.final if coupled.status is Status.SOLVED else None
 
 
-def _flowing(run: Run, static: ProgramState) -> Iterate | None:
+def settled(run: Run, static: ProgramState) -> Iterate | None:
     """Friction of S-steps alone, of soils: the gap falls, if slowly, and rarely stalls (T57)."""
     most = None if run.options.accepted is None else len(run.iterates) + _ENOUGH
     return _alternate(run, static, "K", _LONG, lambda _last, s, _k: s, most)
 
 
-def _wandering(run: Run, static: ProgramState) -> Iterate | None:
+def drifted(run: Run, static: ProgramState) -> Iterate | None:
     """Damped K-steps, which drift to lower loads and never settle by themselves; then S (T57)."""
     pressed = pressing(run.program, static)
     for _ in range(_DRIFT):
@@ -198,8 +198,8 @@ def _wandering(run: Run, static: ProgramState) -> Iterate | None:
             return k if _carries(run, k) else None
         moved, own = k.inner.point, pressing(run.program, k.inner.point)
         pressed = (pressed + own) / 2
-    settled = _s_step(run, moved).inner.point
-    return None if settled is None else _flowing(run, settled)
+    carried = _s_step(run, moved).inner.point
+    return None if carried is None else settled(run, carried)
 
 
 def _carried_k_step(

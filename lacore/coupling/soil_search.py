@@ -1,0 +1,75 @@
+"""Search for low and high load factors of soils whose flow is not associated (T57, T59).
+
+Their limit states are not unique: a small gap proves a state, and says nothing of others. So
+several searches start from stresses that are admissible, those of the same soil with all of its
+friction or a share of it, and settle by S-steps, which stay near where they start, or drift by
+damped K-steps first, which end at lower loads. What they find is certified; that there is nothing
+lower or higher they do not prove.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from lacore.coupling.certified import anchored, drifted, settled
+from lacore.coupling.freezing import Frozen, associated
+from lacore.coupling.run import Iterate, Run
+from lacore.dissipation import DissipationGroup
+from lacore.program import KinematicProgram
+from lacore.showing import Compact
+from lacore.status import Status
+
+SEARCHES = {"settled": settled, "drifted": drifted}
+
+
+@dataclass(frozen=True, repr=False)
+class SoilFound(Compact):
+    """End of one search.
+
+    Attributes:
+        share: of its friction that the soil had where it starts.
+        search: one of `SEARCHES`.
+        start: the solve for the stresses that it starts from.
+        iterates: the inner solves after it.
+        final: the pair with the least residual; None where there is none, or none proves.
+    """
+
+    share: float
+    search: str
+    start: Iterate
+    iterates: tuple[Iterate, ...]
+    final: Iterate | None
+
+
+def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
+    """The ends of all searches, as they are found.
+
+    Args:
+        run: without iterates yet; its options say what is proven, and what is accepted.
+        shares: of its friction that a soil has where searches start.
+    """
+    for share in shares:
+        frozen = _with_share(run.program, share)
+        start = run.solve("associated", frozen.contact, program=frozen.program)
+        if start.inner.status is Status.LOCKED:  # no dilatant soil moves here, and others may
+            start = anchored(run)
+        for name, search in SEARCHES.items():
+            own = replace(run, iterates=[start], rates=[], _mapped={})
+            if start.inner.point is not None:
+                search(own, start.inner.point)
+            yield SoilFound(share, name, own.iterates[0], tuple(own.iterates[1:]), own.accept())
+
+
+def _with_share(program: KinematicProgram, share: float) -> Frozen:
+    """The associated problem with a share of the friction of soils, their apex kept."""
+
+    def weaker(group: DissipationGroup) -> DissipationGroup:
+        if group.surfaces is None or not group.frictional:
+            return group
+        own = group.surfaces.associated()
+        surfaces = replace(own, slope=share * own.slope, strength=share * own.strength)
+        return replace(group, surfaces=surfaces)
+
+    frozen = associated(program)
+    return replace(
+        frozen, program=replace(frozen.program, groups=tuple(map(weaker, program.groups)))
+    )

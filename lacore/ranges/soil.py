@@ -1,0 +1,276 @@
+"""`soil_range`: low and high load factors of soils whose flow is not associated (T59)."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.backend import check_capable, find_backend, read_options
+from lacore.coupling.run import Coupled, CouplingOptions, Run
+from lacore.coupling.soil_search import SoilFound, soil_states
+from lacore.errors import InputError, is_number, require_positive
+from lacore.inner.preparing import preparing
+from lacore.inner.rescaling import good_for
+from lacore.limit.solve import limit_state, solve
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+from lacore.program import KinematicProgram, dimensionless
+from lacore.showing import Facts, Picture, Shown, counted
+from lacore.status import Status
+
+SHARES = (1.0, 0.6, 0.3)
+"""Of the friction that a soil has where searches start: loads far apart, from 2 to 32 of a footing
+of 30 degrees, lead to limit states much nearer to each other (T59)."""
+_AIM = 1e-6  # residual at which a search stops
+_MOST = 120  # solves of a search: it stops by itself sooner
+_BEYOND = 1e-6  # of the associated load factor: the round-off of two solves
+_COLUMNS = ["share", "search", "status", "load_factor", "residual", "gap", "solves", "seconds"]
+
+
+@dataclass(frozen=True, repr=False)
+class SoilRange(Shown):
+    """The lowest and the highest load factor found of a soil whose flow is not associated.
+
+    In SI units. Each is that of a state with its certificate, of the discrete problem. That there is none lower
+    or higher is not proven; that all are within `bracket` is.
+
+    Attributes:
+        status: SOLVED where states were found; else why there is none.
+        lowest, highest: their states; None where none was found.
+        low, high: their load factors; NaN where nothing is certified.
+        bracket: proven bounds of every load factor of the discrete problem (T54): with associated
+            flow of the dilation angle and the same apex, and of the friction angle; -inf and inf
+            where there is none.
+        davis: load factor with Davis's strength (T55), which bounds nothing; NaN where there is no
+            such state.
+        states: one row a search: ``share`` of the friction where it starts, ``search`` (``settled``
+            by S-steps, ``drifted`` by damped K-steps first), ``status``, ``load_factor``, the
+            largest ``residual``, the ``gap``, ``solves``, ``seconds`` since the beginning.
+        tolerance: bar for all residuals.
+        backend: name.
+        solve_time: s, wall clock.
+        message: the status in words.
+    """
+
+    status: Status
+    lowest: LimitState | None
+    highest: LimitState | None
+    low: float
+    high: float
+    bracket: tuple[float, float]
+    davis: float
+    states: pd.DataFrame
+    tolerance: float
+    backend: str
+    solve_time: float
+    message: str
+
+    @property
+    def width(self) -> float:
+        """``(high - low)/mean``."""
+        return 2 * (self.high - self.low) / (self.high + self.low)
+
+    def facts(self) -> Facts:
+        """What was found, and what of it is proven."""
+        found = f"load factors {self.low:.6g} to {self.high:.6g} of the discrete problem"
+        if self.lowest is None or self.highest is None:
+            found = "no load factor is certified"
+        below, above = self.bracket
+        within = f"in [{below:.6g}, {above:.6g}]" if below > -np.inf else f"at most {above:.6g}"
+        told = {
+            "status": self.message,
+            "found": f"{counted(len(self._certified), 'state')}, each certified; that none is lower"
+            " or higher is not proven",
+            "proven": f"every load factor of this mesh is {within} (T54)",
+        }
+        if np.isfinite(self.davis):
+            told["davis"] = f"{self.davis:.6g}, with his reduced strength: no bound (T55)"
+        worst = [
+            f"{state.certificate.summary} of the {name}"
+            for name, state in (("lowest", self.lowest), ("highest", self.highest))
+            if state is not None and state.certificate is not None
+        ]
+        if worst:
+            told["residual"] = "; ".join(worst)
+        solves = counted(int(self.states["solves"].sum()), "solve")
+        told["solved by"] = f"{self.backend}: {solves} in {self.solve_time:.3g} s"
+        if self.lowest is not None:
+            told["size"] = self.lowest.discretisation.contents
+        return Facts(f"SoilRange: {found}", told)
+
+    @property
+    def _certified(self) -> pd.DataFrame:
+        return self.states[self.states["status"] == "certified"]
+
+    def picture(self) -> Picture | None:
+        """The mechanism of the lowest load factor."""
+        if self.lowest is None:
+            return None
+        return Picture(self.lowest.plot(), "the mechanism with the lowest load factor")
+
+
+def soil_range(
+    problem: Problem | Discretisation,
+    backend: str = "clarabel",
+    *,
+    shares: tuple[float, ...] = SHARES,
+    tolerance: float = 5e-5,
+    options: Mapping[str, Any] | None = None,
+    on_progress: Callable[[Mapping[str, Any]], None] | None = None,
+) -> SoilRange:
+    """Search for low and high load factors of soils whose flow is not associated (T57, T59).
+
+    Two searches from each start: one settles near it, the other drifts to lower loads first. Each
+    takes as many solves as 20 to 80 with associated flow.
+
+    Args:
+        problem: the problem, or its discretisation.
+        backend: an exact one.
+        shares: of the friction of soils with which searches start, each in (0, 1].
+        tolerance: bar for the residuals of every state, of the power turned over; a search goes on
+            to 1e-6 where it gets there. A gap says by how much friction is mobilised too little on
+            the average over the dissipation (T53), not how near other load factors are.
+        options: of the backend, by name.
+        on_progress: called with the row of each search as it ends.
+
+    Raises:
+        InputError: no soil whose flow is not associated; shares or a tolerance out of range; a
+            regularised backend.
+        CapabilityError: the backend is missing, or cannot take the problem.
+    """
+    require_positive("tolerance", tolerance)
+    if not shares or not all(is_number(share) and 0 < share <= 1 for share in shares):
+        raise InputError("shares", shares, "not numbers in (0, 1]", "give (1.0, 0.6, 0.3)")
+    engine = find_backend(backend)
+    if engine.capabilities.regularised:
+        raise InputError(
+            "backend", backend, "is regularised: it certifies no state", "take 'clarabel'"
+        )
+    begin = time.perf_counter()
+    if not isinstance(problem, Discretisation):
+        problem = discretise(problem)
+    program = dimensionless(problem.program, problem.natural)
+    if not program.frictional:
+        raise InputError(
+            "problem",
+            None,
+            "flow of all bodies is associated, and its load factor is unique",
+            "give a soil a dilation_angle below its friction_angle; or take lacore.solve, and"
+            " lacore.coulomb_range for friction of interfaces",
+        )
+    check_capable(engine, program)
+    scale = problem.natural.load_factor
+    given: dict[str, Any] = {"backend": backend, "options": options}
+    above = solve(problem, coupling="associated", **given)
+    below = solve(problem, coupling="frictionless", **given)
+    bracket = (_end(below, -np.inf), _end(above, np.inf))
+    aims = CouplingOptions(tolerance=min(_AIM, tolerance), max_iterations=_MOST, accepted=tolerance)
+    rows: list[dict[str, Any]] = []
+    ends: list[tuple[SoilFound, float]] = []
+    with ExitStack() as stack:
+        settings = read_options(engine, options or {})
+        good = good_for(aims.tolerance)
+        prepare = stack.enter_context(preparing(engine, settings, good=good))
+        solver = prepare(program.associated())
+        stack.callback(solver.close)
+        run = Run(program, solver, False, aims, lambda _: None, prepare)
+        for found in soil_states(run, tuple(map(float, shares))):
+            rows.append(_row(found, scale, bracket[1], time.perf_counter() - begin))
+            if rows[-1]["status"] == "certified":
+                ends.append((found, rows[-1]["load_factor"]))
+            if on_progress is not None:
+                on_progress(rows[-1])
+    made = [
+        _state(problem, program, found, above, given, tolerance)
+        for found, _ in sorted(ends, key=lambda end: end[1])
+    ]
+    return SoilRange(
+        status=Status.SOLVED if made else _why(above),
+        lowest=made[0] if made else None,
+        highest=made[-1] if made else None,
+        low=made[0].load_factor if made else np.nan,
+        high=made[-1].load_factor if made else np.nan,
+        bracket=bracket,
+        davis=_davis(problem, given),
+        states=pd.DataFrame(rows, columns=_COLUMNS),
+        tolerance=tolerance,
+        backend=backend,
+        solve_time=time.perf_counter() - begin,
+        message=_message(Status.SOLVED if made else _why(above)),
+    )
+
+
+def _row(found: SoilFound, scale: float, above: float, seconds: float) -> dict[str, Any]:
+    final, status = found.final, "not certified"
+    point, certificate = (None, None) if final is None else (final.state, final.certificate)
+    alpha = np.nan if point is None else point.load_factor * scale
+    if found.start.inner.point is None:
+        status = found.start.inner.status.label
+    elif alpha > above + _BEYOND * abs(above):
+        status = "refused"  # no admissible stresses carry so much (T54): an error of ours
+    elif certificate is not None:
+        status = "certified"
+    return {
+        "share": found.share,
+        "search": found.search,
+        "status": status,
+        "load_factor": alpha if status == "certified" else np.nan,
+        "residual": np.nan if certificate is None else certificate.worst[1],
+        "gap": np.nan if certificate is None else certificate.gap,
+        "solves": len(found.iterates),
+        "seconds": seconds,
+    }
+
+
+def _state(
+    problem: Discretisation,
+    program: KinematicProgram,
+    found: SoilFound,
+    first: LimitState,
+    given: Mapping[str, Any],
+    tolerance: float,
+) -> LimitState:
+    """The end of a search as a state of its problem."""
+    assert found.final is not None
+    iterates = (found.start, *found.iterates)
+    state = limit_state(
+        problem,
+        program,
+        Coupled(Status.SOLVED, iterates, found.final, tolerance=tolerance),
+        backend=given["backend"],
+        coupling="certified",
+        regularised=False,
+        build_time=first.build_time,
+        options=given["options"] or {},
+        tolerance=tolerance,
+    )
+    return replace(state, solve_time=float(sum(one.inner.solve_time for one in iterates)))
+
+
+def _end(state: LimitState, otherwise: float) -> float:
+    """Load factor of a single solve, or what bounds nothing."""
+    known = state.status in (Status.SOLVED, Status.LOCKED)
+    return state.load_factor if known else otherwise
+
+
+def _why(above: LimitState) -> Status:
+    """Why there is no state: what associated flow says, where it carries nothing either."""
+    return above.status if above.status is Status.UNSAFE else Status.NOT_CERTIFIED
+
+
+def _message(status: Status) -> str:
+    return status.label if status is Status.SOLVED else f"{status.label}: {status.value}"
+
+
+def _davis(problem: Discretisation, given: Mapping[str, Any]) -> float:
+    """Load factor with Davis's strength; NaN where cones are no planes of slip."""
+    cones = [group.dim for group in problem.program.groups if group.frictional]
+    if any(dim != 2 for dim in cones):
+        return float("nan")
+    return solve(problem, coupling="davis", **given).load_factor

@@ -1,0 +1,318 @@
+"""Soils whose flow is not associated: Coulomb contact at each of their points (T49-T57)."""
+
+from dataclasses import replace
+from math import cos, radians, sin, sqrt, tan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lacore as la
+from lacore.assembly.discretise import discretise
+from lacore.coupling.freezing import davis
+from lacore.program import dimensionless
+from lacore.state import ProgramState
+
+EXACT = ["clarabel", "cvxpy", "ipopt-static"]
+PHI, COHESION = 30.0, 1.0
+
+
+def pressed(dilation, lateral=0.5):
+    """A block between smooth platens, a pressure on its sides: the same stress everywhere."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    soil = la.MohrCoulomb(COHESION, PHI, dilation_angle=dilation)
+    return la.Problem(
+        bodies={"block": la.Body(mesh, soil)},
+        supports=[la.Fix("block", "bottom", "y")],
+        reference_loads=[la.Traction("block", "top", (0, -1))],
+        dead_loads=[la.Pressure("block", side, lateral) for side in ("left", "right")],
+    )
+
+
+def sheared(dilation, cells=2, confined=1.0, cohesion=COHESION):
+    """A layer whose top moves along it, between rough plates: it can only shear or widen."""
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2 * cells, ny=cells)
+    soil = la.MohrCoulomb(cohesion, PHI, dilation_angle=dilation)
+    return la.Problem(
+        bodies={"layer": la.Body(mesh, soil)},
+        supports=[
+            la.Fix("layer", "bottom"),
+            la.Fix("layer", "left", "y"),
+            la.Fix("layer", "right", "y"),
+        ],
+        reference_loads=[la.RigidFooting("layer", "top", (1, 0))],
+        dead_loads=[la.Pressure("layer", side, confined) for side in ("left", "right")],
+    )
+
+
+@pytest.mark.parametrize("backend", EXACT)
+@pytest.mark.parametrize("dilation", [0.0, 10.0, 30.0])
+def test_a_homogeneous_state_does_not_feel_how_much_a_soil_dilates(backend, dilation):
+    state = la.solve(pressed(dilation), backend, tolerance=1e-6)
+    sine = sin(radians(PHI))
+    exact = (2 * COHESION * cos(radians(PHI)) + 0.5 * (1 + sine)) / (1 - sine)
+    assert state.status is la.Status.SOLVED
+    # Exact backends solve to 1e-8 and better (verification/cases/biaxial.py).
+    assert state.load_factor == pytest.approx(exact, rel=1e-7)
+    assert len(state.history) <= 3
+    assert state.rigor is (la.Rigor.UPPER if dilation == PHI else la.Rigor.DISCRETE)
+
+
+ANGLES = st.floats(1.0, 45.0)
+
+
+@given(
+    angle=ANGLES,
+    less=st.floats(0.0, 0.99),
+    spare=st.floats(0.0, 5.0),
+    length=st.floats(0.0, 1.0),
+    more=st.floats(0.0, 1.0),
+)
+def test_frozen_at_its_own_pressure_flow_costs_the_bipotential(angle, less, spare, length, more):
+    """``H theta + (sin(phi) - sin(psi)) pi ||d||`` for ``theta >= sin(psi) ||d||`` (T50)."""
+    soil = la.MohrCoulomb(COHESION, angle, dilation_angle=less * angle if less * angle > 0.1 else 0)
+    own = soil.conic_form("plane_strain").surfaces_of(np.zeros(1, dtype=int))
+    phi, psi, apex = radians(angle), radians(soil.dilation_angle), soil.apex
+    theta = sin(psi) * length + more
+    frozen = own.at_friction(own.friction(np.array([apex - spare])))
+    power = frozen.dissipation(np.array([length]), np.array([theta]))[0]
+    expected = apex * theta + (sin(phi) - sin(psi)) * spare * length
+    # Corners of planes that meet at a slope of sin(1 degree) are exact to about 1e-12/0.017.
+    assert power == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    # Rates next to possible ones are taken as such; how far they are off is told besides.
+    assert frozen.impossible(np.array([length]), np.array([theta]))[0] <= 1e-12
+    off = frozen.impossible(np.array([length + 1.0]), np.array([sin(psi) * length]))[0]
+    assert off == pytest.approx(sin(psi), abs=1e-9)
+
+
+def test_a_soil_that_dilates_by_its_friction_is_associated():
+    for dilation in (PHI, None):
+        form = la.MohrCoulomb(1.0, PHI, dilation_angle=dilation).conic_form("plane_strain")
+        assert not form.frictional
+    without, full = (la.solve(pressed(dilation)) for dilation in (None, PHI))
+    assert without.load_factor == full.load_factor
+
+
+def simple_shear(problem, cohesion=COHESION, confined=1.0):
+    """The state of homogeneous shear without dilation, which no solver had a part in.
+
+    Coaxial: sigma_xx = sigma_yy = -p, so ``tau = c cos(phi) + p sin(phi)``: Davis's strength.
+    """
+    stated = discretise(problem)
+    (dofs,) = stated.bodies.values()
+    tau = cohesion * cos(radians(PHI)) + confined * sin(radians(PHI))
+    state = la.solve(problem, max_iterations=1)
+    # The load is a mean traction: on a top of length 2 it has power 1 at a speed of 1/2.
+    speed = np.stack([dofs.nodes[1] / 2, np.zeros_like(dofs.nodes[1])])
+    points = dofs.weights.shape
+    stress = np.zeros((*points, 4))
+    stress[..., [0, 1, 2]], stress[..., 3] = -confined, tau
+    return state, {"velocity": {"layer": speed}, "stress": {"layer": stress}}, tau
+
+
+def test_homogeneous_shear_is_a_state_with_the_strength_of_davis():
+    state, parts, tau = simple_shear(sheared(0.0))
+    proof = state.certify(load_factor=tau, **parts)
+    # Sums of a few hundred terms in double precision.
+    assert proof.worst[1] <= 1e-11
+    reduced = la.solve(pressed(0.0), coupling="davis")
+    assert reduced.rigor is la.Rigor.DISCRETE
+    own = la.MohrCoulomb(COHESION, PHI, dilation_angle=10.0).conic_form("plane_strain")
+    strength = own.surfaces_of(np.zeros(1, dtype=int)).davis()
+    phi, psi = radians(PHI), radians(10.0)
+    beta = cos(psi) * cos(phi) / (1 - sin(psi) * sin(phi))
+    tangent = beta * tan(phi)
+    assert strength.slope.item() == pytest.approx(tangent / sqrt(1 + tangent**2), rel=1e-14)
+    assert strength.strength.item() == pytest.approx(
+        beta * COHESION / sqrt(1 + tangent**2), rel=1e-14
+    )
+
+
+def test_planted_errors_are_refused():
+    """Each of them is far above what the exact state leaves, 1e-12."""
+    state, parts, tau = simple_shear(sheared(0.0))
+    stress, speed = parts["stress"]["layer"], parts["velocity"]["layer"]
+    turned = stress * np.array([1, 1, 1, -1])
+    tensile = stress + 4 * np.array([1, 1, 1, 0])  # beyond the apex, c cot(phi) = 1.73
+    rising = speed + np.stack([0 * speed[0], 0.1 * speed[0]])
+    planted = {
+        "load factor": {"load_factor": tau * (1 + 1e-4)},
+        "sign of s": {"stress": {"layer": turned}},
+        "beyond the apex": {"stress": {"layer": tensile}},
+        "dilation": {"velocity": {"layer": rising}},
+        "less friction": {"stress": {"layer": stress * np.array([1, 1, 1, 1 - 1e-4])}},
+    }
+    assert state.certify(load_factor=tau, **parts).holds(1e-9)
+    for name, changed in planted.items():
+        proof = state.certify(**{"load_factor": tau, **parts, **changed})
+        assert not proof.holds(3e-5), name
+
+
+@pytest.mark.parametrize("dilation", [0.0, 10.0])
+def test_an_associated_state_is_refused(dilation):
+    """What dilates by all of its friction is no state of a soil that dilates less."""
+    problem = sheared(dilation)
+    other = la.solve(problem, coupling="associated")
+    assert other.certify().holds(1e-6)
+    wrong = replace(other, coupling="certified")
+    assert wrong.certify().worst[1] > 1e-2
+    swapped = la.solve(sheared(None)).point
+    assert not la.solve(problem).certify(point=swapped).holds(5e-5)
+
+
+@pytest.mark.parametrize("dilation", [0.0, 10.0, 20.0])
+def test_no_state_is_above_the_associated_one_of_its_mesh(dilation):
+    found = la.soil_range(sheared(dilation), shares=(1.0, 0.3))
+    above = la.solve(sheared(None)).load_factor
+    assert found.status is la.Status.SOLVED
+    assert found.low <= found.high <= above
+    assert found.bracket[1] == pytest.approx(above, rel=1e-7)  # of two solves to 1e-8
+    assert found.bracket[0] <= found.low
+    for state in (found.lowest, found.highest):
+        assert state.certify().holds(found.tolerance)
+    if dilation == 20.0:
+        # Where loads are unique searches differ by what their tolerance lets through.
+        assert found.width <= 1e-3
+
+
+def test_units_do_not_matter():
+    plain = la.solve(sheared(10.0))
+    kilo = la.solve(sheared(10.0, confined=1e3, cohesion=1e3 * COHESION))
+    # Natural units make the same program of both, up to round-off, which many solves carry on.
+    assert kilo.load_factor == pytest.approx(1e3 * plain.load_factor, rel=1e-5)
+
+
+def test_friction_of_an_interface_and_of_a_soil_are_coupled_in_one_loop():
+    """A homogeneous block on a floor with Coulomb friction, which its widening mobilises."""
+    mesh = la.meshes.rectangle(x=(-1, 1), y=(0, 1), nx=4, ny=2)
+    soil = la.MohrCoulomb(COHESION, PHI, dilation_angle=0.0)
+    loads = {}
+    for mu in (0.0, 0.2, None):
+        law = la.STICK if mu is None else la.Coulomb(mu)
+        problem = la.Problem(
+            bodies={"block": la.Body(mesh, soil)},
+            interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle(), law)],
+            reference_loads=[la.RigidFooting("block", "top", (0, -1), rough=False)],
+        )
+        state = la.solve(problem)
+        assert state.status is la.Status.SOLVED
+        assert state.certify().holds(state.tolerance)
+        loads[mu] = state.load_factor
+    assert loads[0.0] == pytest.approx(2 * sqrt(3), rel=1e-6)  # 2 c cos(phi)/(1 - sin(phi))
+    assert loads[0.0] * (1 + 1e-3) < loads[0.2] < loads[None]
+
+
+def test_a_cone_dilates_less_in_axisymmetry():
+    """A cylinder between smooth platens: homogeneous, whatever it dilates (T41)."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    loads = []
+    for dilation in (None, 0.0):
+        soil = la.DruckerPrager(1.0, 30, "compression", dilation_angle=dilation)
+        problem = la.Problem(
+            bodies={"sample": la.Body(mesh, soil, kinematics="axisymmetric", space="p2-gauss")},
+            supports=[la.Fix("sample", "bottom", "y"), la.Fix("sample", "left", "x")],
+            reference_loads=[la.RigidFooting("sample", "top", (0, -1), rough=False)],
+        )
+        state = la.solve(problem)
+        assert state.status is la.Status.SOLVED
+        loads.append(state.load_factor)
+        point = state.point
+        assert isinstance(point, ProgramState)
+        assert state.certify(point=point).holds(state.tolerance)
+    assert loads[0] == pytest.approx(loads[1], rel=1e-6)
+
+
+def test_what_a_bound_or_another_loop_needs_is_refused():
+    problem = sheared(0.0)
+    for ask in (la.lower_bound, la.upper_bound, la.bracket, la.safety_factor):
+        with pytest.raises(la.InputError, match="bound theorems do not hold.*T54"):
+            ask(problem)
+    with pytest.raises(la.InputError, match="bound theorems do not hold"):
+        la.gap_identity(la.solve(problem, coupling="associated"), la.lower_bound(sheared(None)))
+    with pytest.raises(la.InputError, match="soil_range"):
+        la.coulomb_range(problem)
+    with pytest.raises(la.InputError, match="soil_range"):
+        _ = la.solve(problem).interval
+    for coupling in ("reaction", "shift", "kappa"):
+        with pytest.raises(la.InputError, match="take 'certified'"):
+            la.solve(problem, coupling=coupling)
+    with pytest.raises(la.InputError, match="needs no reduction"):
+        la.solve(sheared(None), coupling="davis")
+    with pytest.raises(la.InputError, match="flow of all bodies is associated"):
+        la.soil_range(sheared(None))
+    with pytest.raises(la.InputError, match="shares"):
+        la.soil_range(problem, shares=(0.0,))
+    with pytest.raises(la.InputError, match="associated"):
+        la.Body(
+            la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=1, ny=1),
+            la.MohrCoulomb(1.0, 30, dilation_angle=0),
+            space="p2-disc",
+        )
+        la.solve(
+            replace(problem, bodies={"layer": replace(problem.bodies["layer"], space="p2-disc")})
+        )
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"dilation_angle": 31}, "more than the friction angle 30"),
+        ({"dilation_angle": -1}, "not an angle from 0 to 89"),
+        ({"dilation_angle": float("nan")}, "not an angle"),
+        ({"dilation_angle": 0.05}, "take 0"),
+        ({"dilation_angle": radians(10)}, "10 degrees in radians"),
+        ({"dilation_angle": 10, "tension_cutoff": 0.1}, "beside cut-offs"),
+    ],
+)
+def test_dilation_angles_that_mean_nothing(given, match):
+    with pytest.raises(la.InputError, match=match):
+        la.MohrCoulomb(1.0, 30, **given)
+
+
+def test_kinematics_in_which_flow_has_no_one_direction():
+    for kinematics in ("axisymmetric", "plane_stress"):
+        with pytest.raises(la.InputError, match="DruckerPrager"):
+            la.MohrCoulomb(1.0, 30, dilation_angle=0).conic_form(kinematics)
+    for kinematics in ("plane_strain", "plane_stress"):
+        with pytest.raises(la.InputError, match="MohrCoulomb"):
+            la.DruckerPrager(1.0, 30, dilation_angle=0).conic_form(kinematics)
+
+
+def test_a_soil_that_dilates_in_a_rigid_box_is_locked_and_one_that_does_not_is_not():
+    """All sides but a part of the top are held: associated soil cannot move at all (T48)."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=4, ny=4)
+    parts = {
+        "pushed": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 0.5),
+        "lid": lambda x: (x[1] > 1 - 1e-9) & (x[0] > 0.5),
+    }
+    mesh = mesh.with_boundaries(parts)
+    found = {}
+    for dilation in (None, 10.0, 0.0):
+        soil = la.MohrCoulomb(1.0, 30, dilation_angle=dilation)
+        sides = ("left", "right", "bottom", "lid")
+        problem = la.Problem(
+            bodies={"soil": la.Body(mesh, soil)},
+            supports=[la.Fix("soil", side, "normal") for side in sides],
+            reference_loads=[la.Traction("soil", "pushed", (0, -1))],
+        )
+        found[dilation] = la.solve(problem)
+    assert found[None].status is la.Status.LOCKED
+    assert found[10.0].status is la.Status.LOCKED
+
+
+def test_the_power_of_the_state_is_that_of_its_own_laws():
+    """Dissipation by element sums to the power of the loads."""
+    for coupling in ("certified", "associated", "davis"):
+        state = la.solve(sheared(10.0), coupling=coupling)
+        (dofs,) = state.discretisation.bodies.values()
+        plastic = float(dofs.volumes @ state.dissipation["layer"])
+        dead = float(state.discretisation.full.dead_load @ state.point.velocity)
+        assert plastic - dead == pytest.approx(state.load_factor, rel=2 * state.tolerance)
+
+
+def test_davis_of_a_program_is_that_of_its_groups():
+    stated = discretise(sheared(10.0))
+    program = dimensionless(stated.program, stated.natural)
+    assert not davis(program).frictional
+    assert davis(program).groups[0].surfaces.slope.max() < program.groups[0].surfaces.slope.max()
