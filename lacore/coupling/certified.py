@@ -40,7 +40,7 @@ from lacore.status import Status
 _FALLS = 0.9  # of the least gap so far: anything above is a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _PATIENCE = 4  # steps in a row without progress
-_DRIFT = 40  # damped steps: fewer do not get far
+_DRIFT, _LOOK = 40, 10  # damped steps: fewer do not get far; and after how many an S-step looks
 _ENOUGH = 40  # solves of soils, where what is accepted may be reached by then
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
@@ -81,7 +81,7 @@ def certified_loop(
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (averaged, _damped, _alternated, _shifted)
-    for attempt in (settled, drifted) if program.frictional else of_contact:
+    for attempt in (drifted, settled) if program.frictional else of_contact:
         found = attempt(run, _closest(run, static)) or run.accept()
         if found is not None:
             return _bounded(run, run.judged(found), first)
@@ -190,16 +190,22 @@ def settled(run: Run, static: ProgramState) -> Iterate | None:
 
 
 def drifted(run: Run, static: ProgramState) -> Iterate | None:
-    """Damped K-steps, which drift to lower loads and never settle by themselves; then S (T57)."""
+    """Damped K-steps, which drift to lower loads and may never settle by themselves; then S (T57).
+
+    Now and then an S-step looks for a pair.
+    """
     pressed = pressing(run.program, static)
-    for _ in range(_DRIFT):
+    for step in range(1, _DRIFT + 1):
         pressed, k = _carried_k_step(run, pressed, static, "damped K")
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if _carries(run, k) else None
-        moved, own = k.inner.point, pressing(run.program, k.inner.point)
-        pressed = (pressed + own) / 2
-    carried = _s_step(run, moved).inner.point
-    return None if carried is None else settled(run, carried)
+        pressed = (pressed + pressing(run.program, k.inner.point)) / 2
+        if step % _LOOK == 0:
+            s = _s_step(run, k.inner.point)
+            if s.inner.point is None or run.free(s) or run.proven(s):
+                return s if _carries(run, s) else None
+            static = s.inner.point
+    return settled(run, static)
 
 
 def _carried_k_step(

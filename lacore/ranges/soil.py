@@ -37,8 +37,8 @@ _COLUMNS = ["share", "search", "status", "load_factor", "residual", "gap", "solv
 class SoilRange(Shown):
     """The lowest and the highest load factor found of a soil whose flow is not associated.
 
-    In SI units. Each is that of a state with its certificate, of the discrete problem. That there is none lower
-    or higher is not proven; that all are within `bracket` is.
+    In SI units. Each is that of a state with its certificate, of the discrete problem. That there
+    is none lower or higher is not proven; that all are within `bracket` is.
 
     Attributes:
         status: SOLVED where states were found; else why there is none.
@@ -79,18 +79,19 @@ class SoilRange(Shown):
     def facts(self) -> Facts:
         """What was found, and what of it is proven."""
         found = f"load factors {self.low:.6g} to {self.high:.6g} of the discrete problem"
-        if self.lowest is None or self.highest is None:
-            found = "no load factor is certified"
         below, above = self.bracket
         within = f"in [{below:.6g}, {above:.6g}]" if below > -np.inf else f"at most {above:.6g}"
+        proven = f"every one of this mesh is {within} (T54)"
+        if np.isfinite(self.davis):
+            proven += f"; {self.davis:.6g} with Davis's strength bounds nothing (T55)"
         told = {
-            "status": self.message,
             "found": f"{counted(len(self._certified), 'state')}, each certified; that none is lower"
             " or higher is not proven",
-            "proven": f"every load factor of this mesh is {within} (T54)",
+            "proven": proven,
         }
-        if np.isfinite(self.davis):
-            told["davis"] = f"{self.davis:.6g}, with his reduced strength: no bound (T55)"
+        if self.lowest is None or self.highest is None:
+            found = "no load factor is certified"
+            told["found"] = self.message
         worst = [
             f"{state.certificate.summary} of the {name}"
             for name, state in (("lowest", self.lowest), ("highest", self.highest))

@@ -74,3 +74,19 @@ def polynomial(rng, degree=2):
         return np.stack([c @ dx, c @ dy], axis=1)
 
     return field, gradient
+
+
+def sheared(dilation, cells=2, confined=1.0, cohesion=1.0):
+    """A layer of soil of 30 degrees between rough plates, one of which moves along it."""
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2 * cells, ny=cells)
+    soil = la.MohrCoulomb(cohesion, 30.0, dilation_angle=dilation)
+    return la.Problem(
+        bodies={"layer": la.Body(mesh, soil)},
+        supports=[
+            la.Fix("layer", "bottom"),
+            la.Fix("layer", "left", "y"),
+            la.Fix("layer", "right", "y"),
+        ],
+        reference_loads=[la.RigidFooting("layer", "top", (1, 0))],
+        dead_loads=[la.Pressure("layer", side, confined) for side in ("left", "right")],
+    )

@@ -11,7 +11,7 @@ from lacore.adaptive.bracket import Ending as BracketEnding
 from lacore.adaptive.kept_water import Interpolated
 from lacore.paths.path import Ending as PathEnding
 from lacore.status import Rigor, Status
-from tests.lacore.models import cantilever, deformable_block, punch, square
+from tests.lacore.models import cantilever, deformable_block, punch, sheared, square
 from tests.lacore.paths.path_billets import pressed, quad_billet
 
 LONG = 'a name that somebody has made up of <b>html</b> & "quotes" ' * 200
@@ -107,6 +107,7 @@ def values():
         *(la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)), la.SMOOTH, la.STICK),
         *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),
         *(la.MohrCoulomb(wide, 30, tension_cutoff=0.0, crushing=wide), la.MaximumShear(wide)),
+        la.MohrCoulomb(wide, 30, dilation_angle=1 / 3),
         *(la.Rankine(wide, wide), la.NoTension(wide), la.DruckerPrager(wide, 30, "compression")),
         *(la.VonMises(hardening=table), la.VonMises(hardening=Creep()), table),
         *(la.hardening.Perfect(1.0), la.hardening.Linear(1.0, wide)),
@@ -165,7 +166,10 @@ def results():
     below, above = la.lower_bound(punch(2, 2)), la.upper_bound(punch(2, 2))
     made += [below, above, la.lower_bound(locked()), la.upper_bound(locked())]
     gap = la.gap_identity(above, below)
-    made += [la.safety_factor(punch(2, 2), tolerance=0.5)]
+    made += [
+        la.safety_factor(punch(2, 2), tolerance=0.5),
+        la.soil_range(sheared(0.0, cells=1), shares=(0.3,)),
+    ]
     made += [gap, la.bracket(punch(2, 2), 0.2), la.bracket(locked(), 0.2)]
     made += [la.bracket(punch(2, 2), 0.01, max_elements=200, meshes="separate")]
     made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]

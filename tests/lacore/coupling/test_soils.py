@@ -13,6 +13,7 @@ from lacore.assembly.discretise import discretise
 from lacore.coupling.freezing import davis
 from lacore.program import dimensionless
 from lacore.state import ProgramState
+from tests.lacore.models import sheared
 
 EXACT = ["clarabel", "cvxpy", "ipopt-static"]
 PHI, COHESION = 30.0, 1.0
@@ -27,22 +28,6 @@ def pressed(dilation, lateral=0.5):
         supports=[la.Fix("block", "bottom", "y")],
         reference_loads=[la.Traction("block", "top", (0, -1))],
         dead_loads=[la.Pressure("block", side, lateral) for side in ("left", "right")],
-    )
-
-
-def sheared(dilation, cells=2, confined=1.0, cohesion=COHESION):
-    """A layer whose top moves along it, between rough plates: it can only shear or widen."""
-    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2 * cells, ny=cells)
-    soil = la.MohrCoulomb(cohesion, PHI, dilation_angle=dilation)
-    return la.Problem(
-        bodies={"layer": la.Body(mesh, soil)},
-        supports=[
-            la.Fix("layer", "bottom"),
-            la.Fix("layer", "left", "y"),
-            la.Fix("layer", "right", "y"),
-        ],
-        reference_loads=[la.RigidFooting("layer", "top", (1, 0))],
-        dead_loads=[la.Pressure("layer", side, confined) for side in ("left", "right")],
     )
 
 
@@ -161,9 +146,10 @@ def test_an_associated_state_is_refused(dilation):
     assert not la.solve(problem).certify(point=swapped).holds(5e-5)
 
 
-@pytest.mark.parametrize("dilation", [0.0, 10.0, 20.0])
+@pytest.mark.parametrize("dilation", [0.0, 20.0])
 def test_no_state_is_above_the_associated_one_of_its_mesh(dilation):
-    found = la.soil_range(sheared(dilation), shares=(1.0, 0.3))
+    problem = sheared(dilation)
+    found = la.soil_range(problem, shares=(1.0, 0.3))
     above = la.solve(sheared(None)).load_factor
     assert found.status is la.Status.SOLVED
     assert found.low <= found.high <= above
@@ -226,7 +212,7 @@ def test_a_cone_dilates_less_in_axisymmetry():
 def test_what_a_bound_or_another_loop_needs_is_refused():
     problem = sheared(0.0)
     for ask in (la.lower_bound, la.upper_bound, la.bracket, la.safety_factor):
-        with pytest.raises(la.InputError, match="bound theorems do not hold.*T54"):
+        with pytest.raises(la.InputError, match=r"bound theorems do not hold.*T54"):
             ask(problem)
     with pytest.raises(la.InputError, match="bound theorems do not hold"):
         la.gap_identity(la.solve(problem, coupling="associated"), la.lower_bound(sheared(None)))
@@ -243,15 +229,9 @@ def test_what_a_bound_or_another_loop_needs_is_refused():
         la.soil_range(sheared(None))
     with pytest.raises(la.InputError, match="shares"):
         la.soil_range(problem, shares=(0.0,))
-    with pytest.raises(la.InputError, match="associated"):
-        la.Body(
-            la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=1, ny=1),
-            la.MohrCoulomb(1.0, 30, dilation_angle=0),
-            space="p2-disc",
-        )
-        la.solve(
-            replace(problem, bodies={"layer": replace(problem.bodies["layer"], space="p2-disc")})
-        )
+    jumping = replace(problem.bodies["layer"], space="p2-disc")
+    with pytest.raises(la.InputError, match="take 'p2-gauss'"):
+        la.solve(replace(problem, bodies={"layer": jumping}))
 
 
 @pytest.mark.parametrize(
