@@ -85,12 +85,12 @@ def bracket(
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
     """
     begin = time.perf_counter()
-    require_associated_flow(of_kind(problem.bodies, Body))
     require_positive("target_width", target_width)
     require_count("max_elements", max_elements)
     require_positive("time_limit", time_limit)
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    require_associated_flow(of_kind(problem.bodies, Body))
     run = _Run(
         only_body(problem)[0],
         backend,

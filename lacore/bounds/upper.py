@@ -120,7 +120,9 @@ def upper_bound(
     if isinstance(problem, LimitState | Discretisation):
         stated = problem.discretisation if isinstance(problem, LimitState) else problem
         require_homogeneous(stated.program, "problem", _BOUNDED)
-    given = stated.problem if isinstance(problem, LimitState | Discretisation) else problem
+        given = stated.problem
+    else:
+        given = problem
     require_associated_flow(of_kind(given.bodies, Body))
     if isinstance(problem, LimitState):
         state = problem

@@ -81,7 +81,7 @@ def certified_loop(
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (averaged, _damped, _alternated, _shifted)
-    for attempt in (drifted, settled) if program.frictional else of_contact:
+    for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, _closest(run, static)) or run.accept()
         if found is not None:
             return _bounded(run, run.judged(found), first)

@@ -6,7 +6,7 @@ import pandas as pd
 from verification.analysis.columns import SOLVED, numbers, problem_columns, says
 from verification.analysis.extrapolation import lambda_limits
 
-OF_THEIR_OWN = ("associated", "stick", "frictionless")
+OF_THEIR_OWN = ("associated", "stick", "frictionless", "davis")
 """Couplings that solve another problem than Coulomb's: each has an alpha* of its own."""
 EXTRAPOLATED = "extrapolated"
 _LAWS = "laws"

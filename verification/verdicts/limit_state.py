@@ -28,7 +28,9 @@ REFUTED = 1e-3
 """Of these: who called an end with more than this solved was wrong, not short of digits."""
 BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": lower_values}
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
-FINDS_NONE = (*BOUNDS, BRACKET)
+APART = "davis"
+"""The coupling that answers another problem and bounds nothing (T55)."""
+FINDS_NONE = (*BOUNDS, APART, BRACKET)
 """What stands for a coupling in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
 """What statuses say of the load factor: they are claims, right or wrong, like a number."""
@@ -72,6 +74,8 @@ def judge(
     if reference.unknown:
         why = f"{state.status.label}: proven by its certificate, nothing to compare with"
         return NO_REFERENCE, why
+    if state.coupling == APART:
+        return NO_REFERENCE, "with Davis's reduced strength, which bounds nothing (T55)"
     allowed_of = BOUNDS.get(state.coupling, allowed_values)
     if state.coupling == "associated" and reference.associated is not None:
         reference, allowed_of = reference.of_associated(), allowed_values
