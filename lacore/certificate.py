@@ -42,10 +42,13 @@ class Certificate(Shown):
             the force of the lesser of the parts that touch, per force times speed of the part with
             most of it, where that is more; slip of points that stick by law counts here.
         divergence: largest ``|theta|``, per strain rate; where strength depends on pressure the
-            power of stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power.
+            power of stresses on ``(sin(phi) ||d|| - theta)_+`` (T38), per power; with the dilation
+            angle where flow has one of its own (T58).
         normalisation: ``|F0.u - 1|``.
         flow: normality of stress and strain rate, ``sum w (bound ||D u|| - stress.D u)`` per
-            power; where strength depends on pressure with the power of mean stresses.
+            power; where strength depends on pressure with the power of mean stresses, and where
+            flow is not associated with its bipotential for the dissipation (T50): the share of
+            friction that is mobilised too little, on the average over the dissipation (T53).
         slip: Coulomb law as bipotential, ``sum w |b_c(-u, t) + u.t|`` (T3) per power.
         gap: pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
     """

@@ -25,6 +25,7 @@ from lacore.coupling.freezing import (
     at_pressing,
     at_slip,
     friction_of,
+    frictionless,
     generous,
     pressing,
 )
@@ -264,9 +265,9 @@ def _undecided(run: Run, first: Iterate) -> Coupled:
     if not run.program.homogeneous:  # T14 knows of no hardening and of no distance to close
         return run.end(Status.NOT_CERTIFIED, best)
     upper = upper_bound(run.program.associated(), first.inner, run.options.tolerance)
-    least = run.program.at_friction(0.0)
-    frozen = frictionless_contact(run.program.contact)
-    smooth = run.solve("frictionless", frozen, program=least).inner
-    lower = lower_bound(least, smooth, run.options.tolerance)
+    least = frictionless(run.program)
+    smooth = run.solve("frictionless", least.contact, program=least.program).inner
+    lower = lower_bound(least.program, smooth, run.options.tolerance)
+    locked = locked and not run.program.frictional
     status = Status.JAM if locked and max(run.rates, default=0.0) >= 1 else Status.NOT_CERTIFIED
     return run.end(status, best, bracket=(lower, upper))

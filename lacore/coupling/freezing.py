@@ -15,6 +15,7 @@ from lacore.program import (
     FrozenContact,
     KinematicProgram,
     associated_contact,
+    frictionless_contact,
     reaction_contact,
     shift_contact,
 )
@@ -72,6 +73,11 @@ def at_slip(program: KinematicProgram, velocity: Floats) -> Frozen:
 def associated(program: KinematicProgram) -> Frozen:
     """All friction made associated: an upper bound of every load factor (T14, T54)."""
     return Frozen(program.associated(), associated_contact(program.contact))
+
+
+def frictionless(program: KinematicProgram) -> Frozen:
+    """Without friction beside what dilates: a lower bound of every load factor (T14, T54)."""
+    return Frozen(program.at_friction(0.0), frictionless_contact(program.contact))
 
 
 def davis(program: KinematicProgram) -> KinematicProgram:

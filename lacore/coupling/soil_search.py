@@ -10,8 +10,9 @@ lower or higher they do not prove.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.certified import anchored, drifted, settled
-from lacore.coupling.freezing import Frozen, associated
+from lacore.coupling.freezing import Frozen, associated, frictionless
 from lacore.coupling.run import Iterate, Run
 from lacore.dissipation import DissipationGroup
 from lacore.program import KinematicProgram
@@ -38,6 +39,18 @@ class SoilFound(Compact):
     start: Iterate
     iterates: tuple[Iterate, ...]
     final: Iterate | None
+
+
+def soil_bounds(run: Run) -> tuple[float, float]:
+    """Bounds of all load factors of a program, by two problems with associated flow (T54)."""
+    program, tolerance = run.program, run.options.tolerance
+    above, below = associated(program), frictionless(program)
+    answers = [run.solve("bound", one.contact, program=one.program).inner for one in (below, above)]
+    run.iterates.clear()
+    return (
+        lower_bound(below.program, answers[0], tolerance),
+        upper_bound(above.program, answers[1], tolerance),
+    )
 
 
 def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:

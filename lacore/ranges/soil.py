@@ -13,7 +13,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.backend import check_capable, find_backend, read_options
 from lacore.coupling.run import Coupled, CouplingOptions, Run
-from lacore.coupling.soil_search import SoilFound, soil_states
+from lacore.coupling.soil_search import SoilFound, soil_bounds, soil_states
 from lacore.errors import InputError, is_number, require_positive
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
@@ -43,7 +43,7 @@ class SoilRange(Shown):
     Attributes:
         status: SOLVED where states were found; else why there is none.
         lowest, highest: their states; None where none was found.
-        low, high: their load factors; NaN where nothing is certified.
+        low, high: their load factors; NaN where nothing is certified, +inf where it is LOCKED.
         bracket: proven bounds of every load factor of the discrete problem (T54): with associated
             flow of the dilation angle and the same apex, and of the friction angle; -inf and inf
             where there is none.
@@ -80,15 +80,13 @@ class SoilRange(Shown):
         """What was found, and what of it is proven."""
         found = f"load factors {self.low:.6g} to {self.high:.6g} of the discrete problem"
         below, above = self.bracket
+        below = 0.0 if abs(below) <= _BEYOND * abs(above) else below
         within = f"in [{below:.6g}, {above:.6g}]" if below > -np.inf else f"at most {above:.6g}"
-        proven = f"every one of this mesh is {within} (T54)"
+        proven = f"all of this mesh are {within} (T54)"
         if np.isfinite(self.davis):
-            proven += f"; {self.davis:.6g} with Davis's strength bounds nothing (T55)"
-        told = {
-            "found": f"{counted(len(self._certified), 'state')}, each certified; that none is lower"
-            " or higher is not proven",
-            "proven": proven,
-        }
+            proven += f"; Davis's strength: {self.davis:.6g}, no bound"
+        states = counted(len(self._certified), "certified state")
+        told = {"found": f"{states}; that none is lower or higher is not proven", "proven": proven}
         if self.lowest is None or self.highest is None:
             found = "no load factor is certified"
             told["found"] = self.message
@@ -166,11 +164,7 @@ def soil_range(
             " lacore.coulomb_range for friction of interfaces",
         )
     check_capable(engine, program)
-    scale = problem.natural.load_factor
-    given: dict[str, Any] = {"backend": backend, "options": options}
-    above = solve(problem, coupling="associated", **given)
-    below = solve(problem, coupling="frictionless", **given)
-    bracket = (_end(below, -np.inf), _end(above, np.inf))
+    scale, built = problem.natural.load_factor, time.perf_counter() - begin
     aims = CouplingOptions(tolerance=min(_AIM, tolerance), max_iterations=_MOST, accepted=tolerance)
     rows: list[dict[str, Any]] = []
     ends: list[tuple[SoilFound, float]] = []
@@ -181,29 +175,34 @@ def soil_range(
         solver = prepare(program.associated())
         stack.callback(solver.close)
         run = Run(program, solver, False, aims, lambda _: None, prepare)
+        low, high = soil_bounds(run)
+        bracket = (low * scale, high * scale)
         for found in soil_states(run, tuple(map(float, shares))):
             rows.append(_row(found, scale, bracket[1], time.perf_counter() - begin))
             if rows[-1]["status"] == "certified":
                 ends.append((found, rows[-1]["load_factor"]))
             if on_progress is not None:
                 on_progress(rows[-1])
+    given: dict[str, Any] = {"backend": backend, "options": options}
     made = [
-        _state(problem, program, found, above, given, tolerance)
+        _state(problem, program, found, built, given, tolerance)
         for found, _ in sorted(ends, key=lambda end: end[1])
     ]
+    status = Status.SOLVED if made else _why(problem, given)
+    nothing = np.inf if status is Status.LOCKED else np.nan
     return SoilRange(
-        status=Status.SOLVED if made else _why(above),
+        status=status,
         lowest=made[0] if made else None,
         highest=made[-1] if made else None,
-        low=made[0].load_factor if made else np.nan,
-        high=made[-1].load_factor if made else np.nan,
+        low=made[0].load_factor if made else nothing,
+        high=made[-1].load_factor if made else nothing,
         bracket=bracket,
         davis=_davis(problem, given),
         states=pd.DataFrame(rows, columns=_COLUMNS),
         tolerance=tolerance,
         backend=backend,
         solve_time=time.perf_counter() - begin,
-        message=_message(Status.SOLVED if made else _why(above)),
+        message=status.label if made else f"{status.label}: {status.value}",
     )
 
 
@@ -233,7 +232,7 @@ def _state(
     problem: Discretisation,
     program: KinematicProgram,
     found: SoilFound,
-    first: LimitState,
+    build_time: float,
     given: Mapping[str, Any],
     tolerance: float,
 ) -> LimitState:
@@ -247,26 +246,17 @@ def _state(
         backend=given["backend"],
         coupling="certified",
         regularised=False,
-        build_time=first.build_time,
+        build_time=build_time,
         options=given["options"] or {},
         tolerance=tolerance,
     )
     return replace(state, solve_time=float(sum(one.inner.solve_time for one in iterates)))
 
 
-def _end(state: LimitState, otherwise: float) -> float:
-    """Load factor of a single solve, or what bounds nothing."""
-    known = state.status in (Status.SOLVED, Status.LOCKED)
-    return state.load_factor if known else otherwise
-
-
-def _why(above: LimitState) -> Status:
-    """Why there is no state: what associated flow says, where it carries nothing either."""
-    return above.status if above.status is Status.UNSAFE else Status.NOT_CERTIFIED
-
-
-def _message(status: Status) -> str:
-    return status.label if status is Status.SOLVED else f"{status.label}: {status.value}"
+def _why(problem: Discretisation, given: Mapping[str, Any]) -> Status:
+    """Why there is no state: LOCKED or UNSAFE where that is proven."""
+    status = solve(problem, **given).status
+    return Status.NOT_CERTIFIED if status is Status.SOLVED else status
 
 
 def _davis(problem: Discretisation, given: Mapping[str, Any]) -> float:

@@ -259,26 +259,47 @@ def test_kinematics_in_which_flow_has_no_one_direction():
             la.DruckerPrager(1.0, 30, dilation_angle=0).conic_form(kinematics)
 
 
-def test_a_soil_that_dilates_in_a_rigid_box_is_locked_and_one_that_does_not_is_not():
-    """All sides but a part of the top are held: associated soil cannot move at all (T48)."""
+def boxed(dilation):
+    """All sides are held but a part of the top, which is pushed: nothing can flow out (T48)."""
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=4, ny=4)
-    parts = {
-        "pushed": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 0.5),
-        "lid": lambda x: (x[1] > 1 - 1e-9) & (x[0] > 0.5),
-    }
-    mesh = mesh.with_boundaries(parts)
-    found = {}
-    for dilation in (None, 10.0, 0.0):
-        soil = la.MohrCoulomb(1.0, 30, dilation_angle=dilation)
-        sides = ("left", "right", "bottom", "lid")
-        problem = la.Problem(
-            bodies={"soil": la.Body(mesh, soil)},
-            supports=[la.Fix("soil", side, "normal") for side in sides],
-            reference_loads=[la.Traction("soil", "pushed", (0, -1))],
-        )
-        found[dilation] = la.solve(problem)
-    assert found[None].status is la.Status.LOCKED
-    assert found[10.0].status is la.Status.LOCKED
+    pushed = {"pushed": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 0.5)}
+    mesh = mesh.with_boundaries(pushed | {"lid": lambda x: (x[1] > 1 - 1e-9) & (x[0] > 0.5)})
+    return la.Problem(
+        bodies={"soil": la.Body(mesh, la.MohrCoulomb(1.0, 30, dilation_angle=dilation))},
+        supports=[la.Fix("soil", side, "normal") for side in ("left", "right", "bottom", "lid")],
+        reference_loads=[la.Traction("soil", "pushed", (0, -1))],
+    )
+
+
+@pytest.mark.parametrize("dilation", [10.0, 0.0])
+def test_what_cannot_flow_out_is_locked(dilation):
+    problem = boxed(dilation)
+    assert la.solve(problem).status is la.Status.LOCKED
+    found = la.soil_range(problem, shares=(1.0,))
+    assert found.status is la.Status.LOCKED
+    assert found.low == np.inf
+
+
+def test_what_only_dilatancy_locks_is_not_where_it_is_less():
+    """The layer on its coarsest mesh: associated, it could only lift the plate (T13, T48)."""
+    assert la.solve(sheared(None, cells=1)).status is la.Status.LOCKED
+    free = la.solve(sheared(0.0, cells=1))
+    assert free.status is la.Status.SOLVED
+    assert free.certify().holds(free.tolerance)
+
+
+def test_what_falls_with_all_of_its_friction_falls():
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=3, ny=3)
+    steep = la.Problem(
+        bodies={"soil": la.Body(mesh, la.MohrCoulomb(0.1, 30, dilation_angle=0))},
+        supports=[la.Fix("soil", "left"), la.Fix("soil", "bottom")],
+        reference_loads=[la.Traction("soil", "top", (0, -1))],
+        dead_loads=[la.BodyForce("soil", (0, -10.0))],
+    )
+    state = la.solve(steep)
+    assert state.status is la.Status.UNSAFE
+    assert state.stability.standing.name == "FALLS"
+    assert la.soil_range(steep, shares=(1.0,)).status is la.Status.UNSAFE
 
 
 def test_the_power_of_the_state_is_that_of_its_own_laws():
