@@ -14,9 +14,9 @@ the sides everywhere. What it carries is less than the friction angle says on a 
 plates: `c cos(phi) + p sin(phi)` in place of `c + p tan(phi)`, which is the strength Davis gave
 non-dilatant soil (T55). This state needs no mesh, and its certificate is zero to round-off.
 
-It is not the only state. Shear that is not the same everywhere has been found at up to 15 % less,
-with certificates as good; soil whose dilation follows its friction would have to squeeze out at the
-sides, and carries more than twice as much.
+It is not the only state. Shear that is not the same everywhere has been found from 15 % less to
+0.07 % more, with certificates as good; soil whose dilation follows its friction would have to
+squeeze out at the sides, and carries more than twice as much.
 """
 
 from math import cos, radians, sin
@@ -26,7 +26,7 @@ from verification.case import Band, Case, Reference, Variant
 
 C, P = 1.0, 1.0
 _OTHERS = 0.2  # below: found are 15 % at 30 degrees on 64 triangles, 3 % on 512
-_NEAR = 2e-4  # above: found are 1e-5
+_NEAR = 0.01  # above: found are 7e-4
 
 
 def build(nx: int, ny: int, angle: float, dilation: float) -> la.Problem:
@@ -61,8 +61,8 @@ def band(elements: int, angle: float, dilation: float) -> Band:
     return Band(
         _OTHERS,
         _NEAR,
-        "Homogeneous shear is a state of every mesh, others carry less: searches found loads"
-        " down to 15 % below it, none that is 2e-5 above. That there are no others is not proven.",
+        "Homogeneous shear is a state of every mesh, and there are others: searches found loads"
+        " from 15 % below to 0.07 % above it. That there are none beyond is not proven.",
     )
 
 
