@@ -10,6 +10,7 @@ from skfem import MeshTri
 
 import lacore as la
 from lacore.adaptive.marking import lower_shares
+from lacore.adaptive.starts import with_kept_water
 from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
 from verification.case.bracketing import Bracketing
@@ -104,7 +105,8 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
     """On the mesh of the problem, on one without any order, and on those of both bounds."""
     ((name, body),) = ((n, b) for n, b in problem.bodies.items() if isinstance(b, la.Body))
     finer = replace(body, mesh=irregular(body.mesh))
-    disordered = replace(problem, bodies={**problem.bodies, name: finer})
+    # A water table would pass through its elements: its pressures are those of the other mesh.
+    disordered = replace(with_kept_water(problem), bodies={**problem.bodies, name: finer})
     for mesh, stated in (("uniform", problem), ("irregular", disordered)):
         lower = la.lower_bound(stated, backend)
         upper = la.upper_bound(stated, backend)
