@@ -79,15 +79,15 @@ spiral:       r = r0 exp(t tan(phi)) through the toe; the body that it
 friction alone, c = 0, holds a slope that is no steeper than phi.
 """,
     meshes={
-        "coarse": {"nx": 5, "ny": 4, "ratio": 3.0},
+        "coarse": {"nx": 4, "ny": 3, "ratio": 3.0},
         "medium": {"nx": 16, "ny": 12, "ratio": 6.0},
-        "fine": {"nx": 40, "ny": 30, "ratio": 12.0},
+        "fine": {"nx": 45, "ny": 34, "ratio": 12.0},
     },
     build=build,
     reference=reference,
     band=band,
     surfaces=True,
-    bracket=Bracketing(target_width=0.2),
+    bracket=Bracketing(target_width=0.25),
     variants=(
         Variant("steep", {"slope": 60.0, "angle": 20.0}, ("coarse",)),
         Variant("gentle", {"slope": 45.0, "angle": 10.0}, ("coarse",)),

@@ -101,15 +101,15 @@ pool:         a body that turns about the centre of the spiral
 drawn down:   the same without the face: 7.5480 at most
 """,
     meshes={
-        "coarse": {"nx": 5, "ny": 4, "ratio": 3.0},
+        "coarse": {"nx": 4, "ny": 3, "ratio": 3.0},
         "medium": {"nx": 16, "ny": 12, "ratio": 6.0},
-        "fine": {"nx": 40, "ny": 30, "ratio": 12.0},
+        "fine": {"nx": 45, "ny": 34, "ratio": 12.0},
     },
     build=build,
     reference=reference,
     band=band,
     surfaces=True,
-    bracket=Bracketing(target_width=0.2),
+    bracket=Bracketing(target_width=0.25),
     variants=(
         Variant("submerged", {"level": 1.5, "pool": True}, ("coarse",)),
         Variant("pool", {"level": 0.5, "pool": True}, ("coarse",)),
