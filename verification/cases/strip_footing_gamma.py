@@ -51,7 +51,7 @@ _ROUGH = Convergence(
 
 
 def build(nx: int, ny: int, ratio: float, angle: float, rough: bool) -> la.Problem:
-    """The right half, graded towards the edge; half width and unit weight 1, so alpha is N_gamma."""
+    """The right half, graded towards the edge; with half width and weight 1 alpha is N_gamma."""
     width, depth = _BOX[angle]
     mesh = la.meshes.rectangle(
         x=(0, width), y=(-depth, 0), nx=nx, ny=ny, grade_x=(1.0, ratio), grade_y=(0.0, ratio / 2)
@@ -110,9 +110,9 @@ slip lines:   dp and dtheta along both families with weight
 a fit:        (N_q - 1) tan(1.34 phi): 2.83 and 14.7 (rough)
 """,
     meshes={
-        "coarse": {"nx": 6, "ny": 3, "ratio": 5.0},
-        "medium": {"nx": 16, "ny": 8, "ratio": 10.0},
-        "fine": {"nx": 32, "ny": 16, "ratio": 14.0},
+        "coarse": {"nx": 5, "ny": 2, "ratio": 4.0},
+        "medium": {"nx": 16, "ny": 9, "ratio": 10.0},
+        "fine": {"nx": 44, "ny": 26, "ratio": 16.0},
     },
     build=build,
     reference=reference,

@@ -36,10 +36,13 @@ def test_catalogue_holds_the_cases_of_the_references():
         "cavity-sphere",
         "centre-crack",
         "circular-footing",
+        "circular-footing-tresca",
         "deformable-block",
+        "earth-pressure",
         "hardening-cylinder",
         "hardening-sphere",
         "layer-rough",
+        "masonry-panel",
         "no-tension-cut",
         "notched-strip",
         "opposed-punches",
@@ -55,6 +58,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "stack-n",
         "stack-two",
         "strip-footing",
+        "strip-footing-gamma",
         "symmetric-wedge",
         "tension",
         "thick-cylinder",
@@ -198,6 +202,7 @@ def test_orders_are_expected_where_the_reference_is_good_enough():
         "centre-crack:plane-stress",
         "no-tension-cut:phi-0",
         "no-tension-cut:phi-20",
+        "masonry-panel:guided",
         "notched-strip:half",
         "opposed-punches:h-1",
         "opposed-punches:h-2",
@@ -258,7 +263,8 @@ def test_reactions_sum_to_the_loads(case, variant, mesh):
     loads = state.load_factor * full.reference_load + full.dead_load
     outer = contact_force(full, state.point) + loads
     dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
-    held = state.support_reactions[["force_x", "force_y"]].to_numpy().sum(axis=0)
+    held = state.support_reactions.query("body in @discretisation.bodies.keys()")
+    held = held[["force_x", "force_y"]].to_numpy().sum(axis=0)  # blocks have rollers of their own
     size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
     # Around an axis forces along r are carried by the hoop stress, and have no sum.
     round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())
