@@ -3,7 +3,8 @@
 ``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
 plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
 costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t. Where
-strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39).
+strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39), and
+a modulus beside surfaces a quadratic cost of the velocity.
 
 A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
 walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
@@ -20,7 +21,7 @@ from typing import Any
 
 import clarabel
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, interleaved
@@ -217,6 +218,12 @@ class ConicForm:
         diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
         own = np.flatnonzero(diagonal)
         self.quadratic = csc_matrix((diagonal[own], (own, own)), (columns, columns))
+        for group in program.groups:
+            # Beside surfaces the t are no lengths: where flow is that of a corner they are more.
+            if group.surfaces is not None and group.modulus is not None:
+                root = np.repeat(np.sqrt(group.weights * group.modulus), group.dim)
+                spring = _wide(group.rows, columns, root)
+                self.quadratic = csc_matrix(self.quadratic + triu(spring.T @ spring))
         self.hardens, self.presses = program.hardens, program.presses
         self.linear = (
             not self.hardens
@@ -270,7 +277,7 @@ class ConicForm:
             program.groups, self._voluminous, means, strains, strict=True
         ):
             shear = -strain[:, 1:]
-            stresses.append(shear[:, : group.dim])
+            stresses.append(shear[:, : group.dim] + _besides(group, x[: program.n]))
             # Softened, theta is a row of the norm too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
             total = np.repeat(softened, group.volumes)
@@ -330,6 +337,13 @@ class _Leads:
         slopes = csr_matrix(entries, (row.size, own.size))
         slopes.eliminate_zeros()
         return cls(shares, slopes)
+
+
+def _besides(group: DissipationGroup, velocity: Floats) -> Floats:
+    """Stresses of hardening that are not among the duals, shape (m, dim) or none, Pa."""
+    if group.surfaces is None or group.modulus is None:
+        return np.zeros((1, group.dim))
+    return group.modulus[:, None] * group.cone_vectors(velocity)
 
 
 def _placed(rows: Sparse, columns: int, first: int) -> Sparse:

@@ -143,6 +143,8 @@ class _Model:
             e = cp.Variable((group.weights.size, group.dim)) if rates.shape[0] else None
             self._flow.append(None if e is None else rates @ u == cp.vec(e, order="C"))
             volume = _weighted(theta, group.volume_weights) @ u
+            if e is not None and group.modulus is not None:  # e is a length times a weight
+                cost += (group.modulus / group.weights) @ cp.sum(cp.square(e), axis=1) / 2
             if group.surfaces is not None:
                 lead, spread, cost_of = _multiplied(group.surfaces)
                 laws += [lead >= _lengths(e)] if e is not None else []
@@ -153,8 +155,6 @@ class _Model:
                 continue
             self._volume.append(volume == 0 if theta.nnz else None)
             cost += 0 if e is None else group.bound @ _lengths(e)
-            if e is not None and group.modulus is not None:  # e is a length times a weight
-                cost += (group.modulus / group.weights) @ cp.sum(cp.square(e), axis=1) / 2
 
         self.stick, self.rub = _kinds(contact)
         self.dilatancy = contact.dilatancy

@@ -31,6 +31,8 @@ class DissipationGroup(Compact):
         volumetric: rows of theta, shape (m L, n); L is 1 but for surfaces that feel more.
         volumetric_factor: see `lacore.materials.conic_form.ConicForm`.
         modulus: of hardening with the strain rate, >= 0, shape (m,), Pa s; None: there is none.
+            Beside surfaces it raises all that bound ``||s||``, and chooses between velocities:
+            flow of an apex has no certificate with it.
         surfaces: yield surfaces that depend on pressure; None: none does.
     """
 
@@ -207,8 +209,9 @@ class DissipationGroup(Compact):
         """
         if self.modulus is None:
             return self
-        lengths = np.linalg.norm(self.cone_vectors(velocity), axis=1)
-        return replace(self, bound=self.bound + self.modulus * lengths, modulus=None)
+        rise = self.modulus * np.linalg.norm(self.cone_vectors(velocity), axis=1)
+        surfaces = None if self.surfaces is None else self.surfaces.raised(rise)
+        return replace(self, bound=self.bound + rise, surfaces=surfaces, modulus=None)
 
 
 def _without_round_off(sizes: Floats, rows: Sparse, dim: int, velocity: Floats) -> Floats:

@@ -81,6 +81,10 @@ class Surfaces(Compact):
             self, strength=self.strength * np.reshape(factor, (-1, 1)), dilation=dilation
         )
 
+    def raised(self, by: Floats) -> "Surfaces":
+        """With so much more strength of all that bound ``||s||``, shape (m,), Pa."""
+        return replace(self, strength=self.strength + self.normed * by[:, None])
+
     def at(self, points: Bools | Ints) -> "Surfaces":
         """Those of the points of a mask of shape (m,), or of numbers; without dilation."""
         return replace(

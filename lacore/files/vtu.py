@@ -14,9 +14,10 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means
+from lacore.bodies.continuum.plasticity import plasticity
+from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
-from lacore.paths.flow import strain_per_length
 from lacore.paths.path import Path, Snapshot
 from lacore.program import DissipationGroup
 
@@ -82,11 +83,11 @@ def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int)
     assert state.point is not None
     dofs = state.discretisation.bodies[name]
     factor, shape = strain_per_length(dofs), dofs.weights.shape
-    lengths = np.linalg.norm(group.cone_vectors(state.point.velocity), axis=1)
+    rate = equivalent_rate(dofs, group, state.point.velocity)
     number_of = [group.name for group in state.discretisation.full.groups].index(name)
     mean = state.point.mean_stress[number_of]
     strength = group.carried(mean)  # at its pressure
-    fields = {"equivalent_strain_rate": factor * lengths, "yield_stress": strength / factor}
+    fields = {"equivalent_strain_rate": rate, "yield_stress": strength / factor}
     means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
     means["dissipation"] = state.dissipation[name]
     stresses = {"stress": state.stress[name]}
@@ -129,8 +130,9 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     `lacore.bodies.continuum.nodal.vertex_means`, linear between). At cells means over the strain
     points by their
     volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
-    at that strain), `dissipation` (W/m^3: yield stress times strain rate); and `body`, its number
-    in the problem.
+    at that strain; of criteria with a law of hardening), `dissipation` (W/m^3: yield stress times
+    strain rate; not of soils whose flow is not associated, as it depends on their stresses); and
+    `body`, its number in the problem.
 
     Returns:
         the PVD file, to be opened.
@@ -161,20 +163,28 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
     start, bodies = stage.start.nodes, stage.dofs_at(snapshot.configuration)
     for place, (name, dofs) in enumerate(bodies.items()):
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
-        stress = dofs.body.law.stress(strain)
+        law, velocity = dofs.body.criterion.law, snapshot.velocity[name]
         at_points = {
-            "velocity": _spatial(snapshot.velocity[name]),
+            "velocity": _spatial(velocity),
             "displacement": _spatial(snapshot.configuration.nodes[name] - start[name]),
             "equivalent_strain": node_means(dofs, strain),
         }
-        fields = {
-            "equivalent_strain": strain,
-            "equivalent_strain_rate": rate,
-            "yield_stress": stress,
-            "dissipation": stress * rate,
-        }
+        fields = {"equivalent_strain": strain, "equivalent_strain_rate": rate}
+        if law is not None:
+            stress = law.stress(strain)
+            fields |= {"yield_stress": stress, "dissipation": stress * rate}
+        elif not dofs.body.form.frictional:
+            fields["dissipation"] = _dissipation(name, dofs, velocity)
         at_cells = {key: element_means(dofs, values) for key, values in fields.items()}
         yield _continuum(dofs, place, at_points, at_cells)
+
+
+def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
+    """Of a body that does not harden, at its strain points, (elements, q), W/m^3."""
+    unknowns = np.zeros(int(dofs.dofs.max()) + 1)
+    unknowns[dofs.dofs] = velocity
+    group = plasticity(name, dofs, unknowns.size)
+    return (group.dissipation(unknowns) / group.weights).reshape(dofs.weights.shape)
 
 
 def _continuum(

@@ -73,6 +73,12 @@ class ConicForm(Compact):
         return any(surface.dilating < 1 for surface in self.surfaces)
 
     @property
+    def uniform(self) -> bool:
+        """Whether all elements have the same strength."""
+        strengths = [self.bound, *(surface.strength for surface in self.surfaces)]
+        return all(np.ndim(own) == 0 for own in strengths)
+
+    @property
     def preserved(self) -> Bools:
         """Volumetric rows that must vanish, as no surface feels their stress, shape (L,)."""
         slopes = [surface.slope for surface in self.surfaces]

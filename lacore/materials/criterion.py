@@ -22,7 +22,10 @@ class Criterion(Protocol):
 
     @property
     def law(self) -> HardeningLaw | None:
-        """Yield stress in tension over the equivalent plastic strain; None: it cannot strain on."""
+        """Yield stress in tension over the equivalent plastic strain; None: it does not harden.
+
+        One whose strength depends on pressure has none.
+        """
         ...
 
     def conic_form(self, kinematics: str) -> ConicForm:

@@ -95,7 +95,7 @@ class DruckerPrager(Compact):
 
     @property
     def law(self) -> None:
-        """It does not harden: paths are not followed with it."""
+        """It does not harden."""
         return None
 
     def weakened(self, factor: float) -> "DruckerPrager":

@@ -96,7 +96,7 @@ class MohrCoulomb(Compact):
 
     @property
     def law(self) -> None:
-        """It does not harden: paths are not followed with it."""
+        """It does not harden."""
         return None
 
     def weakened(self, factor: float) -> "MohrCoulomb":
@@ -164,7 +164,7 @@ class Rankine(Compact):
 
     @property
     def law(self) -> None:
-        """It does not harden: paths are not followed with it."""
+        """It does not harden."""
         return None
 
     def weakened(self, factor: float) -> "Rankine":
@@ -208,7 +208,7 @@ class NoTension(Compact):
 
     @property
     def law(self) -> None:
-        """It does not harden: paths are not followed with it."""
+        """It does not harden."""
         return None
 
     def weakened(self, factor: float) -> "NoTension":
@@ -252,7 +252,7 @@ class MaximumShear(Compact):
 
     @property
     def law(self) -> None:
-        """It does not harden: paths are not followed with it."""
+        """It does not harden."""
         return None
 
     def weakened(self, factor: float) -> "MaximumShear":

@@ -18,7 +18,7 @@ class Ending(Enum):
         " point or a footing"
     )
     LOCKED = (
-        "no flow at constant volume makes the next step, or one under a load without bound:"
+        "no flow that the materials allow makes the next step, or one under a load without bound:"
         " obstacles or supports enclose the bodies, or they harden without end within it"
     )
     NOT_SOLVED = "a limit problem on the way has no certified answer: its message says why"

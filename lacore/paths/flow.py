@@ -11,6 +11,12 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.strain_rates import (
+    deviatoric,
+    equivalent_rate,
+    principal_rates,
+    strain_per_length,
+)
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints
 from lacore.contact.segments import Segments
@@ -24,7 +30,8 @@ from lacore.program import ContactRows, DissipationGroup, KinematicProgram
 from lacore.showing import Compact
 
 # Hardening per yield stress: of all mechanisms of the same load the most uniform one comes out. It
-# is taken out of the load again.
+# is taken out of the load again. Beside surfaces it would have no certificate where flow is that of
+# an apex, whose stress it moves: what is solved is the soil as it is.
 _CHOICE = 1e-3
 
 
@@ -84,12 +91,14 @@ class Flow(Compact):
 
     @property
     def strain_rate(self) -> dict[str, Floats]:
-        """Equivalent strain rate at the strain points by body, shape (elements, q), 1/s."""
+        """Equivalent strain rate at the strain points by body, shape (elements, q), 1/s.
+
+        See `lacore.bodies.continuum.strain_rates.equivalent_rate`.
+        """
         d = self.state.discretisation
         rates = {}
         for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True):
-            lengths = np.linalg.norm(group.cone_vectors(self.motion), axis=1)
-            rates[name] = strain_per_length(dofs) * lengths.reshape(dofs.weights.shape)
+            rates[name] = equivalent_rate(dofs, group, self.motion)
         return rates
 
     def hencky_strain(self, duration: float) -> dict[str, Floats]:
@@ -100,11 +109,9 @@ class Flow(Compact):
         d, velocity = self.state.discretisation, self.velocity
         strains = {}
         for name, dofs in d.bodies.items():
-            principal = duration * _principal_rates(dofs, velocity[name])
+            principal = duration * principal_rates(dofs, velocity[name])
             with np.errstate(divide="ignore", invalid="ignore"):
-                logarithmic = 2 * np.arctanh(principal / 2)
-            deviator = logarithmic - logarithmic.mean(axis=0)
-            strain = np.sqrt(2 / 3 * np.sum(deviator**2, axis=0))
+                strain = deviatoric(2 * np.arctanh(principal / 2))
             strains[name] = np.where(np.isfinite(strain), strain, np.inf)
         return strains
 
@@ -174,14 +181,21 @@ class _Law:
 
 
 def _laws(d: Discretisation, moment: Moment) -> list[_Law]:
-    return [_law(name, dofs, moment) for name, dofs in d.bodies.items()]
+    return [
+        _law(name, dofs, group, moment)
+        for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True)
+    ]
 
 
-def _law(name: str, dofs: BodyDofs, moment: Moment) -> _Law:
-    law, factor = dofs.body.law, strain_per_length(dofs)
+def _law(name: str, dofs: BodyDofs, group: DissipationGroup, moment: Moment) -> _Law:
+    law, factor = dofs.body.criterion.law, strain_per_length(dofs)
+    rate = factor**2 * moment.share * moment.duration
+    if law is None:
+        none = np.zeros(group.bound.size)
+        chosen = none if group.surfaces is not None else rate * _CHOICE * group.bound / factor
+        return _Law(bound=group.bound, modulus=none, choosing=chosen)
     begin, now = moment.begin.strain[name].ravel(), moment.at.strain[name].ravel()
     slope, stress = law.modulus(now), law.stress(now)
-    rate = factor**2 * moment.share * moment.duration
     return _Law(
         bound=factor * (stress - slope * (now - begin)),
         modulus=rate * slope,
@@ -200,20 +214,3 @@ def _hardening(program: KinematicProgram, laws: Sequence[_Law]) -> KinematicProg
 def _hardened(group: DissipationGroup, law: _Law) -> DissipationGroup:
     modulus = law.modulus + law.choosing
     return replace(group, bound=law.bound, modulus=modulus if np.any(modulus > 0) else None)
-
-
-def strain_per_length(dofs: BodyDofs) -> float:
-    """Equivalent strain rate per length of a cone vector: both dissipate the same."""
-    return float(np.max(dofs.body.form.bound) / (np.sqrt(3) * dofs.strength))
-
-
-def _principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:
-    """Principal strain rates at the strain points, shape (3, elements, q), 1/s."""
-    field = dofs.basis.interpolate(velocity.T.ravel())
-    gradient = np.asarray(field.grad)
-    mean = (gradient[0, 0] + gradient[1, 1]) / 2
-    radius = np.hypot((gradient[0, 0] - gradient[1, 1]) / 2, (gradient[0, 1] + gradient[1, 0]) / 2)
-    out = np.zeros_like(mean)
-    if dofs.body.axisymmetric:
-        out = np.asarray(field)[0] / np.asarray(dofs.basis.global_coordinates())[0]
-    return np.stack([mean + radius, mean - radius, out])

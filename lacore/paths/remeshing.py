@@ -75,6 +75,13 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
         raise InputError(
             "remesh", type(mesh).__name__, f"not a mesh of {name!r}", "return skfem meshes"
         )
+    if not body.form.uniform:
+        raise InputError(
+            "remesh",
+            name,
+            "its criterion has a strength of each element, and knows those of the old mesh",
+            "leave remesh out, or take a criterion that is the same everywhere",
+        )
     missing = sorted(set(body.mesh.boundaries or {}) - set(mesh.boundaries or {}))
     if missing:
         raise InputError(

@@ -1,13 +1,19 @@
 """Which of many velocities of the same load moves the bodies along a path (T32)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.backend import Backend, checked_answer, find_backend, read_options
+from lacore.backend import (
+    Backend,
+    check_capable,
+    checked_answer,
+    find_backend,
+    read_options,
+)
 from lacore.certificate import certify
 from lacore.errors import InputError, require_positive
 from lacore.inner.preparing import preparing
@@ -104,10 +110,12 @@ def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | N
     d, point = state.discretisation, state.point
     assert point is not None
     program, frozen_point = dimensionless(d.program, d.natural), point_in_program(d, point)
+    program = program.at_friction(program.friction(frozen_point.mean_stress))
     contact = reaction_contact(program.contact, frozen_point.normal_reaction)
     u = frozen_point.velocity
     least, power = _cost(program, contact, u), _power(program, contact, u)
-    size = _norm(program, u)
+    strengths = _strengths(program, frozen_point.mean_stress)
+    size = _norm(program, strengths, u)
     if not size > 0:
         return Selected(point.velocity, 0.0, 0.0, 0)
     strength = _STRENGTH * power / size**2
@@ -118,7 +126,7 @@ def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | N
     found, solves = None, 0
     while solves < tries:
         solves += 1
-        velocity = _solved(_regular(program, strength), contact, state)
+        velocity = _solved(_regular(program, strengths, strength), contact, state)
         if velocity is None:
             break
         found, more = velocity, excess(velocity)
@@ -131,7 +139,7 @@ def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | N
     share = _furthest(lambda part: excess(u + part * way), within)
     return Selected(
         velocity=point.velocity + np.asarray(d.free_basis @ way) * (share * d.natural.velocity),
-        width=share * _norm(program, way) / size,
+        width=share * _norm(program, strengths, way) / size,
         excess=excess(u + share * way),
         solves=solves,
     )
@@ -140,6 +148,7 @@ def least_norm(state: LimitState, within: float, tries: int = 2) -> Selected | N
 def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState) -> Floats | None:
     """The velocity of one solve; None where it is not admissible to the tolerance of the state."""
     backend = find_backend(state.backend)
+    check_capable(backend, program)
     with preparing(backend, read_options(backend, state.options)) as prepare:
         solver = prepare(program)
         try:
@@ -153,10 +162,28 @@ def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState
     return point.velocity if all(value <= state.tolerance for value in kept) else None
 
 
-def _regular(program: KinematicProgram, strength: float) -> KinematicProgram:
-    """The program with half of `strength` times the norm squared among its costs."""
-    groups = (replace(g, modulus=g.rise + strength * g.bound) for g in program.groups)
-    return replace(program, groups=tuple(groups))
+def _strengths(program: KinematicProgram, means: Sequence[Floats]) -> list[Floats]:
+    """What the norm weighs strain rates by, in each group of shape (m,), Pa.
+
+    Where strength depends on pressure its mean over the points: next to a free surface a sand has
+    none, and there, too, it is to stay regular.
+    """
+    return [
+        group.bound
+        if group.surfaces is None
+        else np.full(group.bound.size, np.average(group.carried(mean), weights=group.weights))
+        for group, mean in zip(program.groups, means, strict=True)
+    ]
+
+
+def _regular(
+    program: KinematicProgram, strengths: Sequence[Floats], factor: float
+) -> KinematicProgram:
+    """The program with half of `factor` times the norm squared among its costs."""
+    groups = zip(program.groups, strengths, strict=True)
+    return replace(
+        program, groups=tuple(replace(g, modulus=g.rise + factor * own) for g, own in groups)
+    )
 
 
 def _cost(program: KinematicProgram, contact: FrozenContact, velocity: Floats) -> float:
@@ -172,8 +199,9 @@ def _power(program: KinematicProgram, contact: FrozenContact, velocity: Floats) 
     return _cost(program, contact, velocity) + dead + abs(dead)
 
 
-def _norm(program: KinematicProgram, velocity: Floats) -> float:
-    return sqrt(sum(float(g.weights * g.bound @ _squares(g, velocity)) for g in program.groups))
+def _norm(program: KinematicProgram, strengths: Sequence[Floats], velocity: Floats) -> float:
+    groups = zip(program.groups, strengths, strict=True)
+    return sqrt(sum(float(g.weights * own @ _squares(g, velocity)) for g, own in groups))
 
 
 def _squares(group: DissipationGroup, velocity: Floats) -> Floats:

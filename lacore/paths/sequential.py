@@ -35,7 +35,7 @@ def sequential(
     selection: LeastNorm | None = None,
     backend: str = "clarabel",
     coupling: str | None = None,
-    tolerance: float = 1e-6,
+    tolerance: float | None = None,
     options: Mapping[str, Any] | None = None,
     keep_every: int = 1,
     checkpoint: str | PathLike[str] | None = None,
@@ -50,7 +50,8 @@ def sequential(
     Args:
         problem: at the beginning. Its bodies deform, in plane strain or axisymmetric. Elements
             become curved, of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that
-            no load factor is a strict bound. `VonMises(hardening=...)` says how they harden.
+            no load factor is a strict bound. `VonMises(hardening=...)` says how they harden;
+            criteria whose strength depends on pressure do not, and grow as their flow dilates.
         travel: how far to go, in units of the control, > 0.
         steps: how many equal ones, or `AdaptiveSteps`.
         scheme: ``leapfrog`` (order 2, one solve a step), ``explicit`` (order 1, does not see
@@ -62,7 +63,9 @@ def sequential(
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening
             decides alone; an event ``velocity not unique`` says where that is not enough (T32).
-        backend, coupling, tolerance, options: of each solve, see `lacore.solve`.
+        backend, coupling, tolerance, options: of each solve, see `lacore.solve`. Of soils whose
+            flow is not associated each load is certified, and one of several, maybe: look for the
+            others by `lacore.soil_range(path.problem(step))`.
         keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
         checkpoint: a file (npz) that keeps the path after each step. Called again with the same
             arguments, it goes on from there, to the same path bit for bit but for
@@ -90,10 +93,11 @@ def sequential(
     for name, call in {"on_step": on_step, "remesh": remesh}.items():
         if not (call is None or callable(call)):
             raise InputError(name, call, "cannot be called", "give a function, or leave it out")
-    require_positive("tolerance", tolerance)
+    if tolerance is not None:
+        require_positive("tolerance", tolerance)
     engine, _, _ = engine_for(backend, coupling, options or {})
     require_selection(selection, engine)
-    if coupling == "associated":
+    if coupling in ("associated", "davis"):
         raise InputError(
             "coupling",
             coupling,

@@ -166,7 +166,6 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     interfaces = [*problem.interfaces, *approaching]
     obstacles = tuple(_obstacle(interface, bodies, names) for interface in interfaces)
     for name, body in bodies.items():
-        body.law  # noqa: B018  # one without is refused here
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
     grips = [
@@ -245,6 +244,13 @@ def _curved(name: str, body: object) -> Body:
             body.kinematics,
             "the thickness would change from point to point, and is not followed",
             "take 'plane_strain' or 'axisymmetric'",
+        )
+    if body.criterion.law is not None and body.form.surfaces:
+        raise InputError(
+            f"Problem.bodies[{name!r}].criterion.law",
+            body.criterion.law,
+            "strength that depends on pressure does not harden along a path",
+            "let it be None",
         )
     space = isoparametric(body.mesh, body.space)
     return replace(body, mesh=_quadratic(body.mesh, space), space=space.name)

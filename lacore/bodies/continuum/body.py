@@ -20,7 +20,6 @@ from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
 from lacore.materials.conic_form import KINEMATICS, ConicForm
 from lacore.materials.criterion import Criterion
-from lacore.materials.hardening import HardeningLaw
 from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
 from lacore.meshes.polygonal import geometry_of
@@ -140,22 +139,6 @@ class Body(Shown):
     def form(self) -> ConicForm:
         """Cone of its dissipation."""
         return self.criterion.conic_form(self.kinematics)
-
-    @property
-    def law(self) -> HardeningLaw:
-        """How it hardens along a path.
-
-        Raises:
-            InputError: of a criterion that does not say.
-        """
-        if self.criterion.law is None:
-            raise InputError(
-                "Body.criterion",
-                self.criterion,
-                "does not say how it hardens, which paths ask for",
-                "give lacore.VonMises, or a criterion with a `law` (lacore.hardening.Perfect, ...)",
-            )
-        return self.criterion.law
 
     @property
     def axisymmetric(self) -> bool:

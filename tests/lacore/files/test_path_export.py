@@ -36,6 +36,46 @@ def test_a_state_within_a_step_is_as_strong_as_it_has_become(tmp_path):
     )
 
 
+def pressed_soil(cohesion, **more):
+    """A block of soil, a pressure on its side, that a smooth platen has begun to press."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2, crossed=False)
+    soil = la.Problem(
+        {"soil": la.Body(mesh, la.MohrCoulomb(cohesion, 30.0, **more), space="p2-gauss")},
+        [la.RigidFooting("soil", "top", (0, -1), rough=False)],
+        [la.Fix("soil", "left", "x"), la.Fix("soil", "bottom", "y")],
+        dead_loads=[la.Pressure("soil", "right", 0.5)],
+    )
+    return la.sequential(soil, 1e-4, 1, "explicit")
+
+
+def cells_of(file):
+    """Values at cells by name, of the only part."""
+    return {name: own for name, (own,) in meshio.read(file).cell_data.items()}
+
+
+def test_soils_without_strength_at_no_pressure(tmp_path):
+    """A rate of K = 3 to the side: the deviator of (3, -1, 0) has sqrt(2/3) ||e|| = 2.404."""
+    path = pressed_soil(0.0)
+    path.last.to_vtu(tmp_path / "state.vtu")
+    path.to_vtu(tmp_path / "path")
+    exact = np.sqrt(2 / 3 * (np.sum(np.square([3, -1, 0])) - 4 / 3))
+    for at in (cells_of(tmp_path / "state.vtu"), cells_of(tmp_path / "path" / "step-1.vtu")):
+        # Velocities are known to the root of the solver's accuracy, the body to a step of 1e-4.
+        assert at["equivalent_strain_rate"] == pytest.approx(exact, rel=1e-3)
+        assert at["dissipation"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_dissipation_along_a_path_of_soil(tmp_path):
+    path = pressed_soil(1.0)
+    at = cells_of(path.to_vtu(tmp_path).parent / "step-1.vtu")
+    power = at["dissipation"] @ path.stage.dofs_at(path.stage.start)["soil"].volumes
+    assert power == pytest.approx(path.history.plastic.iloc[0], rel=1e-3)  # of a step of 1e-4
+    assert "yield_stress" not in at
+    # Of flow that is not associated it depends on the stresses, which a path does not keep.
+    kept = pressed_soil(1.0, dilation_angle=0.0).to_vtu(tmp_path / "other").parent
+    assert "dissipation" not in cells_of(kept / "step-1.vtu")
+
+
 @pytest.mark.parametrize(
     ("made", "kind"), [(billet, "triangle6"), (quad_billet, "quad9")], ids=["triangles", "quads"]
 )

@@ -1,0 +1,62 @@
+"""How fast a body strains, as one number at each point: the equivalent strain rate (T29)."""
+
+from math import sqrt
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.dissipation import DissipationGroup
+
+
+def equivalent_rate(dofs: BodyDofs, group: DissipationGroup, velocity: Floats) -> Floats:
+    """Equivalent strain rate at the strain points, shape (elements, q), 1/s.
+
+    That which dissipates with the yield stress in tension, where strength does not depend on
+    pressure. Else ``sqrt(2/3) ||e||`` of the deviator e of the strain rate: the same of a velocity
+    that keeps volumes, and of one that dilates what it shears by. In plane stress without the rate
+    across the plane, which a velocity does not say.
+
+    Args:
+        dofs: of the body.
+        group: its dissipation, over all unknowns.
+        velocity: of all unknowns, m/s.
+    """
+    if group.surfaces is None:
+        lengths = np.linalg.norm(group.cone_vectors(velocity), axis=1)
+        return np.asarray(strain_per_length(dofs) * lengths.reshape(dofs.weights.shape))
+    return deviatoric(principal_rates(dofs, velocity[dofs.dofs]))
+
+
+def strain_per_length(dofs: BodyDofs) -> float:
+    """Equivalent strain rate per length of a cone vector: both dissipate the same.
+
+    Where strength depends on pressure as of lengths of ``(eps_xx - eps_yy, gamma)``.
+    """
+    form = dofs.body.form
+    if form.surfaces:
+        return 1 / sqrt(3)
+    return float(np.max(form.bound) / (sqrt(3) * dofs.strength))
+
+
+def deviatoric(principal: Floats) -> Floats:
+    """Equivalent strain, or its rate, of principal ones of shape (3, ...)."""
+    deviator = principal - principal.mean(axis=0)
+    return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=0)))
+
+
+def principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:
+    """Principal strain rates at the strain points, shape (3, elements, q), 1/s.
+
+    Args:
+        dofs: of the body.
+        velocity: of its nodes, shape (2, nodes), m/s.
+    """
+    field = dofs.basis.interpolate(velocity.T.ravel())
+    gradient = np.asarray(field.grad)
+    mean = (gradient[0, 0] + gradient[1, 1]) / 2
+    radius = np.hypot((gradient[0, 0] - gradient[1, 1]) / 2, (gradient[0, 1] + gradient[1, 0]) / 2)
+    out = np.zeros_like(mean)
+    if dofs.body.axisymmetric:
+        out = np.asarray(field)[0] / np.asarray(dofs.basis.global_coordinates())[0]
+    return np.stack([mean + radius, mean - radius, out])
