@@ -65,8 +65,8 @@ _LOOPS: tuple[Coupling, ...] = (
 _LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
-_TOLERANCE = 1e-6
-_ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
+TOLERANCE = 1e-6
+ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
@@ -118,8 +118,8 @@ def solve(
         CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
     """
-    accepted = _ACCEPTED if tolerance is None else None
-    tolerance = _TOLERANCE if tolerance is None else tolerance
+    accepted = ACCEPTED if tolerance is None else None
+    tolerance = TOLERANCE if tolerance is None else tolerance
     coupling_options = CouplingOptions(
         start, damping, anderson, tolerance, max_iterations, kappa, accepted
     )

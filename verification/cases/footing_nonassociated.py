@@ -90,14 +90,15 @@ CASE = Case(
     explanation=__doc__,
     hand_calculation="""\
 phi = 30:            N_c = 30.139628
-Davis, psi = 20:     beta = cos(20) cos(30)/(1 - sin(20) sin(30)) = 0.98167
+Davis, psi = 20:     beta = cos(20) cos(30)/(1 - sin(20) sin(30))
+                          = 0.98167
                      tan(phi*) = 0.56677, c* = 0.98167 c:  28.537
-Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30) = 1/2:  20.081
+Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30):  20.081
 """,
     meshes={
         "coarse": {"nx": 5, "ny": 2, "ratio": 4.0},
-        "medium": {"nx": 8, "ny": 4, "ratio": 5.0},
-        "fine": {"nx": 16, "ny": 8, "ratio": 5.0},
+        "medium": {"nx": 16, "ny": 9, "ratio": 6.0},
+        "fine": {"nx": 44, "ny": 26, "ratio": 8.0},
     },
     build=build,
     reference=reference,

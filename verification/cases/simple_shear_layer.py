@@ -82,8 +82,8 @@ phi = 20:      tau = 0.939693 + 0.342020 = 1.281713
 """,
     meshes={
         "coarse": {"nx": 4, "ny": 2},
-        "medium": {"nx": 8, "ny": 4},
-        "fine": {"nx": 16, "ny": 8},
+        "medium": {"nx": 18, "ny": 8},
+        "fine": {"nx": 49, "ny": 24},
     },
     build=build,
     reference=reference,

@@ -16,6 +16,7 @@ LINES = 60
 WIDTH = 120
 """Characters of a line."""
 _VARIANTS = 46  # lines for cases; with more variants each case gets one
+_NAMES = 4  # of them for names alone, where cases are still more
 _REASONS = 7  # lines for what fell short
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
@@ -23,13 +24,17 @@ _LINE = "{:30} {:20} {:19} {:>9} {:>10} {:6} {:>7} {}".format
 
 
 def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
-    """A line a variant, or of many variants the worst of each case; then what fell short."""
+    """A line a variant, or of many variants the worst of each case; then what fell short.
+
+    Of many cases those that are closest to what they are allowed, and the names of the others.
+    """
     folded = len(found) > _VARIANTS
     cases = _by_case(found) if folded else [[own] for own in found]
+    told = _told(cases)
     name = "case: worst of its variants" if folded else "case:variant"
     head = (name, "reference", "proven, or found", "worst by", "allowed", "agree", "solve")
     print_line(console, _LINE(*head, "verdict"), "bold")
-    for own in cases:
+    for own in (own for place, own in enumerate(cases) if place in told):
         worst = max(own, key=_badness)
         more = f" +{len(own) - 1}" if len(own) > 1 else ""
         cells = (
@@ -41,7 +46,24 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
             f"{sum(one.seconds for one in own):.1f} s",
         )
         print_line(console, _LINE(*cells, worst.verdict), _STYLES.get(worst.verdict, "dim"))
+    rest = [own[0].case for place, own in enumerate(cases) if place not in told]
+    for line in wrap(
+        f"and farther from what they are allowed: {', '.join(rest)}" if rest else "",
+        WIDTH,
+        subsequent_indent="  ",
+        max_lines=_NAMES,
+        placeholder=" ... (--full)",
+        break_on_hyphens=False,
+    ):
+        print_line(console, line, "dim")
     show_shortfalls(console, [short for own in found for short in own.shortfalls])
+
+
+def _told(cases: Sequence[Sequence[VariantSummary]]) -> set[int]:
+    """Places of the cases that get a line: all, or as many of the worst as there is room for."""
+    most = _VARIANTS if len(cases) <= _VARIANTS else _VARIANTS - _NAMES
+    worst = sorted(range(len(cases)), key=lambda place: max(map(_badness, cases[place])))
+    return set(worst[::-1][:most])
 
 
 def proven(summary: VariantSummary) -> str:

@@ -12,10 +12,17 @@ _WORKER = "verification.verify.nature:Worker"
 
 @dataclass(frozen=True)
 class Nature:
-    """Of a problem: whether the dissipation is an upper bound, and no friction is Coulomb's."""
+    """Of a problem.
+
+    Attributes:
+        strict: whether the dissipation is an upper bound.
+        normal: whether all flow is associated, that of soils and of contact.
+        bounded: whether that of soils is, so that bounds enclose every load factor.
+    """
 
     strict: bool = False
     normal: bool = False
+    bounded: bool = False
 
 
 class Worker:
@@ -24,7 +31,9 @@ class Worker:
     def nature(self, case: Case, variant: Variant, mesh: str) -> Nature:
         """Of a problem, built here."""
         found = la.discretise(case.problem(variant, mesh))
-        return Nature(strict_bound(found), not found.full.contact.coulomb.any())
+        bounded = not found.full.frictional
+        normal = bounded and not found.full.contact.coulomb.any()
+        return Nature(strict_bound(found), normal, bounded)
 
 
 def nature_of(case: Case, variant: Variant, mesh: str) -> Nature:

@@ -186,7 +186,7 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
             yield Question("side", tuple(group))
         yield Question("residuals", tuple(group))
         first = bool(exact) and backend == exact[0].backend
-        if coupling is None and first:
+        if coupling is None and first and nature.bounded:
             yield from _bracket(group[0], not nature.normal)
         if coupling is None and (first or (each and not is_regularised(backend))):
             yield from _ladder(group[0])

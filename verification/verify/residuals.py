@@ -7,7 +7,6 @@ from math import inf, isclose, isfinite, isnan, nan
 import numpy as np
 
 import lacore as la
-from verification.case import SOLVER
 from verification.evidence.limit_state import Proof
 from verification.runs.outcome import Outcome
 from verification.verdicts.limit_state import REGULARISED
@@ -37,10 +36,10 @@ def residuals(outcomes: Sequence[Outcome], rechecked: Mapping[str, Rechecked]) -
 
 def _residuals(outcome: Outcome, proof: Rechecked) -> Answer:
     run, row = outcome.run, outcome.row
-    bar = float(run.settings.get("tolerance", SOLVER))
-    allowed = f"<= {bar:g}"
     if isinstance(proof, str):
-        return Answer(FAIL, f"{run.label}: {proof}", nan, allowed)
+        return Answer(FAIL, f"{run.label}: {proof}", nan, "")
+    bar = float(run.settings.get("tolerance", proof.bar))
+    allowed = f"<= {bar:g}"
     if not 0 < bar < inf:
         return Answer(FAIL, f"{run.label}: nothing can be above a bar of {bar:g}", nan, allowed)
     stored = proof.load_factor
