@@ -14,7 +14,7 @@ from lacore.backend import check_capable, find_backend
 from lacore.certificate import certify
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
-from tests.backends.variants import METALS, VARIANTS
+from tests.backends.variants import METALS, VARIANTS, require_fit
 from verification.catalogue.catalogue import catalogue
 
 SLOW = pytest.mark.slow
@@ -69,6 +69,7 @@ def prepared(name, program, **options):
 @pytest.mark.parametrize(("name", "allowed"), EXACT)
 @pytest.mark.parametrize(("case", "variant"), VARIANTS)
 def test_one_value(case, variant, name, allowed):
+    require_fit(variant, name)
     program, contacts, expected = stated(case.id, variant.name)
     solver = prepared(name, program)
     for law, contact in contacts.items():

@@ -38,7 +38,7 @@ from tests.backends.test_clarabel import (
     random_program,
 )
 from tests.backends.test_regularised import NAMED
-from tests.backends.variants import VARIANTS
+from tests.backends.variants import VARIANTS, require_fit
 from tests.lacore.models import deformable_block, punch
 from verification.catalogue.catalogue import find
 
@@ -145,6 +145,7 @@ def test_certified_and_equal_to_clarabel(case, variant, mesh):
 
     A medium mesh has 3000 cones and points with two terms each: 6e-7, below the bar of 1e-6.
     """
+    require_fit(variant, "ipopt-static")
     d = la.discretise(case.problem(variant, mesh))
     stated = dimensionless(d.program, d.natural)
     gap = 1e-11 * 2 * sum(group.weights.size for group in stated.groups)

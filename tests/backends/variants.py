@@ -30,3 +30,10 @@ METALS = _variants(surfaces=False)
 """For every backend."""
 VARIANTS = METALS + _variants(surfaces=True)
 """For those that take surfaces, too."""
+
+
+def require_fit(variant, backend):
+    """Skip what a case says that a backend cannot do."""
+    why = variant.unfit.get(backend.partition(":")[0])
+    if why:
+        pytest.skip(why)

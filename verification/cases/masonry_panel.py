@@ -33,6 +33,7 @@ from verification.case import Band, Case, Convergence, Order, Reference, Variant
 
 LOAD = 0.1  # N, on a width of 1, per strength
 _BEAM = 0.1  # its height
+_NO_ROOM = {"ipopt-static": "stresses have no room beside a strut: iteration limit"}
 
 _GUIDED = Convergence(
     1.19, 0.546, "h = 1, 36 to 1024 elements: 16.8, 12.0, 7.6, 5.6, 3.7, 2.7 % above; h = 2 less"
@@ -116,6 +117,17 @@ def order(height: float, guided: bool, crushing: bool) -> Order | None:
     )
 
 
+def _variant(
+    name: str,
+    meshes: tuple[str, ...] = (),
+    height: float = 1.0,
+    guided: bool = False,
+    crushing: bool = True,
+) -> Variant:
+    parameters = {"height": height, "guided": guided, "crushing": crushing}
+    return Variant(name, parameters, meshes, _NO_ROOM if crushing else {})
+
+
 CASE = Case(
     id="masonry-panel",
     title="Masonry panel without tension, pushed sideways",
@@ -147,13 +159,9 @@ rocking:     about the toe, V h = N b/2: alpha = b/(2 h)
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("guided", {"height": 1.0, "guided": True, "crushing": True}),
-        Variant("guided-tall", {"height": 2.0, "guided": True, "crushing": True}, ("coarse",)),
-        Variant("rocking", {"height": 1.0, "guided": False, "crushing": False}, ("coarse",)),
-        Variant(
-            "rocking-crushing",
-            {"height": 1.0, "guided": False, "crushing": True},
-            ("coarse",),
-        ),
+        _variant("guided", guided=True),
+        _variant("guided-tall", ("coarse",), height=2.0, guided=True),
+        _variant("rocking", ("coarse",), crushing=False),
+        _variant("rocking-crushing", ("coarse",)),
     ),
 )
