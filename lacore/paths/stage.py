@@ -125,9 +125,10 @@ def _no_water(load: PorePressure | StandingWater, field: str) -> None:
     raise InputError(
         field,
         load.told,
-        "bodies that flow far do not feel water in their pores, and its surface does not follow"
-        " their vertices",
-        "leave it out, or give Pressure along the boundary",
+        "water at rest has its surface where it is, and the vertices of a body that flows far leave"
+        " it",
+        "leave it out, or give Pressure along the boundary; `solve` takes it in the shape that is"
+        " given",
     )
 
 

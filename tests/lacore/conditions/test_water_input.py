@@ -88,7 +88,7 @@ def test_a_path_takes_none():
         reference_loads=[la.Pressure("block", "top")],
         dead_loads=[la.PorePressure("block", 1.0)],
     )
-    with pytest.raises(la.InputError, match="flow far"):
+    with pytest.raises(la.InputError, match="flows far"):
         staged(problem, [])
 
 
