@@ -33,6 +33,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-slide",
         "block-topple",
         "cavity-cylinder",
+        "cavity-expansion",
         "cavity-sphere",
         "centre-crack",
         "circular-footing",
