@@ -118,24 +118,28 @@ def left_out(
 ) -> list[Run]:
     """Runs that are dear and tell least, and are not asked for where nothing is named.
 
-    Of variants that a first look does not show (`shown_first`): dense backends on meshes, and
-    regularised ones along paths. These answer for the first variant, and exact ones for all.
+    Of variants that a first look does not show (`shown_first`): dense backends and further exact
+    ones on meshes, and regularised ones along paths. These answer for the first variant, and the
+    first exact one for all.
     """
     if names or backends or meshes:
         return []
-    return [
-        run
-        for runs in _by_variant((), (), (), known)
-        if runs[0].variant not in shown_first(runs[0].case) and not all(map(_tells_least, runs))
-        for run in runs
-        if _tells_least(run)
-    ]
+    left: list[Run] = []
+    for runs in _by_variant((), (), (), known):
+        if runs[0].variant in shown_first(runs[0].case):
+            continue
+        exact = [run.backend for run in runs if not is_regularised(run.backend)]
+        most = [run for run in runs if not _tells_least(run, exact[:1])]
+        left += [run for run in runs if run not in most] if most else []
+    return left
 
 
-def _tells_least(run: Run) -> bool:
+def _tells_least(run: Run, first: Sequence[str]) -> bool:
+    regularised = is_regularised(run.backend)
     if run.case.path is not None:
-        return is_regularised(run.backend)
-    return run.case.meshed and capabilities(run.backend).dense
+        return regularised
+    further = not regularised and run.backend not in first
+    return run.case.meshed and (further or capabilities(run.backend).dense)
 
 
 def runs_of(questions: Sequence[Question]) -> list[Run]:

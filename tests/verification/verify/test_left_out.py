@@ -25,7 +25,9 @@ def test_dear_backends_are_asked_about_further_variants_by_name_only(few):
     for run in (run for run in whole if run.key in left):
         assert run.variant not in shown_first(run.case)
         path = run.case.path is not None
-        assert is_regularised(run.backend) if path else capabilities(run.backend).dense
+        further = not is_regularised(run.backend) and run.backend != "clarabel"
+        least = capabilities(run.backend).dense or further
+        assert is_regularised(run.backend) if path else least
         assert run.case.meshed
     for told in (
         lambda run: (run.case.id, run.variant.name),
