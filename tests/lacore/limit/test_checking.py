@@ -220,3 +220,17 @@ def test_a_shortened_table_is_refused():
     state = solved("wall")
     with pytest.raises(la.InputError, match="reactions"):
         state.certify(reactions=state.reactions.iloc[1:])
+
+
+def test_a_state_of_stresses_that_feel_the_hoop_checks_itself():
+    """Tresca's criterion has two mean stresses a point in axisymmetry (T40)."""
+    mesh = la.meshes.rectangle((1, 2), (0, 1), 2, 2)
+    body = la.Body(mesh, la.MaximumShear(1.0), kinematics="axisymmetric", space="p2-gauss")
+    state = la.solve(
+        la.Problem(
+            bodies={"ring": body},
+            supports=[la.Fix("ring", side, "y") for side in ("bottom", "top")],
+            reference_loads=[la.Pressure("ring", "left", 1.0)],
+        )
+    )
+    assert state.certify(point=state.point).holds(state.tolerance)
