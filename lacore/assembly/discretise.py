@@ -21,6 +21,7 @@ from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.contact.segments import Segments
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
+from lacore.problem.wet import acting
 from lacore.program import ContactRows, KinematicProgram
 from lacore.reduction import kept_points, reduced
 
@@ -69,8 +70,12 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
             *(group for groups in strained.values() for group in groups),
         ),
         contact=contact,
-        reference_load=load_vector(problem.reference_loads, dofs, continua, unknowns.footings, n),
-        dead_load=load_vector(problem.dead_loads, dofs, continua, unknowns.footings, n),
+        reference_load=load_vector(
+            acting(problem, problem.reference_loads), dofs, continua, unknowns.footings, n
+        ),
+        dead_load=load_vector(
+            acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n
+        ),
         parts=unknowns.parts,
     )
     program = reduced(full, held.basis)

@@ -28,6 +28,7 @@ from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
+from lacore.problem.wet import acting
 from lacore.program import KinematicProgram, Scales
 from lacore.reduction import kept_points, reduced
 from lacore.showing import Facts, Shown, counted, listed, sized
@@ -107,8 +108,10 @@ def static_model(problem: Problem) -> StaticModel:
     full = KinematicProgram(
         groups=tuple(own.group(name, n) for name, own in bodies.items()),
         contact=contact,
-        reference_load=load_vector(problem.reference_loads, dofs, bodies, footings, n),
-        dead_load=load_vector(problem.dead_loads, dofs, bodies, footings, n),
+        reference_load=load_vector(
+            acting(problem, problem.reference_loads), dofs, bodies, footings, n
+        ),
+        dead_load=load_vector(acting(problem, problem.dead_loads), dofs, bodies, footings, n),
     )
     conditions = join(
         [

@@ -55,7 +55,8 @@ class PorePressure(Compact):
     So stresses of a program are effective ones, and results show both (T64). In each element u is
     linear (bilinear on quadrilaterals) between its values at the vertices, and that is the problem
     that is solved and bounded: let edges of the mesh follow a water table. What has no friction
-    does not feel it. A body under free water is pressed by it, too: `StandingWater`.
+    does not feel it. Water presses in contacts with obstacles, too, whose friction follows what is
+    left. A body under free water is pressed by that as well: `StandingWater`.
 
     Attributes:
         body: name of the body.

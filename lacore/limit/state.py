@@ -208,8 +208,9 @@ class LimitState(Shown):
         of the surface, m^2: times tractions it makes forces.
         Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
         the step does not close is open, though it may approach (``u_n < 0``).
-        ``t_n >= 0`` is compression; the tangent is the normal turned by +90 degrees. Pressures
-        oscillate from point to point; sums and averages are what to trust.
+        ``t_n >= 0`` is compression, of a body with water in its pores that of the skeleton (T64);
+        the tangent is the normal turned by +90 degrees. Pressures oscillate from point to point;
+        sums and averages are what to trust.
         """
         point, rows = self._point(), self.discretisation.full.contact
         where = self.discretisation.points

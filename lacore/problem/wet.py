@@ -1,16 +1,61 @@
-"""Where water in the pores of a body cannot be stated (T64)."""
+"""Water in the pores of a body where it touches others: it presses in the contact, too (T64)."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import singledispatch
+from typing import TYPE_CHECKING
 
+from scipy.spatial import KDTree
+
+from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.water import in_pores
 from lacore.conditions.loads import Load
-from lacore.conditions.water import PorePressure
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
+from lacore.meshes.curved import vertices
+
+if TYPE_CHECKING:
+    from lacore.problem.problem import Problem
+
+
+def acting(problem: "Problem", loads: Sequence[Load]) -> list[Load]:
+    """Loads of a problem, and the water between wet bodies and the obstacles that they touch.
+
+    It presses them back, so that what an interface carries is the pressure of the skeleton.
+    """
+    return [*loads, *(more for load in loads for more in _between(load, problem))]
+
+
+@singledispatch
+def _between(load: Load, problem: "Problem") -> list[StandingWater]:
+    """The water that a load has in contacts: none, of what is no water."""
+    return []
+
+
+@_between.register(PorePressure)
+def _of_pores(load: PorePressure, problem: "Problem") -> list[StandingWater]:
+    body = of_kind(problem.bodies, Body)[load.body]
+    pressure = _AtVertices(vertices(body.mesh), in_pores(load, body, "PorePressure"))
+    sides = (side for interface in problem.interfaces for side in interface.sides)
+    return [StandingWater(name, where, pressure) for name, where in sides if name == load.body]
+
+
+@dataclass(frozen=True)
+class _AtVertices:
+    """Values at vertices of shape (2, n), as a function of their places."""
+
+    places: Floats
+    values: Floats
+
+    def __call__(self, x: Floats) -> Floats:
+        return self.values[KDTree(self.places.T).query(x.T)[1]]
 
 
 def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> None:
-    """Refuse pore pressure in bodies that touch others: it would press in the contact, too.
+    """Refuse pore pressure in bodies that touch other bodies.
 
     Args:
         loads: by the field that they were given in.
@@ -21,13 +66,14 @@ def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> Non
     """
     for field, load in loads.items():
         for interface in interfaces:
-            if any(name == load.body for name, _ in interface.sides):
+            both = [name for name, _ in interface.sides]
+            if len(both) == 2 and load.body in both:
                 _refuse(load, field, interface)
 
 
 @singledispatch
 def _refuse(load: Load, field: str, interface: Interface) -> None:
-    """Raise `InputError` where a load on a body does not go with an interface of it."""
+    """Raise `InputError` where a load on a body does not go with an interface of two bodies."""
 
 
 @_refuse.register(PorePressure)
@@ -35,8 +81,7 @@ def _refuse_pores(load: PorePressure, field: str, interface: Interface) -> None:
     raise InputError(
         f"{field}.body",
         load.body,
-        f"touches what {interface.name} says: water presses in that contact, too, and friction"
-        " there would have to follow what the skeleton presses",
-        "hold the boundary by a Fix (components='normal' slides, 'xy' sticks), load it by a"
-        " RigidFooting, or mesh both bodies as one",
+        f"touches another body, {interface.name}: how the water of the one presses the other"
+        " across edges that need not match is not stated yet",
+        "put a RigidObstacle or a RigidFooting in its place, or mesh both bodies as one",
     )

@@ -245,6 +245,62 @@ def test_what_has_no_friction_feels_no_water(criterion, space):
     assert la.solve(wet).load_factor == pytest.approx(expected, rel=1e-6)
 
 
+def test_a_smooth_wall_is_pushed_into_wet_soil():
+    """Rankine: ``K_p (gamma - gamma_w) H/2 + 2 c sqrt(K_p)``, and the water; from both sides.
+
+    The soil is compressed alike everywhere, so that both are exact but for margins of 1e-5.
+    """
+    mesh = rectangle((0, 2), (-1, 0), 2, 1)
+    problem = la.Problem(
+        bodies={"soil": la.Body(mesh, la.MohrCoulomb(1.0, 30))},
+        supports=[la.Fix("soil", "right", "x"), la.Fix("soil", "bottom", "y")],
+        reference_loads=[la.RigidFooting("soil", "left", (1, 0), rough=False)],
+        dead_loads=[own_weight(SATURATED), la.PorePressure("soil", la.WaterTable(0.0, WATER))],
+    )
+    exact = 3 * (SATURATED - WATER) / 2 + 2 * 3**0.5 + WATER / 2
+    assert la.lower_bound(problem).load_factor == pytest.approx(exact, rel=2e-5)
+    assert la.upper_bound(problem).load_factor == pytest.approx(exact, rel=2e-5)
+
+
+def pushed(pressure, law, criterion=CLAY):
+    """A block of 4 by 1 under 1 Pa, on a rigid floor, pushed at its left."""
+    mesh = rectangle((0, 4), (0, 1), 4, 1)
+    return la.Problem(
+        bodies={"soil": la.Body(mesh, criterion)},
+        interfaces=[la.Interface(("soil", "bottom"), la.RigidObstacle(), friction=law)],
+        reference_loads=[la.Traction("soil", "left", (1, 0))],
+        dead_loads=[la.Pressure("soil", "top", 1.0), la.PorePressure("soil", pressure)],
+    )
+
+
+@pytest.mark.parametrize("law", [0.3, la.Coulomb(0.3, associated=True)])
+def test_friction_on_a_floor_is_that_of_the_effective_pressure(law):
+    """Whatever the values at vertices, their mean: 0.3 (1 - 0.4) 4 m, and not what a clay of 1 Pa
+    is crushed by; of Coulomb's law certified, and shown as what the skeleton presses."""
+    mesh = rectangle((0, 4), (0, 1), 4, 1)
+    values = 0.4 + 0.1 * np.cos(np.pi / 4 * mesh.p[0])  # antisymmetric about the middle
+    state = la.solve(pushed(values, law))
+    assert state.load_factor == pytest.approx(0.3 * 0.6 * 4, rel=1e-6)
+    carried = state.reactions
+    assert carried.t_n @ carried.length == pytest.approx(0.6 * 4, rel=1e-6)
+
+
+def test_bounds_on_a_floor_take_its_water():
+    """Both, and their gap: nothing but sliding, exact to round-off of the projections."""
+    problem = pushed(0.4, la.Coulomb(0.3, associated=True))
+    lower, upper = la.lower_bound(problem), la.upper_bound(problem)
+    for bound in (lower, upper):
+        assert bound.load_factor == pytest.approx(0.3 * 0.6 * 4, rel=1e-6)
+    assert la.gap_identity(upper, lower).total == pytest.approx(
+        upper.load_factor - lower.load_factor, abs=1e-9
+    )
+
+
+def test_water_below_a_block_may_lift_it():
+    """More than its weight: there is no contact that could carry anything."""
+    assert la.solve(pushed(1.2, 0.3)).status is Status.UNSAFE
+
+
 def test_bounds_with_water_enclose_and_their_gap_is_the_sum_of_its_shares():
     """On any mesh with any pressures, also of velocities that jump."""
     dead = [own_weight(1.0), pores(n=3)]
