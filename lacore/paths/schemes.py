@@ -132,12 +132,13 @@ class Walk:
     def require_safe(self, here: Here, distance: float) -> None:
         """Dead loads must not collapse the bodies as strong as they are now.
 
-        Hardening within the step would catch them, in a jump that no step size resolves.
+        Hardening within the step would catch them, in a jump that no step size resolves. Where
+        nothing does, the step itself is unsafe.
 
         Raises:
             PathEndError: they do.
         """
-        if not self.stage.problem.dead_loads:
+        if not (self.stage.problem.dead_loads and self.stage.catches):
             return
         now = Moment(here.configuration, here.configuration, distance / here.speed, 0.0)
         state = flow(self.stage, now, self.settings).state

@@ -56,6 +56,12 @@ class Stage(Compact):
         return of_kind(self.problem.bodies, Body)
 
     @cached_property
+    def catches(self) -> bool:
+        """Whether a step can stop what dead loads alone collapse: by hardening, or at obstacles."""
+        hardens = any(not body.form.surfaces for body in self.bodies.values())
+        return hardens or bool(self.obstacles)
+
+    @cached_property
     def turns(self) -> dict[str, Floats]:
         """+1 of elements that turn anticlockwise at the beginning, else -1, by body."""
         return {

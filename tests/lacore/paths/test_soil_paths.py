@@ -70,6 +70,8 @@ def test_a_block_between_smooth_platens(soil, lateral, dilation):
     assert path.status is Ending.REACHED, path.message
     grows = ratio(dilation)
     allowed = growth_error(grows, travel, steps)
+    if soil.dilation_angle is None:  # one a step, and one at the beginning
+        assert path.history.solves.sum() == steps + 1
     narrow, wide = width(path)
     assert wide == pytest.approx((1 - travel) ** -grows, rel=allowed)
     assert wide - narrow < 1e-4  # as uniform as velocities are known: to the root of 1e-8
@@ -193,6 +195,13 @@ def test_strengths_of_elements_do_not_go_to_another_mesh():
     path = la.sequential(sample(own, 0.0), 2.0, 1, remesh=finer)
     assert path.status is Ending.NOT_REMESHED
     assert "a strength of each element" in path.message
+
+
+def test_a_side_that_is_pulled_beyond_the_apex_is_unsafe():
+    path = la.sequential(sample(la.MohrCoulomb(1.0, 30.0), -2.0), 0.1, 1)  # c cot(phi) = 1.73
+    assert path.status is Ending.NOT_SOLVED
+    assert "unsafe" in path.message
+    assert path.history.empty
 
 
 def test_what_no_path_takes():
