@@ -13,6 +13,7 @@ from lacore.bounds.gap_identity import GapIdentity, gap_identity
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.precision import exactness
 from lacore.bounds.upper import UpperBound
+from lacore.limit.reached import reached_supports
 from lacore.showing import Compact, Facts, Picture, Shown, counted
 from lacore.status import Rigor, Status
 
@@ -138,7 +139,7 @@ class Bracket(Shown):
 
     @property
     def message(self) -> str:
-        """The status in words, what it is proven of, and what failed."""
+        """The status in words, what it is proven of, what failed, which supports are too near."""
         proven_of = ""
         if self.strict:
             proven_of = "both bounds are proven"
@@ -149,7 +150,10 @@ class Bracket(Shown):
                 "both bounds are of the polygon that stands for a curved outline"
                 " (Body.geometry='approximated'), not of the body"
             )
-        return "; ".join(filter(None, (self.status.value, proven_of, self.failure)))
+        upper = self.upper_bound
+        moved = upper.velocity if upper.status is Status.SOLVED else None
+        reached = reached_supports(upper.discretisation, moved)
+        return "; ".join(filter(None, (self.status.value, proven_of, self.failure, reached)))
 
     @cached_property
     def gaps(self) -> GapIdentity:

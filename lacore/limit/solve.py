@@ -37,6 +37,7 @@ from lacore.limit.checking import program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.hinging import ROUNDS, excess, hinged
+from lacore.limit.reached import reached_supports
 from lacore.limit.stability import warning
 from lacore.limit.state import LimitState
 from lacore.meshes.polygonal import POLYGON
@@ -292,10 +293,11 @@ def limit_state(
     """
     final, scales = coupled.final, program.scales
     inner, point, certificate = final.inner, final.state, final.certificate
-    corners = ""
+    corners = reached = ""
     if coupled.status in _MOVING:
         moved = None if point is None else discretisation.free_basis @ point.velocity
         corners = driven_corners(discretisation, moved, tolerance)
+        reached = reached_supports(discretisation, moved)
     if corners:
         coupled = replace(coupled, status=Status.NOT_CERTIFIED)
     load_factor = np.inf if coupled.status is Status.LOCKED else np.nan
@@ -327,12 +329,8 @@ def limit_state(
         message += f"; {POLYGON}"
     if ranging:
         message += f"; {_ONE_OF_MANY}"
-    if corners:
-        message += f"; {corners}"
-    if wary := warning(coupled, load_factor):
-        message += f"; {wary}"
-    if coupled.note:
-        message += f"; {coupled.note}"
+    notes = (corners, reached, warning(coupled, load_factor), coupled.note)
+    message += "".join(f"; {note}" for note in notes if note)
     if inner.message:
         message += f" ({inner.message})"
     if coupled.status is Status.LOCKED and discretisation.bodies:
