@@ -160,7 +160,7 @@ class ConicForm:
         ]
         strains = [
             _Law(g.rows, g.dim, g.weights, stiff.eta)
-            if penalty is None or not own.any()
+            if penalty is None or g.surfaces is not None or not own.any()
             else _Law(
                 interleaved(g.rows, g.dim, g.volumetric * g.volumetric_factor, 1),
                 g.dim + 1,

@@ -16,6 +16,7 @@ from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
     RegularisedPoint,
+    by_shifts,
     check_penalties,
     evaluate,
     judged_status,
@@ -62,7 +63,7 @@ class ClarabelRegularised:
     title: ClassVar[str] = "Clarabel, regularised program as cones and quadratic cost"
     source: ClassVar[str] = "Goulart & Chen, Clarabel: an interior-point solver, 2024"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, hardening=True, packages=("clarabel",)
+        regularised=True, hardening=True, surfaces=True, packages=("clarabel",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelRegularisedOptions
@@ -123,7 +124,7 @@ class RegularisedSolver:
         dual = answer.form.point(answer.x, answer.z, contact)
         point = evaluate(self._program, contact, self._penalty, dual.velocity, dual.load_factor)
         values = point.values
-        shifted = float(self._program.contact.weights @ (contact.shift * dual.normal_reaction))
+        shifted = by_shifts(self._program, contact, dual)
         below = dual.load_factor - shifted - answer.form.complementary_energy(answer.z, contact)
         dead_power = float(self._program.dead_load @ dual.velocity)
         power = max(abs(point.objective) + abs(dead_power), 1.0)

@@ -3,20 +3,23 @@
 Every rate-independent term ``bound ||v||`` becomes the least of a viscous energy
 ``stiffness ||v - v_p||^2 / 2`` and the dissipation ``bound ||v_p||`` (a Huber function), and one
 that hardens (T29) keeps its ``modulus ||v_p||^2 / 2`` beside the dissipation; incompressibility and
-contact become penalties. All quantities in the units of the program.
+contact become penalties. Where strength depends on pressure one law takes the place of both, with
+an elastic share of all rates (T65). All quantities in the units of the program.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError, is_number, require_positive
 from lacore.program import FrozenContact, KinematicProgram, Scales
 from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
+from lacore.surfaces import Surfaces
 
 _ESCAPED = 1e8  # dimensionless velocity at F0.U = 1: that of a mechanism is 1 to 1000
 _SMALLEST_R = 1e-8
@@ -38,6 +41,10 @@ class Penalties(Compact):
     bulk: float
     normal: float
     tangential: float
+
+    def of_rates(self, volumes: int) -> Floats:
+        """Stiffness of ``||d||`` and of volumetric rates (T65), shape (1 + volumes,)."""
+        return np.append(self.eta, np.full(volumes, self.bulk))
 
     def softened(self, factor: float) -> "Penalties":
         """All four multiplied by a factor."""
@@ -132,7 +139,8 @@ class RegularisedValues(Compact):
         plastic: P, dissipation less the power of the dead load.
         alpha_reg: ``P + C`` with C the viscous and penalty energy; without hardening what is
             minimised (`RegularisedPoint.objective`).
-        load_factor: lambda = ``P + 2 C`` (and ``t_n.shift``), the multiplier of ``F0.U = 1``.
+        load_factor: lambda = ``P + 2 C`` (and the power of `by_shifts`), the multiplier of
+            ``F0.U = 1``.
         multiplier: the same as the solver reports it; NaN where it reports none.
     """
 
@@ -191,6 +199,62 @@ def beside(stiffness: float, bound: Floats, modulus: Floats) -> Beside:
     return Beside(share * modulus, share * stiffness, share * bound)
 
 
+@dataclass(frozen=True)
+class _Plastic:
+    """Law of a group: energy, dissipation and what hardening adds to it, (m,), and stresses."""
+
+    energy: Floats
+    dissipation: Floats
+    hardening: Floats
+    stress: Floats
+    mean: Floats
+
+
+def _plastic(group: DissipationGroup, penalty: Penalties, velocity: Floats) -> _Plastic:
+    """The Huber law of cones, and the penalty on theta (T17)."""
+    cone, theta = group.cone_vectors(velocity), np.asarray(group.volumetric @ velocity)
+    share = group.volumetric_factor
+    length = np.sqrt(np.sum(cone**2, axis=1) + (share * theta) ** 2)
+    law = _huber(length, penalty.eta, group.bound, group.rise)
+    return _Plastic(
+        energy=law.energy + penalty.bulk * theta**2 / 2,
+        dissipation=law.dissipation,
+        hardening=law.hardening,
+        stress=law.secant[:, None] * cone,
+        mean=(law.secant * share**2 + penalty.bulk) * theta,
+    )
+
+
+def _plastic_pressed(
+    group: DissipationGroup, surfaces: Surfaces, penalty: Penalties, velocity: Floats
+) -> _Plastic:
+    """The law of surfaces (T65)."""
+    cone, volume = group.cone_vectors(velocity), np.asarray(group.volumetric @ velocity)
+    volume = (volume - surfaces.besides).reshape(-1, surfaces.volumes)
+    length = np.linalg.norm(cone, axis=1)
+    stiffness = penalty.of_rates(surfaces.volumes)
+    rates = np.column_stack([length, volume])
+    found = surfaces.closest_point(rates, stiffness).stress
+    elastic = found / stiffness
+    direction = cone / np.where(length > 0, length, 1.0)[:, None]
+    return _Plastic(
+        energy=np.sum(found * elastic, axis=1) / 2,
+        dissipation=np.sum(found * (rates - elastic), axis=1),
+        hardening=np.zeros(length.size),
+        stress=found[:, :1] * direction,
+        mean=found[:, 1:].ravel(),
+    )
+
+
+def by_shifts(program: KinematicProgram, contact: FrozenContact, state: ProgramState) -> float:
+    """Power of reactions on shifts of contact rows, and of stresses on dilations of surfaces."""
+    power = float(program.contact.weights @ (state.normal_reaction * contact.shift))
+    for group, mean in zip(program.groups, state.mean_stress, strict=True):
+        if group.surfaces is not None:
+            power += float((group.volume_weights * group.surfaces.besides) @ mean)
+    return power
+
+
 @dataclass(frozen=True, repr=False)
 class RegularisedPoint(Compact):
     """The regularised energy at a velocity, and its derivative as stresses and reactions.
@@ -224,18 +288,17 @@ def evaluate(
     gradient = -program.dead_load
     stresses, means = [], []
     for group in program.groups:
-        cone = group.cone_vectors(velocity)
-        theta = np.asarray(group.volumetric @ velocity)
-        share = group.volumetric_factor
-        length = np.sqrt(np.sum(cone**2, axis=1) + (share * theta) ** 2)
-        law = _huber(length, penalty.eta, group.bound, group.rise)
-        stresses.append(law.secant[:, None] * cone)
-        means.append((law.secant * share**2 + penalty.bulk) * theta)
-        energy += float(group.weights @ (law.energy + penalty.bulk * theta**2 / 2))
+        if group.surfaces is None:
+            law = _plastic(group, penalty, velocity)
+        else:
+            law = _plastic_pressed(group, group.surfaces, penalty, velocity)
+        stresses.append(law.stress)
+        means.append(law.mean)
+        energy += float(group.weights @ law.energy)
         dissipation += float(group.weights @ law.dissipation)
         hardening += float(group.weights @ law.hardening)
-        gradient = gradient + group.rows.T @ (group.weights[:, None] * stresses[-1]).ravel()
-        gradient = gradient + group.volumetric.T @ (group.weights * means[-1])
+        gradient = gradient + group.rows.T @ (group.weights[:, None] * law.stress).ravel()
+        gradient = gradient + group.volumetric.T @ (group.volume_weights * law.mean)
     reaction = _contact_law(program, contact, penalty, velocity)
     weights = program.contact.weights
     energy += float(weights @ reaction.energy)
@@ -245,17 +308,18 @@ def evaluate(
         gradient - program.contact.tangential.T @ (weights[:, None] * reaction.tangential).ravel()
     )
     plastic = dissipation - float(program.dead_load @ velocity)
-    by_shift = float(weights @ (reaction.normal * contact.shift))
-    load_factor = plastic + 2 * energy + by_shift  # gradient.velocity, at any velocity
-    values = RegularisedValues(plastic, plastic + energy, load_factor, multiplier)
     state = ProgramState(
         velocity=velocity,
-        load_factor=values.load_factor,
+        load_factor=float("nan"),
         stress=tuple(stresses),
         mean_stress=tuple(means),
         normal_reaction=reaction.normal,
         tangential_reaction=reaction.tangential,
     )
+    # gradient.velocity, at any velocity
+    load_factor = plastic + 2 * energy + by_shifts(program, contact, state)
+    values = RegularisedValues(plastic, plastic + energy, load_factor, multiplier)
+    state = replace(state, load_factor=load_factor)
     return RegularisedPoint(values, values.alpha_reg - hardening, gradient, state)
 
 

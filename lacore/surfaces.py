@@ -21,11 +21,25 @@ from itertools import combinations
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.numerics.polyhedra import nearest
 from lacore.showing import Compact
 
 _PARALLEL = 1e-9  # determinant of unit normals below which planes do not meet in a point
 _SWEEPS = 3  # over edges that a strain rate is beyond: each is one of a few
 _ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
+
+
+@dataclass(frozen=True)
+class ClosestPoint:
+    """Stresses within surfaces that are closest to elastic ones (T65).
+
+    Attributes:
+        stress: (q, p), shape (m, 1+L), Pa.
+        tangent: derivative by ``(||d||, v)``, symmetric, shape (m, 1+L, 1+L), Pa s.
+    """
+
+    stress: Floats
+    tangent: Floats
 
 
 @dataclass(frozen=True, repr=False)
@@ -220,14 +234,28 @@ class Surfaces(Compact):
         powers = np.einsum("mel,ml->me", self._edges, rates)
         return np.asarray(np.where(self._edges.any(axis=2), powers, -np.inf).max(axis=1))
 
+    def closest_point(self, rates: Floats, stiffness: Floats) -> ClosestPoint:
+        """Stresses ``stiffness * rates``, or those within the surfaces closest to them.
+
+        Closest in elastic energy, ``sum stress^2/(2 stiffness)``.
+
+        Args:
+            rates: ``(||d||, v)``, shape (m, 1+L), 1/s.
+            stiffness: of each of them, shape (1+L,), Pa s.
+        """
+        root = np.sqrt(stiffness)
+        normals, strengths = self.planes
+        found = nearest(normals * root, strengths, rates * root)
+        return ClosestPoint(found.points * root, found.along * root * root[:, None])
+
     @cached_property
     def _lines(self) -> Bools:
         """Volumetric rows that no surface feels: nothing may flow in them, shape (L,)."""
         return np.asarray(~self.slope.any(axis=(0, 1)))
 
     @cached_property
-    def _planes(self) -> tuple[Floats, Floats]:
-        """Normals in (q, p), shape (m, k+1, 1+L), and strengths of all planes, ``-q <= 0`` last."""
+    def planes(self) -> tuple[Floats, Floats]:
+        """Normals in (q, p), shape (m, k+1, 1+L), and strengths (m, k+1), of ``-q <= 0`` last."""
         m = self.slope.shape[0]
         normed = np.broadcast_to(self.normed[:, None], (m, self.count, 1))
         own = np.concatenate([normed, self.slope], axis=2)
@@ -239,7 +267,7 @@ class Surfaces(Compact):
     @cached_property
     def _met(self) -> tuple[Floats, Bools]:
         """Points in which planes meet, and which of them are corners: (m, v, 1+L), (m, v)."""
-        normals, strengths = self._planes
+        normals, strengths = self.planes
         felt = np.concatenate([[True], ~self._lines])
         places = np.flatnonzero(felt)
         seen = normals[:, :, felt]
@@ -276,7 +304,7 @@ class Surfaces(Compact):
     @cached_property
     def _edges(self) -> Floats:
         """Directions (q, p) to infinity, largest of p 1, or zeros: shape (m, e, 1+L)."""
-        normals, _ = self._planes
+        normals, _ = self.planes
         size = normals.shape[2]
         found = []
         for chosen in combinations(range(normals.shape[1]), size - 1):

@@ -29,6 +29,7 @@ LACORE = (
     *(
         "arrays",
         "errors",
+        "numerics",
         "showing",
         "views",
         "status",
@@ -38,7 +39,7 @@ LACORE = (
         "reduction",
     ),
     *("state", "part_forces", "certificate", "regularization", "backend"),
-    *("numerics", "process", "inner", "claims", "coupling"),
+    *("process", "inner", "claims", "coupling"),
     *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
     *("limit", "bounds", "adaptive", "ranges", "paths", "files", "pictures", "doors"),
 )
@@ -50,7 +51,7 @@ VERIFICATION = (
 )
 """Those of verification, alike."""
 HOUSES = {"lacore": LACORE, "verification": VERIFICATION}
-SOLVER_WING = LACORE[LACORE.index("numerics") : LACORE.index("materials")]
+SOLVER_WING = LACORE[LACORE.index("process") : LACORE.index("materials")]
 MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
 NAMED = r"(lacore|backends|verification)[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")

@@ -226,7 +226,8 @@ def _stated(problem: Discretisation, backend: str, coupling: str) -> KinematicPr
             "coupling",
             coupling,
             "iterates on contact reactions, and a soil here dilates less than its friction",
-            "take 'certified', or 'associated' or 'davis' for a single solve",
+            "take 'certified' and an exact backend such as 'clarabel', or 'associated' or 'davis'"
+            " for a single solve",
         )
     return program
 

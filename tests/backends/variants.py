@@ -28,8 +28,10 @@ def _variants(surfaces):
 
 METALS = _variants(surfaces=False)
 """For every backend."""
-VARIANTS = METALS + _variants(surfaces=True)
-"""For those that take surfaces, too."""
+SOILS = _variants(surfaces=True)
+"""For those that take surfaces."""
+VARIANTS = METALS + SOILS
+"""For those that take both."""
 
 
 def require_fit(variant, backend):

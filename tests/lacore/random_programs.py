@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+from lacore.surfaces import Surfaces
 
 N, CONES, POINTS = 9, 4, 3
 
@@ -56,6 +57,21 @@ def random_step(seed):
         contact=replace(program.contact, closing=closing),
         dead_load=0.05 * program.dead_load,  # any more collapses one in two
     )
+
+
+def random_soil(seed):
+    """`random_program` with cones that feel two volumetric rates: three planes, and one of p."""
+    program, rng = random_program(seed), np.random.default_rng(seed + 2)
+    (group,) = program.groups
+    surfaces = Surfaces(
+        slope=rng.uniform(-1, 1, (CONES, 4, 2)),
+        strength=rng.uniform(0.5, 2, (CONES, 4)),
+        normed=np.array([1.0, 1.0, 1.0, 0.0]),
+        dilation=rng.uniform(-0.3, 0.3, 2 * CONES),
+    )
+    volumes = csr_matrix(rng.uniform(-1, 1, (2 * CONES, N)))
+    soil = replace(group, volumetric=volumes, volumetric_factor=0.0, surfaces=surfaces)
+    return replace(program, groups=(soil,))
 
 
 def frozen(bound, dilatancy=0.0, shift=0.0):

@@ -9,8 +9,17 @@ from hypothesis import strategies as st
 
 import lacore as la
 from lacore.program import Scales
-from lacore.regularization import Penalties, beside, evaluate, penalties
-from tests.lacore.random_programs import CONES, POINTS, N, frozen, random_program, random_step
+from lacore.regularization import Penalties, beside, by_shifts, evaluate, penalties
+from lacore.surfaces import Surfaces
+from tests.lacore.random_programs import (
+    CONES,
+    POINTS,
+    N,
+    frozen,
+    random_program,
+    random_soil,
+    random_step,
+)
 
 SEED = st.integers(0, 10**6)
 # Stiffness per bound from far below to far above the kinks at velocities of order one.
@@ -32,7 +41,7 @@ def penalty(rng, stiff):
     return Penalties(*(stiff * rng.uniform(0.5, 2, 4)))
 
 
-@pytest.mark.parametrize("make", [random_program, random_step])
+@pytest.mark.parametrize("make", [random_program, random_step, random_soil])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
 def test_gradient_is_that_of_the_energy(make, seed, stiff, name):
     rng = np.random.default_rng(seed)
@@ -51,7 +60,7 @@ def test_gradient_is_that_of_the_energy(make, seed, stiff, name):
     )
 
 
-@pytest.mark.parametrize("make", [random_program, random_step])
+@pytest.mark.parametrize("make", [random_program, random_step, random_soil])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
 def test_energy_is_convex(make, seed, stiff, name):
     """Both by the chord and by the monotonicity of the gradient."""
@@ -65,7 +74,7 @@ def test_energy_is_convex(make, seed, stiff, name):
     assert (at[2].gradient - at[0].gradient) @ (v - u) >= -round_off
 
 
-@pytest.mark.parametrize("make", [random_program, random_step])
+@pytest.mark.parametrize("make", [random_program, random_step, random_soil])
 @given(seed=SEED, stiff=STIFF, name=LAWS)
 def test_gradient_is_continuous(make, seed, stiff, name):
     """C1: along any line the gradient makes steps no larger than its Lipschitz constant allows."""
@@ -82,7 +91,7 @@ def test_gradient_is_continuous(make, seed, stiff, name):
     assert steps.max() <= lipschitz * np.linalg.norm(v - u) / 50
 
 
-@pytest.mark.parametrize("make", [random_program, random_step])
+@pytest.mark.parametrize("make", [random_program, random_step, random_soil])
 @given(seed=SEED, stiff=STIFF, name=st.sampled_from(["smooth", "friction", "dilatant"]))
 def test_the_three_values(make, seed, stiff, name):
     """P <= alpha_reg <= lambda, and lambda = U.grad (T19)."""
@@ -91,10 +100,49 @@ def test_the_three_values(make, seed, stiff, name):
     u = rng.uniform(-2, 2, N)
     point = evaluate(program, contact, k, u)
     values = point.values
-    assert values.plastic <= values.alpha_reg <= values.load_factor
-    assert values.energy == pytest.approx(values.load_factor - values.alpha_reg, rel=1e-9)
+    assert values.plastic <= values.alpha_reg
+    by_shift = values.load_factor - values.plastic - 2 * values.energy
+    assert by_shift == pytest.approx(by_shifts(program, contact, point.state), abs=1e-12 * stiff)
+    assert (by_shift == pytest.approx(0, abs=1e-12 * stiff)) == (make is not random_soil)
     scale = np.abs(point.gradient) @ np.abs(u)
     assert point.gradient @ u == pytest.approx(values.load_factor, abs=1e-13 * scale)
+
+
+@given(seed=SEED, stiff=STIFF, angle=st.floats(0.1, 60))
+def test_one_plane_in_closed_form(seed, stiff, angle):
+    """T65 by hand, in all three regimes: elastic, on the cone, at the apex."""
+    rng = np.random.default_rng(seed)
+    k, cohesion = penalty(rng, stiff), rng.uniform(0.1, 2)
+    form = la.MohrCoulomb(cohesion, angle).conic_form("plane_strain")
+    own = form.surfaces_of(np.zeros(1, dtype=int))
+    length, theta = rng.uniform(0, 2), rng.uniform(-2, 2)
+    found = own.closest_point(np.array([[length, theta]]), k.of_rates(1)).stress[0]
+    a, b = np.sin(np.radians(angle)), cohesion * np.cos(np.radians(angle))
+    excess = k.eta * length + a * k.bulk * theta - b
+    flow = max(excess, 0.0) / (k.eta + a**2 * k.bulk)
+    wanted = [k.eta * (length - flow), k.bulk * (theta - a * flow)]
+    if wanted[0] < 0:
+        wanted = [0.0, b / a]
+    # Round-off is that of the elastic stresses, seen along the cone from its far apex.
+    size = 1e-14 * (k.eta * length + k.bulk * abs(theta) + b / a) * np.sqrt(1 + k.bulk / k.eta)
+    assert found == pytest.approx(wanted, abs=size)
+
+
+@given(seed=SEED, stiff=STIFF)
+def test_a_plane_without_slope_is_the_law_of_metals(seed, stiff):
+    """T65 is T17 there, with rows that have no part of theta."""
+    rng = np.random.default_rng(seed)
+    program, k, u = random_program(seed), penalty(rng, stiff), rng.uniform(-2, 2, N)
+    metal = replace(program.groups[0], volumetric_factor=0.0)
+    level = Surfaces(np.zeros((CONES, 1, 1)), metal.bound[:, None], np.ones(1))
+    at = [
+        evaluate(replace(program, groups=(group,)), frozen(0.0), k, u)
+        for group in (metal, replace(metal, surfaces=level))
+    ]
+    values = [vars(point.values) for point in at]
+    size = 1e-13 * (values[0]["load_factor"] + abs(program.dead_load) @ abs(u))
+    assert values[1] == pytest.approx(values[0], abs=size, nan_ok=True)
+    assert at[1].gradient == pytest.approx(at[0].gradient, abs=1e-13 * abs(at[0].gradient).max())
 
 
 def plastic_share(group, k, u):

@@ -77,6 +77,53 @@ def test_flow_is_possible_where_there_are_multipliers(criterion, kinematics):
     assert ((own.impossible(length, volume.ravel()) <= 0) == wanted).all()
 
 
+@pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
+@pytest.mark.parametrize("size", [0.1, 1.0, 1e3])
+def test_the_closest_stress_is_within_and_what_is_left_flows_by_it(criterion, kinematics, size):
+    """T65: all that the elastic share leaves is possible, and dissipates by the stress: normality.
+
+    Both together are what makes a point the closest one of a convex set.
+    """
+    rng = np.random.default_rng(3)
+    own, stiffness = surfaces(criterion, kinematics, 60), np.array([1.0, 10.0, 10.0])
+    stiffness = stiffness[: 1 + own.volumes]
+    rates = size * rng.normal(size=(60, stiffness.size))
+    rates[:, 0] = abs(rates[:, 0])
+    found = own.closest_point(rates, stiffness)
+    stress = found.stress
+    elastic = np.linalg.norm(stiffness * rates, axis=1)
+    # Round-off of the elastic stresses, or of the apex, far away at 0.1 degrees.
+    apex = abs(own._corners).max()
+    called = (own.use(stress[:, 0], stress[:, 1:].ravel()) - own.strength).max(axis=1)
+    assert np.all(called <= 1e-12 * (elastic + apex))
+    left = rates - stress / stiffness
+    round_off = 1e-12 * np.linalg.norm(rates, axis=1) + 1e-13 * apex
+    assert np.all(left[:, 0] >= -round_off)
+    assert np.all(own.impossible(left[:, 0], left[:, 1:].ravel()) <= round_off)
+    power = np.sum(stress * left, axis=1)
+    # Dissipation moves the rates that round-off makes impossible, and counts them by the apex.
+    by_flow = own.dissipation(np.maximum(left[:, 0], 0), left[:, 1:].ravel())
+    assert np.all(abs(power - by_flow) <= round_off * (elastic + apex))
+
+
+@pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
+def test_the_tangent_is_the_derivative_of_the_closest_stress(criterion, kinematics):
+    """Where the step does not cross the edge of a face: in all but a few of the points."""
+    rng = np.random.default_rng(4)
+    own, stiffness = surfaces(criterion, kinematics, 200), np.array([1.0, 10.0, 10.0])
+    stiffness = stiffness[: 1 + own.volumes]
+    rates = rng.normal(size=(200, stiffness.size))
+    rates[:, 0] = abs(rates[:, 0]) + 1e-3
+    step = 1e-6 * rng.normal(size=rates.shape)
+    up, down = (own.closest_point(rates + sign * step, stiffness).stress for sign in (1, -1))
+    tangent = own.closest_point(rates, stiffness).tangent
+    off = np.linalg.norm((up - down) / 2 - np.einsum("mij,mj->mi", tangent, step), axis=1)
+    # Stiffness times the step, or twice that of round-off where the law is linear.
+    assert np.mean(off > 1e-12) <= 0.02
+    assert off.max() <= 2 * 10 * np.linalg.norm(step, axis=1).max()
+    assert np.all(np.linalg.eigvalsh(tangent) >= -1e-12)
+
+
 @given(
     angle=st.floats(0.2, 60),
     stress=st.tuples(*[st.floats(-5, 5)] * 3),

@@ -27,6 +27,7 @@ import lacore as la
 from lacore.bodies.any_body import of_kind
 from verification.case import Band, Case, Reference, Variant
 from verification.cases import strip_footing
+from verification.cases.shared.friction_inside import UNFIT
 
 _PUBLISHED = {
     (30.0, 20.0): "Loukidis and Salgado's fit to finite elements says 29.89",
@@ -106,7 +107,7 @@ Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30):  20.081
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("psi-20", {"angle": 30.0, "dilation": 20.0}, ("coarse",)),
-        Variant("psi-0", {"angle": 30.0, "dilation": 0.0}, ("coarse",)),
+        Variant("psi-20", {"angle": 30.0, "dilation": 20.0}, ("coarse",), unfit=UNFIT),
+        Variant("psi-0", {"angle": 30.0, "dilation": 0.0}, ("coarse",), unfit=UNFIT),
     ),
 )

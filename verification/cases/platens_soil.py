@@ -19,6 +19,7 @@ and what is certified depends on where one starts.
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
+from verification.cases.shared.friction_inside import UNFIT
 
 ANGLE = 30.0
 _ASSOCIATED = (13.3497, 13.5874)
@@ -95,7 +96,7 @@ Davis:       psi = 20: c* = 0.981674 c, phi* = 29.543 degrees,
     bracket=Bracketing(target_width=0.15),
     variants=(
         Variant("associated", {"dilation": ANGLE}, ("coarse",)),
-        Variant("psi-20", {"dilation": 20.0}, ("coarse",)),
-        Variant("psi-0", {"dilation": 0.0}, ("coarse",)),
+        Variant("psi-20", {"dilation": 20.0}, ("coarse",), unfit=UNFIT),
+        Variant("psi-0", {"dilation": 0.0}, ("coarse",), unfit=UNFIT),
     ),
 )

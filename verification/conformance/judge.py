@@ -224,7 +224,7 @@ def _apart(program: KinematicProgram, one: ProgramState, other: ProgramState) ->
         stress = np.abs(one.stress[number] - other.stress[number])
         mean = np.abs(one.mean_stress[number] - other.mean_stress[number])
         apart += abs(group.rows).T @ (group.weights[:, None] * stress).ravel()
-        apart += abs(group.volumetric).T @ (group.weights * mean)
+        apart += abs(group.volumetric).T @ (group.volume_weights * mean)
     rows = program.contact
     normal = np.abs(one.normal_reaction - other.normal_reaction)
     tangential = np.abs(one.tangential_reaction - other.tangential_reaction)
@@ -307,7 +307,7 @@ def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:
             return None
         energy += float(group.weights @ np.sum(np.square(stress), axis=1)) / (2 * penalty.eta)
         if mean is not None:
-            energy += float(group.weights @ np.square(mean)) / (2 * penalty.bulk)
+            energy += float(group.volume_weights @ np.square(mean)) / (2 * penalty.bulk)
     if not program.contact.count:
         return energy
     if worked.normal_reaction is None or worked.tangential_reaction is None:

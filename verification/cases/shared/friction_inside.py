@@ -1,0 +1,7 @@
+"""What cases share whose soil dilates less than its friction."""
+
+UNFIT = {
+    "regularised": "their loop iterates on contact reactions alone, and here friction is inside of"
+    " the soil"
+}
+"""Backends that cannot do them, and why: `Variant.unfit`."""
