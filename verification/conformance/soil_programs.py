@@ -105,4 +105,21 @@ def _around() -> Worked:
     )
 
 
-SOIL = (mohr_coulomb(), *_cut_off(), _around())
+def _hardens() -> Worked:
+    """What chooses between velocities along paths (T32): the program of `mohr_coulomb`."""
+    plain = mohr_coulomb().program
+    (group,) = plain.groups
+    return Worked(
+        "Mohr-Coulomb that hardens",
+        "'Mohr-Coulomb', lam = 0.625: q + 0.6 P <= 2 + 1.6 lam = 3, alpha = w 3 lam = 0.9375",
+        replace(plain, groups=(replace(group, modulus=np.array([1.6])),)),
+        frozen(),
+        load_factor=0.9375,
+        velocity=[0.375, 0.5, 0.375],
+        stress=([[1.125, 1.5]],),
+        mean_stress=([1.875],),
+        unsoftened="beside surfaces a modulus chooses, as viscosity does already",
+    )
+
+
+SOIL = (mohr_coulomb(), *_cut_off(), _around(), _hardens())
