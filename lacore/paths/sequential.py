@@ -65,7 +65,7 @@ def sequential(
             decides alone; an event ``velocity not unique`` says where that is not enough (T32).
         backend, coupling, tolerance, options: of each solve, see `lacore.solve`. Of soils whose
             flow is not associated each load is certified, and one of several, maybe: look for the
-            others by `lacore.soil_range(path.problem(step))`.
+            others by `lacore.soil_range(path.problem(step))`, where nothing touches obstacles.
         keep_every: of how many steps one leaves a snapshot; the first and the last one always do.
         checkpoint: a file (npz) that keeps the path after each step. Called again with the same
             arguments, it goes on from there, to the same path bit for bit but for
