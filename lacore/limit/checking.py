@@ -20,7 +20,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import effective_stress, pore_pressures
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.nodal import point_values
-from lacore.bodies.continuum.volume import means_projector
+from lacore.bodies.continuum.volume import judged_means
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
 from lacore.coupling.freezing import davis
@@ -203,7 +203,7 @@ def _with_stress(
         parts = np.eye(dim + len(form.volumes))
         own = sigma @ np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
         stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
-        kept = form.stress(own[:, :dim], np.asarray(means_projector(dofs) @ means[number]))
+        kept = form.stress(own[:, :dim], judged_means(dofs, means[number]))
         largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
         unlike = float(np.maximum(unlike, off))

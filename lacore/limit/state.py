@@ -16,7 +16,7 @@ from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import pore_pressures, total_stress
 from lacore.bodies.continuum.nodal import point_values
-from lacore.bodies.continuum.volume import means_projector
+from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
 from lacore.limit.checking import Table, checked, program_of
@@ -142,8 +142,9 @@ class LimitState(Shown):
             self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
         ):
             form = dofs.body.form
-            mean = means_projector(dofs) @ p
-            result[name] = form.stress(s, mean).reshape(dofs.body.mesh.nelements, -1, 4)
+            result[name] = form.stress(s, judged_means(dofs, p)).reshape(
+                dofs.body.mesh.nelements, -1, 4
+            )
         return result
 
     @property

@@ -41,6 +41,17 @@ def means_projector(dofs: "BodyDofs") -> Sparse:
     return csr_matrix(every - taken)
 
 
+def judged_means(dofs: "BodyDofs", mean: Floats) -> Floats:
+    """Mean stresses as criteria judge them, shape (m L,), Pa.
+
+    Of a criterion that does not feel them as smooth as the elements have them; of one that does at
+    the strain points, where on quadrilaterals only their projection does work.
+    """
+    if dofs.body.form.surfaces and dofs.space.pressures is not None:
+        return mean
+    return np.asarray(means_projector(dofs) @ mean)
+
+
 def volume_projector(dofs: "BodyDofs") -> Sparse:
     """From theta at all strain points to what must vanish, and of mean stresses, shape (m, m).
 

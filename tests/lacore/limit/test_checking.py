@@ -234,3 +234,17 @@ def test_a_state_of_stresses_that_feel_the_hoop_checks_itself():
         )
     )
     assert state.certify(point=state.point).holds(state.tolerance)
+
+
+@pytest.mark.parametrize("space", ["q2", "p2-gauss"])
+def test_stresses_of_soil_are_shown_as_they_are_judged(space):
+    """Given back as they are shown, they are within the surfaces that they were found in."""
+    cells = {"x": (0, 2), "y": (0, 1), "nx": 2, "ny": 1}
+    mesh = la.meshes.quadrilaterals(**cells) if space == "q2" else la.meshes.rectangle(**cells)
+    problem = la.Problem(
+        bodies={"soil": la.Body(mesh, la.MohrCoulomb(1.0, 30), space=space)},
+        supports=[la.Fix("soil", "left", "x"), la.Fix("soil", "bottom", "y")],
+        reference_loads=[la.RigidFooting("soil", "top", (0, -1))],
+    )
+    state = la.solve(problem)
+    assert state.certify(stress=state.stress).holds(state.tolerance)
