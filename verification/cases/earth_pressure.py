@@ -1,16 +1,15 @@
 r"""A rigid wall of height H = 1 is moved against soil, or away from it: passive, active pressure.
 
-                     q q q q q q q q q q q q
-             +------+v-v-v-v-v-v-v-v-v-v-v-v-+
-       alpha |      |                     .  o
-        -->  | wall |  delta           .     o
-        -->  |      |               .        o
-        -->  |      |   1       . '          o   gamma, c, phi
-             oo o oo+toe    . '              o
-             o      '- . - '                 o
-             o                               o
-             o-o-o-o-o-o-o-o-o-o-o-o-o-o-o-o-o
-             |<-0.5>|<--------- 3.6 -------->|    depth 1.5
+               q  q  q  q  q  q  q  q
+        +-----+v--v--v--v--v--v--v--v-+
+  alpha |     |                   .   o
+    --> | wall|  delta        .       o
+    --> |     |           .           o  gamma
+    --> |     | 1     . '             o  c, phi
+        oo o oo toe . '               o
+        o      '- -                   o
+        o-o-o-o-o-o-o-o-o-o-o-o-o-o-o-o
+        |<0.5>|<------- 3.6 --------->|  depth 1.5
 
 The wall runs on rollers over a smooth bed and does not turn. Its face is smooth or rough: soil
 slips past it where the traction is at the angle delta off the normal, and opens as it slips
@@ -173,16 +172,18 @@ CASE = Case(
     unit="mean pressure on the wall / q",
     explanation=__doc__,
     hand_calculation="""\
-smooth:   sigma_1, sigma_3 upright and level: Mohr's circle gives
-          p = K (q + gamma y) +- 2 c sqrt(K), K = tan(45 +- phi/2)^2
-          mean over H = 1: K (q + gamma/2) +- 2 c sqrt(K)
-rough:    weightless, c = 0. Passive, D = asin(sin(d)/sin(phi)):
-  face:   sigma_1 is (D + d)/2 off the normal of the face
-          sigma_n = x cos(d) (cos(d) + sqrt(sin(phi)^2 - sin(d)^2))
-                    /(1 + sin(phi)), sigma_1 = x
-  fan:    turns by (D + d)/2: mean stress times exp((D + d) tan(phi))
-  top:    sigma_3 = q, sigma_1 = q (1 + sin(phi))/(1 - sin(phi))
-          active: signs of phi, d and of the root reversed
+smooth:  sigma_1, sigma_3 upright and level: Mohr's circle
+         p = K (q + gamma y) +- 2 c sqrt(K)
+         K = tan(45 +- phi/2)^2
+         mean over H = 1: K (q + gamma/2) +- 2 c sqrt(K)
+rough:   weightless, c = 0; passive, with r = sin(d)/sin(phi)
+ face:   traction at d, D = asin(r); mean stress m
+         sigma_n = m cos(d) (cos(d) + root)
+         root = sqrt(sin(phi)^2 - sin(d)^2)
+ fan:    turns by (D + d)/2
+         m = m_top exp((D + d) tan(phi))
+ top:    sigma_3 = q = m_top (1 - sin(phi))
+         active: signs of phi, d and of the root reversed
 phi = 30:    d = 15      20      30
   passive    4.28765  4.63271  5.02620
   active     0.29441  0.28522  0.27315

@@ -1,20 +1,19 @@
 r"""A panel of masonry without tension, 1 wide and h high, is pushed sideways at its top.
 
-              | N                         |/////////// floor //
-              v                           +-------------------+ --> alpha
-    alpha -->+---------------+            |. .                |
-             |beam . .       |            |\   ` .            |
-             +---------------+            |  \     ` .        |
-             |     \   \     |            |    \       ` .    |  crushing
-             |       \   \   | h          |      ` .       \  |  strength f
-             |         \   \ |            |          ` .     \|
-             |           \   |            |              ` .  |
-        /////+-------------+-+/////  /////+-------------------+/////
-             |<---- 1 ---->| toe
+              | N                 /////// floor ////////
+              v                   +----------------+-->
+    alpha +-------+-------+       |\`.             | alpha
+      --> +-----.---.-----+       |  \ ` .         |
+          |      \   \    |       |    \   ` .     |
+          |       \   \   | h     |      ` .   \   |
+          |        \   \  |       |          ` . \ |
+          |         \   \ |       |             `.\|
+       ///+----------+---+///  ///+----------------+///
+          |<---- 1 ----->| toe
 
-*Rocking* (left): a beam on top carries N = f/10 in its middle. Without crushing the panel overturns
+Rocking (left): a beam on top carries N = f/10 in its middle. Without crushing the panel overturns
 about its toe, and does so at any strength of its bed joints in shear. With crushing, thrust comes
-down in a strut that needs a width at its foot, and the toe crushes. *Guided* (right): floors keep
+down in a strut that needs a width at its foot, and the toe crushes. Guided (right): floors keep
 their distance, as between stiff slabs, so that the panel cannot open without being pressed; N is
 whatever they give. A strut runs from corner to corner, and a crack along it.
 
@@ -136,19 +135,21 @@ CASE = Case(
     explanation=__doc__,
     hand_calculation="""\
 guided, b = 1, n = N/f given first:
-  strut:     uniform, width x, slope s = (1 - x)/h
-             N = f x/(1 + s^2), V = N s
-             V/f = (sqrt(h^2 + 4 n (1 - n)) - h)/2
-  crack:     corner to corner, L = sqrt(1 + h^2), (u, -w) across
-             f/2 (L sqrt(u^2 + w^2) - h u + w) = V u + N w
-             least over w: the same V, so both are exact
-  floors:    n as they like: n = 1/2, V/f = (L - h)/2
-             h = 1: 0.207107,  h = 2: 0.118034
-rocking:     about the toe, V h = N b/2: alpha = b/(2 h)
-  crushing:  toe of width n: V h = N (b - n) + f n^2/2 - N b/2
-             alpha < (b - n)/(2 h)
-  strut:     s = (b - x)/(2 h), x = n (1 + s^2): alpha > s
-             h = 1, n = 0.1: 0.440307 < alpha < 0.45
+ strut:    uniform, width x, slope s = (1 - x)/h
+           N = f x/(1 + s^2), V = N s
+           V/f = (sqrt(h^2 + 4 n (1 - n)) - h)/2
+ crack:    corner to corner, L = sqrt(1 + h^2),
+           moved by (u, -w), v = sqrt(u^2 + w^2):
+           f/2 (L v - h u + w) = V u + N w
+           least over w: the same V, so both are exact
+ floors:   n as they like: n = 1/2, V/f = (L - h)/2
+           h = 1: 0.207107,  h = 2: 0.118034
+rocking:   about the toe, V h = N b/2: alpha = b/(2 h)
+ crushing: about b - n, a toe of width n = N/f:
+           V h = N (b/2 - n) + f n^2/2
+           alpha < (b - n)/(2 h)
+ strut:    s = (b - x)/(2 h), x = n (1 + s^2): alpha > s
+           h = 1, n = 0.1: 0.440307 < alpha < 0.45
 """,
     meshes={"coarse": {"n": 3}, "medium": {"n": 12}, "fine": {"n": 34}},
     build=build,
@@ -162,6 +163,6 @@ rocking:     about the toe, V h = N b/2: alpha = b/(2 h)
         _variant("guided", guided=True),
         _variant("guided-tall", ("coarse",), height=2.0, guided=True),
         _variant("rocking", ("coarse",), crushing=False),
-        _variant("rocking-crushing", ("coarse",)),
+        _variant("rocking-crushing", ("medium",)),
     ),
 )

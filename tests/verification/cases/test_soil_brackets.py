@@ -54,12 +54,12 @@ def test_what_c_q_and_gamma_carry_apart_is_too_little_together():
 @pytest.mark.slow
 @pytest.mark.parametrize("variant", ["smooth", "rough"])
 def test_tresca_under_a_circle_extrapolates_to_slip_lines(variant):
-    """From above; the last of three meshes is 0.4 to 0.5 % off, their limit within a third of it.
+    """From above: the last of three meshes is 0.2 to 0.3 % off, and their limit a tenth of that.
 
     No hypothesis about the hoop stress is made here, and slip lines make one.
     """
     case, (variant,) = find(f"circular-footing-tresca:{variant}")
-    sizes = [{"nx": n, "ny": n * 9 // 16, "ratio": 18.0 * n / 16} for n in (8, 16, 32)]
+    sizes = [{"nx": n, "ny": n * 9 // 16, "ratio": 18.0 * n / 16} for n in (12, 24, 48)]
     values = [
         la.solve(case.problem_of(size, variant.parameters), throw=True).load_factor
         for size in sizes
@@ -67,4 +67,4 @@ def test_tresca_under_a_circle_extrapolates_to_slip_lines(variant):
     first, last = values[1] - values[0], values[2] - values[1]
     assert first < last < 0
     limit = values[2] - last**2 / (last - first)  # Aitken
-    assert limit == pytest.approx(case.reference_of(variant).value, rel=1.5e-3)
+    assert limit == pytest.approx(case.reference_of(variant).value, rel=5e-4)
