@@ -160,6 +160,13 @@ class Surfaces(Compact):
         none = np.zeros_like(self.strength)
         return none if self.dilating is None else 1.0 - self.dilating
 
+    @property
+    def largest_shear(self) -> float:
+        """Largest ``||s||`` of all points at any pressure, Pa; inf where it grows with pressure."""
+        if (self._edges[:, :, 0] > 0).any():
+            return np.inf
+        return float(self._corners[:, :, 0].max(where=self._real, initial=0.0))
+
     def use(self, size: Floats, mean: Floats) -> Floats:
         """What stresses call on, ``normed q + slope . p``, shape (m, k).
 

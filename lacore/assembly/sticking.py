@@ -3,12 +3,13 @@
 STICK forbids slip up to the last vertex of an interface. Where a footing begins there, or any
 condition where a side moves, no velocity may be left, on any mesh. No body carries more shear than
 its strength, so that the Tresca law with that limit is the same in the continuum: all of such an
-interface has it, on every mesh, and others stick as before.
+interface has it, on every mesh, and others stick as before. Shear that grows with pressure has no
+such limit: an interface between bodies that all have friction inside sticks everywhere.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import isinf
+from math import inf, isinf
 
 import numpy as np
 
@@ -32,7 +33,8 @@ def yielding(
     moves = [interface.obstacle is None for interface in found]
     for index, interface in enumerate(found):
         strengths = [bodies[name].strength for name in touched[index] if name in bodies]
-        if not strengths or not isinf(interface.law.terms().limit):
+        most = min(strengths, default=inf)
+        if isinf(most) or not isinf(interface.law.terms().limit):
             continue
         for name, facets in touched[index].items():
             if name not in bodies or not bodies[name].linear:
@@ -45,5 +47,5 @@ def yielding(
                 if k != index and name in touched[k] and (moves[k] or moves[index])
             ]
             if any(meetings(bodies[name], facets, other)[0].any() for other in beside):
-                found[index] = replace(interface, friction=Tresca(min(strengths)))
+                found[index] = replace(interface, friction=Tresca(most))
     return tuple(found)

@@ -62,8 +62,8 @@ class EquilibriumDofs(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it can carry, Pa."""
-        return self.body.criterion.strength
+        """Largest shear stress that it can carry, Pa: of what has friction, any."""
+        return self.body.largest_shear
 
     def facet_nodes(self, facets: Ints) -> Ints:
         """Nodes of W at both ends of facets, in the order of ``mesh.facets``, shape (2, k)."""

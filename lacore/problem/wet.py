@@ -1,4 +1,4 @@
-"""Water in the pores of a body where it touches others: it presses in the contact, too (T64)."""
+"""Water in the pores of a body where it touches obstacles: it presses in the contact, too (T64)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -39,7 +39,8 @@ def _between(load: Load, problem: "Problem") -> list[StandingWater]:
 def _of_pores(load: PorePressure, problem: "Problem") -> list[StandingWater]:
     body = of_kind(problem.bodies, Body)[load.body]
     pressure = _AtVertices(vertices(body.mesh), in_pores(load, body, "PorePressure"))
-    sides = (side for interface in problem.interfaces for side in interface.sides)
+    tools = (one for one in problem.interfaces if one.obstacle is not None)
+    sides = (side for interface in tools for side in interface.sides)
     return [StandingWater(name, where, pressure) for name, where in sides if name == load.body]
 
 
@@ -55,7 +56,9 @@ class _AtVertices:
 
 
 def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> None:
-    """Refuse pore pressure in bodies that touch other bodies.
+    """Refuse pore pressure in bodies that touch other bodies with a friction that feels pressure.
+
+    It would have to follow what the skeleton presses. Others carry the total stress.
 
     Args:
         loads: by the field that they were given in.
@@ -66,7 +69,9 @@ def check_wet(loads: Mapping[str, Load], interfaces: Sequence[Interface]) -> Non
     """
     for field, load in loads.items():
         for interface in interfaces:
-            both = [name for name, _ in interface.sides]
+            law, both = interface.law.terms(), [name for name, _ in interface.sides]
+            if law.coefficient == law.dilatancy == 0:
+                continue
             if len(both) == 2 and load.body in both:
                 _refuse(load, field, interface)
 
@@ -81,7 +86,8 @@ def _refuse_pores(load: PorePressure, field: str, interface: Interface) -> None:
     raise InputError(
         f"{field}.body",
         load.body,
-        f"touches another body, {interface.name}: how the water of the one presses the other"
-        " across edges that need not match is not stated yet",
-        "put a RigidObstacle or a RigidFooting in its place, or mesh both bodies as one",
+        f"touches another body, {interface.name}, with a friction that pressure adds to: how the"
+        " water of the one presses the other across edges that need not match is not stated yet",
+        "give the interface lacore.STICK, SMOOTH or a Tresca friction, which carry the total"
+        " stress; or put a RigidObstacle or a RigidFooting in its place",
     )

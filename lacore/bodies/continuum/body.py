@@ -141,6 +141,12 @@ class Body(Shown):
         return self.criterion.conic_form(self.kinematics)
 
     @property
+    def largest_shear(self) -> float:
+        """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
+        surfaces = self.form.surfaces_of(np.arange(self.mesh.nelements))
+        return self.criterion.strength if surfaces is None else surfaces.largest_shear
+
+    @property
     def axisymmetric(self) -> bool:
         """Whether x is the radius r >= 0 and y the axis z."""
         return self.kinematics == "axisymmetric"

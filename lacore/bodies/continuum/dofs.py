@@ -111,8 +111,8 @@ class BodyDofs(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it can carry, Pa."""
-        return self.body.criterion.strength
+        """Largest shear stress that it can carry, Pa: of what has friction, any."""
+        return self.body.largest_shear
 
     @property
     def extent(self) -> float:

@@ -66,7 +66,7 @@ def squared(x, y):
         (lambda: ground(la.PorePressure("soil", la.WaterTable(0.4))), "0.4", "y = 0 and 0.5 are"),
         (lambda: ground(la.StandingWater("soil", "left", la.WaterTable(0.4))), "0.4", "y = 0 and"),
         (lambda: ground(la.StandingWater("soil", "botom", TABLE)), "where", "did you mean"),
-        (lambda: stacked(), r"dead_loads\[0\].body", "mesh both bodies as one"),
+        (lambda: stacked(), r"dead_loads\[0\].body", "give the interface lacore.STICK"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value")
