@@ -155,7 +155,7 @@ def cut(angle, tension, cells=4):
     )
 
 
-@pytest.mark.parametrize("angle", [0, 20])
+@pytest.mark.parametrize("angle", [pytest.param(0, marks=pytest.mark.slow), 20])
 def test_a_cut_without_tension(angle):
     """``2 tan(45 + phi/2)`` exactly (Drucker): a column shears off its crack.
 

@@ -146,7 +146,7 @@ def test_an_associated_state_is_refused(dilation):
     assert not la.solve(problem).certify(point=swapped).holds(5e-5)
 
 
-@pytest.mark.parametrize("dilation", [0.0, 20.0])
+@pytest.mark.parametrize("dilation", [pytest.param(0.0, marks=pytest.mark.slow), 20.0])
 def test_no_state_is_above_the_associated_one_of_its_mesh(dilation):
     problem = sheared(dilation)
     found = la.soil_range(problem, shares=(1.0, 0.3))
@@ -322,7 +322,7 @@ def boxed(dilation):
     )
 
 
-@pytest.mark.parametrize("dilation", [10.0, 0.0])
+@pytest.mark.parametrize("dilation", [pytest.param(10.0, marks=pytest.mark.slow), 0.0])
 def test_what_cannot_flow_out_is_locked(dilation):
     problem = boxed(dilation)
     assert la.solve(problem).status is la.Status.LOCKED
