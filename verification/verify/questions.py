@@ -95,9 +95,13 @@ def ask(
         InputError: an unknown name.
     """
     left = {run.key for run in left_out(names, backends, meshes, known)}
-    planned = _by_variant(names, backends, meshes, known)
-    groups = ([run for run in runs if run.key not in left] for runs in planned)
-    return [question for runs in groups for question in _of_variant(runs, bool(backends))]
+    groups = _by_variant(names, backends, meshes, known)
+    return [
+        question
+        for runs in groups
+        for question in _of_variant([run for run in runs if run.key not in left], bool(backends))
+        if not any(run.key in left for run in question.runs)
+    ]
 
 
 def _by_variant(
@@ -119,8 +123,8 @@ def left_out(
     """Runs that are dear and tell least, and are not asked for where nothing is named.
 
     Of variants that a first look does not show (`shown_first`): dense backends and further exact
-    ones on meshes, and regularised ones along paths. These answer for the first variant, and the
-    first exact one for all.
+    ones on meshes, brackets, and regularised ones along paths. These answer for the first variant,
+    and the first exact one for all.
     """
     if names or backends or meshes:
         return []
@@ -130,7 +134,11 @@ def left_out(
             continue
         exact = [run.backend for run in runs if not is_regularised(run.backend)]
         most = [run for run in runs if not _tells_least(run, exact[:1])]
-        left += [run for run in runs if run not in most] if most else []
+        if not most:
+            continue
+        left += [run for run in runs if run not in most]
+        asked = [one for one in _of_variant(most, each=False) if one.check == "bracket"]
+        left += [run for question in asked for run in question.runs]
     return left
 
 
