@@ -19,7 +19,7 @@ _LENT = (0.05, 0.5)  # of a cohesion that is next to none, lent to a sand (T45)
 _RUBBED, _MOST_RUBBED = 10.0, 1e-5
 _NOISE = 1e-9  # of the largest reaction or the mean traction of the loads
 _NOTHING = 1e-9  # load factor, dimensionless: what a solver leaves of zero
-_BELOW_ONE = 1 - 4 * np.finfo(float).eps  # so that a scaled stress is not above by round-off
+_BELOW = 4 * np.finfo(float).eps  # of its terms: so that a scaled stress is not above by round-off
 
 
 def margins(program: KinematicProgram, options: Any) -> list[float]:
@@ -79,6 +79,18 @@ def within_friction(program: KinematicProgram, state: ProgramState, margin: floa
     )
 
 
+def _terms(program: KinematicProgram, state: ProgramState, use: float) -> float:
+    """What the use of strengths is summed from, per what is used; 1, and of pressed soil more."""
+    most = 1.0
+    for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
+        if group.surfaces is not None and group.weights.size:
+            own = group.surfaces
+            sizes = replace(own, slope=np.abs(own.slope))
+            terms = sizes.use(np.linalg.norm(stress, axis=1), np.abs(mean))
+            most = max(most, float((terms / own.strength).max(initial=0.0)) / use)
+    return most
+
+
 def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
     """The state as large as yield and limits of friction allow; without dead load only.
 
@@ -96,7 +108,8 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
             )
         ),
     )
-    factor = _BELOW_ONE / use if state.load_factor > _NOTHING else 0.0
+    factor = (1 - _BELOW * _terms(program, state, use)) / use
+    factor = factor if state.load_factor > _NOTHING else 0.0
     return replace(
         state,
         load_factor=factor * state.load_factor,

@@ -21,7 +21,7 @@ from lacore.errors import InputError, require_positive
 from lacore.materials.friction import Coulomb, Friction, Tresca
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
-from lacore.showing import Facts, Shown
+from lacore.showing import Facts, Shown, counted
 from lacore.status import Rigor, Status
 
 _FARTHEST = 4.0  # times the last factor, where nothing brackets the next
@@ -63,7 +63,7 @@ class SafetyFactor(Shown):
         proven = "both ends by strict bounds of the continuum problem"
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
-            "given": f"{len(self.problem.loads)} loads, all of them at their full size",
+            "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
             "solved by": f"{len(self.history)} bounds",
         }
         return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
@@ -107,12 +107,18 @@ def safety_factor(
     rows: list[dict[str, object]] = []
 
     def below(factor: float) -> float:
-        bound = lower_bound(_weakened(given, factor, interfaces), backend)
+        weaker = _weakened(given, factor, interfaces)
+        if weaker is None:
+            return nan
+        bound = lower_bound(weaker, backend)
         value = bound.load_factor if bound.rigor is Rigor.LOWER else nan
         return inf if bound.status is Status.LOCKED else value
 
     def above(factor: float) -> float:
-        bound = upper_bound(_weakened(given, factor, interfaces), backend)
+        weaker = _weakened(given, factor, interfaces)
+        if weaker is None:
+            return nan
+        bound = upper_bound(weaker, backend)
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
@@ -173,12 +179,15 @@ def _next(
     return low + inside * (high - low)
 
 
-def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem:
-    """The problem with strengths divided by a factor."""
+def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | None:
+    """The problem with strengths divided by a factor; None where no criterion has such ones."""
     weaker = {}
     for name, body in of_kind(problem.bodies, Body).items():
         assert isinstance(body.criterion, Weakening)
-        weaker[name] = replace(body, criterion=body.criterion.weakened(factor))
+        try:
+            weaker[name] = replace(body, criterion=body.criterion.weakened(factor))
+        except InputError:  # an angle beside those that are taken
+            return None
     pairs = problem.interfaces
     if interfaces:
         pairs = tuple(replace(pair, friction=_divided(pair.law, factor)) for pair in pairs)

@@ -1,7 +1,7 @@
 """Factors of safety by strength reduction, against load factors and rotational mechanisms."""
 
 from dataclasses import replace
-from math import radians, tan
+from math import isnan, radians, tan
 
 import pytest
 
@@ -52,6 +52,16 @@ def test_dead_loads_count_like_others():
     split = replace(problem, reference_loads=half, dead_loads=half)
     one, other = la.safety_factor(problem), la.safety_factor(split)
     assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-6)
+
+
+def test_what_no_angle_is_left_for_is_not_proven():
+    """A load next to none would take tan(phi)/F below the least angle, 0.1 degrees."""
+    soil = la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), la.MohrCoulomb(1.0, 30))
+    stands = [la.Fix("soil", "bottom", "y")]
+    found = la.safety_factor(la.Problem({"soil": soil}, [la.Pressure("soil", "top", 1e-4)], stands))
+    least = tan(radians(30)) / tan(radians(0.1))
+    assert least / 1.01 <= found.lower <= least
+    assert isnan(found.upper)
 
 
 def test_weakened_criteria():

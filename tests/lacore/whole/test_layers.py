@@ -3,6 +3,7 @@
 Bars: 1e-6 is that of the certificate, of both values of a comparison.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from math import cos, inf, radians, sin
 
@@ -107,3 +108,11 @@ def test_layers_with_water_are_those_of_buoyant_weight(below):
 def test_friction_that_pressure_adds_to_is_refused_beside_water(friction):
     with pytest.raises(la.InputError, match=r"pressure adds to.*STICK"):
         ground({"sand": (SAND, -0.5), "clay": (CLAY, -2.0)}, friction, wet=True)
+
+
+def test_pressed_sand_is_scaled_to_its_strength_in_floating_point():
+    """Without dead loads stresses are scaled: round-off is of the pressure, 1e5 of the cohesion."""
+    layers = {"sand": (la.MohrCoulomb(1e-5, friction_angle=30), -0.5), "clay": (CLAY, -2.0)}
+    one = ground(layers)
+    all_of_it = replace(one, reference_loads=[*one.reference_loads, *one.dead_loads], dead_loads=[])
+    assert la.lower_bound(all_of_it).rigor is la.Rigor.LOWER
