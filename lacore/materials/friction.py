@@ -63,6 +63,10 @@ class Tresca(Compact):
                 "Tresca.limit", self.limit, "not a friction stress", "give a stress >= 0 in Pa"
             )
 
+    def __repr__(self) -> str:
+        """As it is written: by its name, where it has one."""
+        return {0.0: "SMOOTH", inf: "STICK"}.get(self.limit) or super().__repr__()
+
     def terms(self) -> FrictionTerms:
         """The law as coefficients of the program."""
         return FrictionTerms(0.0, self.limit, 0.0)
