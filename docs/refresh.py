@@ -84,15 +84,16 @@ def between(text: str, first: str, last: str, new: str) -> str:
     return f"{before}{mark}{new}\n{end}{after}"
 
 
-def picture_of_path() -> None:
-    """That of the code in the guide."""
-    page = (ROOT / "docs" / "guide" / "large-deformation.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    (code,) = [own for own in blocks if "billet.png" in own]
+def picture_of_guide(page: str, picture: str, drawn: str) -> None:
+    """That which a page of the guide draws of something, by its code up to there."""
+    text = (ROOT / "docs" / "guide" / f"{page}.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    (last,) = [number for number, code in enumerate(blocks) if f'"{picture}"' in code]
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        names: dict[str, Any] = {"la": la}
-        exec(code, names)
-    names["path"].plot().savefig(ROOT / "docs" / "billet.png", dpi=80)
+        names: dict[str, Any] = {}
+        for code in blocks[: last + 1]:
+            exec(code, names)
+    names[drawn].plot().savefig(ROOT / "docs" / picture, dpi=80)
 
 
 def main() -> None:
@@ -112,7 +113,8 @@ def main() -> None:
         mesh = "medium" if case.meshed else next(iter(case.meshes))
         state = la.solve(case.problem(variant, mesh), throw=True)
         state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
-    picture_of_path()
+    picture_of_guide("large-deformation", "billet.png", "path")
+    picture_of_guide("footing", "footing.png", "state")
 
 
 if __name__ == "__main__":

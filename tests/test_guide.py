@@ -115,7 +115,12 @@ def test_all_code_runs_as_printed(page, somewhere):
     names = {"printed": ""}
     for text in python(page, slow=True):
         run(text, names)
-    check_all = {"friction": check_friction, "large-deformation": check_path, "bounds": check_gap}
+    check_all = {
+        "friction": check_friction,
+        "large-deformation": check_path,
+        "bounds": check_gap,
+        "footing": check_footing,
+    }
     check_all[page](names)
 
 
@@ -137,6 +142,16 @@ def check_path(names):
     # The die touches ever more of a billet that hardens.
     assert names["path"].message.startswith("reached")
     assert names["path"].history["load_factor"].is_monotonic_increasing
+
+
+def check_footing(names):
+    """Bounds close in from both sides; what is searched lies below the bound that still holds."""
+    table = names["table"]
+    assert table.lower.is_monotonic_increasing
+    assert table.upper.is_monotonic_decreasing
+    assert (table.lower < table.upper).all()
+    assert names["searched"].high <= names["upper"].load_factor
+    assert Path("footing.csv").stat().st_size > 0
 
 
 @pytest.mark.slow
