@@ -108,7 +108,7 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
             )
         ),
     )
-    factor = (1 - _BELOW * _terms(program, state, use)) / use
+    factor = float((1 - _BELOW * _terms(program, state, use)) / use)
     factor = factor if state.load_factor > _NOTHING else 0.0
     return replace(
         state,
