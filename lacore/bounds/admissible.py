@@ -108,8 +108,8 @@ def scaled(program: KinematicProgram, state: ProgramState) -> ProgramState:
             )
         ),
     )
-    factor = float((1 - _BELOW * _terms(program, state, use)) / use)
-    factor = factor if state.load_factor > _NOTHING else 0.0
+    carries = state.load_factor > _NOTHING
+    factor = float((1 - _BELOW * _terms(program, state, use)) / use) if carries else 0.0
     return replace(
         state,
         load_factor=factor * state.load_factor,
