@@ -24,6 +24,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
+from lacore.ranges.told import residuals
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Scope, Status
 
@@ -103,13 +104,7 @@ class CoulombRange(Shown):
             below, above = self.continuum
             proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
         told = {"status": self.status.said(self.message), "proven": proven}
-        worst = [
-            f"{state.certificate.summary} of the {name}"
-            for name, state in (("lowest", self.lowest), ("highest", self.highest))
-            if state is not None and state.certificate is not None
-        ]
-        if worst:
-            told["residual"] = "; ".join(worst)
+        told |= residuals(self.lowest, self.highest)
         told["solved by"] = (
             f"{self.backend}: {counted(len(self.states), 'state')} in"
             f" {counted(self.solves, 'solve')}, {self.solve_time:.3g} s"

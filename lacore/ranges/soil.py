@@ -21,6 +21,7 @@ from lacore.limit.solve import limit_state, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, dimensionless
+from lacore.ranges.told import residuals
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.status import Status
 
@@ -90,15 +91,9 @@ class SoilRange(Shown):
         if self.lowest is None or self.highest is None:
             found = "no load factor is certified"
             told["found"] = self.message
-        worst = [
-            f"{state.certificate.summary} of the {name}"
-            for name, state in (("lowest", self.lowest), ("highest", self.highest))
-            if state is not None and state.certificate is not None
-        ]
-        if worst:
-            told["residual"] = "; ".join(worst)
+        told |= residuals(self.lowest, self.highest)
         solves = counted(int(self.states["solves"].sum()), "solve")
-        told["solved by"] = f"{self.backend}: {solves} in {self.solve_time:.3g} s"
+        told["solved by"] = f"{self.backend}: {solves} of searches in {self.solve_time:.3g} s"
         if self.lowest is not None:
             told["size"] = self.lowest.discretisation.contents
         return Facts(f"SoilRange: {found}", told)
@@ -212,7 +207,7 @@ def _row(found: SoilFound, scale: float, above: float, seconds: float) -> dict[s
     alpha = np.nan if point is None else point.load_factor * scale
     if found.start.inner.point is None:
         status = found.start.inner.status.label
-    elif alpha > above + _BEYOND * abs(above):
+    elif point is not None and not alpha <= above + _BEYOND * abs(above):
         status = "refused"  # no admissible stresses carry so much (T54): an error of ours
     elif certificate is not None:
         status = "certified"

@@ -4,7 +4,7 @@ r"""A smooth rigid strip footing on weightless soil that dilates less than its f
               | | | |
               v v v v footing
           o-----------+---------------------------o
-    u_x=0 o      \   /  .            psi < phi     o
+    u_x=0 o      \   /  .            psi < phi    o
           o       \ /      . .                    o
           o        \_       .                     o   u = 0
           o           ` - _ _ _ .  -              o
@@ -12,8 +12,8 @@ r"""A smooth rigid strip footing on weightless soil that dilates less than its f
                          u = 0
           |<--- 1 --->|
 
-Prandtl's stresses are in equilibrium whatever the soil dilates, so that no load is above his, and
-flow that is not associated may do with less. How much less has been answered by elasto-plastic
+No stresses within the criterion carry more than Prandtl's load, whatever the soil dilates, and flow
+that is not associated may do with less. How much less has been answered by elasto-plastic
 steps, whose loads oscillate, and by fits to them. Here each load factor is that of a limit state of
 the mesh, with a certificate. From `psi = 2 phi/3` on it is within 2 % of the associated one of the
 same mesh, and all searches come to the same. Without dilation states are many: on one mesh of 512
@@ -96,11 +96,7 @@ Davis, psi = 20:     beta = cos(20) cos(30)/(1 - sin(20) sin(30))
                      tan(phi*) = 0.56677, c* = 0.98167 c:  28.537
 Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30):  20.081
 """,
-    meshes={
-        "coarse": {"nx": 5, "ny": 2, "ratio": 4.0},
-        "medium": {"nx": 16, "ny": 9, "ratio": 6.0},
-        "fine": {"nx": 44, "ny": 26, "ratio": 8.0},
-    },
+    meshes=strip_footing.CASE.meshes,
     build=build,
     reference=reference,
     band=band,

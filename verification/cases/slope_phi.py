@@ -21,7 +21,7 @@ The toe is a singular point: meshes are graded towards it.
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
-from verification.cases.shared.slopes import held, mesh_of_slope
+from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
 _PROVEN = {(60.0, 20.0): (10.2925, 10.3907), (45.0, 10.0): (9.2090, 9.3098)}
 """By slope and friction angle: a strict lower bound, and the least of spirals through the toe."""
@@ -78,11 +78,7 @@ spiral:       r = r0 exp(t tan(phi)) through the toe; the body that it
               beta = 45, phi = 10:  9.3097
 friction alone, c = 0, holds a slope that is no steeper than phi.
 """,
-    meshes={
-        "coarse": {"nx": 4, "ny": 3, "ratio": 3.0},
-        "medium": {"nx": 16, "ny": 12, "ratio": 6.0},
-        "fine": {"nx": 45, "ny": 34, "ratio": 12.0},
-    },
+    meshes=MESHES,
     build=build,
     reference=reference,
     band=band,

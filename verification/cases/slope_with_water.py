@@ -28,7 +28,7 @@ rows, as pressures are linear in elements.
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
-from verification.cases.shared.slopes import held, mesh_of_slope
+from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
 _SLOPE, _ANGLE, _WATER = 60.0, 20.0, 0.5
 _DRY = (10.2925, 10.3907)
@@ -100,11 +100,7 @@ pool:         a body that turns about the centre of the spiral
               the least over both angles: 11.9004
 drawn down:   the same without the face: 7.5480 at most
 """,
-    meshes={
-        "coarse": {"nx": 4, "ny": 3, "ratio": 3.0},
-        "medium": {"nx": 16, "ny": 12, "ratio": 6.0},
-        "fine": {"nx": 45, "ny": 34, "ratio": 12.0},
-    },
+    meshes=MESHES,
     build=build,
     reference=reference,
     band=band,

@@ -36,6 +36,12 @@ def test_n_gamma(named, low, high):
 
 
 @pytest.mark.slow
+def test_platens():
+    """The reference is a bracket of ours, from a finer start: two of one problem cannot miss."""
+    assert bracket("platens-soil:associated", target_width=0.03).width <= 0.03
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "variant", ["half", "full", "full-active", "smooth", "smooth-active"], ids=str
 )

@@ -7,6 +7,12 @@ from skfem import MeshTri
 
 import lacore as la
 
+MESHES = {
+    "coarse": {"nx": 4, "ny": 3, "ratio": 3.0},
+    "medium": {"nx": 16, "ny": 12, "ratio": 6.0},
+    "fine": {"nx": 45, "ny": 34, "ratio": 12.0},
+}
+"""Levels of both cases."""
 BEFORE, BELOW, BEHIND = 0.6, 0.5, 1.8  # of the soil: in front of the toe, below it, and to its end
 
 
