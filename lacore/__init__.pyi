@@ -60,6 +60,8 @@ from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
 from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess
+from .questions.load_cases import LoadCases as LoadCases
+from .questions.load_cases import load_cases as load_cases
 from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
 from .ranges.safety import SafetyFactor as SafetyFactor

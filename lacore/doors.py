@@ -13,6 +13,9 @@ views.picture.makers |= {
     "lacore.bounds.gap_identity:GapIdentity": "lacore.pictures.mesh:plot_gap",
     "lacore.adaptive.bracket:Bracket": "lacore.pictures.bracket:plot_bracket",
     "lacore.paths.path:Path": "lacore.pictures.path:plot_path",
+    "lacore.questions.load_cases:LoadCases": (
+        "lacore.pictures.questions.load_cases:plot_load_cases"
+    ),
 }
 views.animation.makers |= {
     "lacore.paths.path:Path": "lacore.pictures.animation:animate_path",

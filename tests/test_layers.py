@@ -41,7 +41,7 @@ LACORE = (
     *("state", "part_forces", "certificate", "regularization", "backend"),
     *("process", "inner", "claims", "coupling"),
     *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
-    *("limit", "bounds", "adaptive", "ranges", "paths", "files", "pictures", "doors"),
+    *("limit", "bounds", "adaptive", "ranges", "questions", "paths", "files", "pictures", "doors"),
 )
 """Files and folders of lacore: each imports from those before it, and from its own."""
 VERIFICATION = (

@@ -1,7 +1,7 @@
 """What the user says: bodies, supports, interfaces, loads. Immutable, and checked when built."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -46,6 +46,20 @@ class Problem(Shown):
         """Pickle by the arguments; predicates on coordinates must be named functions for it."""
         given = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return type(self), tuple((given | {"bodies": dict(self.bodies)}).values())
+
+    def with_loads(
+        self,
+        reference_loads: Sequence[Load] | None = None,
+        dead_loads: Sequence[Load] | None = None,
+    ) -> "Problem":
+        """The same structure under other loads; those that are not given stay.
+
+        Raises:
+            InputError: loads that cannot be.
+        """
+        live = self.reference_loads if reference_loads is None else reference_loads
+        dead = self.dead_loads if dead_loads is None else dead_loads
+        return replace(self, reference_loads=live, dead_loads=dead)
 
     def plot(self) -> "Figure":
         """Sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""

@@ -153,6 +153,12 @@ def states():
     ]
 
 
+def answers():
+    """To questions of engineers."""
+    push, stone = [la.BodyForce("wall", (1, 0))], wall()
+    return [la.load_cases(stone, {LONG: push, "up": unsafe(), **dict.fromkeys("abcdefgh", push)})]
+
+
 @cache
 def results():
     """What functions return: those that are made by solving, and those with other words in them."""
@@ -175,8 +181,10 @@ def results():
     made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]
     made += [la.coulomb_range(wall(), restarts=0), la.coulomb_range(unsafe(), restarts=0)]
     made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
+    made += answers()
     made += [pressed(steps=2), pressed(steps=2, billet=quad_billet)]
-    path, bracket, spread = made[-2], made[-6], made[-4]
+    path, spread = made[-2], next(own for own in made if isinstance(own, la.CoulombRange))
+    bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))
     other += [replace(bracket, status=ending, failure=LONG) for ending in BracketEnding]
     other += [replace(path, status=ending, message=LONG) for ending in PathEnding]
     nothing = path.history.iloc[:0], path.events.iloc[:0]

@@ -1,0 +1,1 @@
+"""Pictures of answers to questions of engineers."""

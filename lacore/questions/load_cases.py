@@ -1,0 +1,240 @@
+"""`load_cases`: one structure under several loads, and which of them governs."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lacore import views
+from lacore.adaptive.bracket import Bracket
+from lacore.adaptive.refine import bracket
+from lacore.arrays import Bools
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.conditions.loads import Load
+from lacore.errors import InputError, require_count, require_positive
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+from lacore.questions.sharing import solved
+from lacore.questions.worth import worth
+from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.status import Rigor, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_COLUMNS = [
+    *("case", "status", "load_factor", "lower", "upper", "rigor", "residual", "seconds"),
+    *("governs", "message"),
+]
+
+
+@dataclass(frozen=True, repr=False)
+class LoadCases(Shown):
+    """One structure under several loads, and which of them governs.
+
+    Attributes:
+        table: a row a case: ``case``, ``status``, ``load_factor`` (inf where it is locked, -inf
+            where the dead loads alone collapse it, 0 where it moves freely, NaN where nothing is
+            certified; of a bracket NaN), proven bounds ``lower`` and ``upper`` (-inf and inf where
+            there is none), ``rigor``, largest ``residual``, ``seconds``, ``governs``, ``message``.
+        results: `LimitState` or `Bracket` of each case, by name.
+        governing: the case with the least load factor; empty where none is certified.
+        sure: whether it is proven to be that: every case has a load factor, and where brackets
+            enclose them the one that governs lies below all others.
+        solve_time: s, wall clock.
+    """
+
+    table: pd.DataFrame
+    results: Mapping[str, LimitState | Bracket]
+    governing: str
+    sure: bool
+    solve_time: float
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Cases without a certified load factor."""
+        return tuple(self.table["case"][~_known(self.table)])
+
+    @property
+    def message(self) -> str:
+        """Which case governs, how sure that is, and which have failed."""
+        if not self.governing:
+            return f"no case is certified: {listed(self.failed)}"
+        said = f"{self.governing!r} governs"
+        if self.failed:
+            said += f" of those that are certified; not certified: {listed(self.failed)}"
+        elif not self.sure:
+            others = self.table["case"][self.table["lower"] < self._least["upper"]]
+            said = f"one of {listed([repr(name) for name in others])} governs: brackets overlap"
+        return said
+
+    @property
+    def _least(self) -> "pd.Series[Any]":
+        return self.table[self.table["governs"]].iloc[0]
+
+    def facts(self) -> Facts:
+        """Which case governs, and its load factor."""
+        title = f"LoadCases: {counted(len(self.table), 'case')}, none is certified"
+        if self.governing:
+            row = self._least
+            size = f"load factor {row['load_factor']:.7g}"
+            if np.isnan(row["load_factor"]):
+                size = f"{row['lower']:.7g} <= load factor <= {row['upper']:.7g}"
+            title = f"LoadCases: {self.governing!r} governs {len(self.table)} cases, {size}"
+        told = {"status": self.message}
+        if self.governing:
+            told["rigor"] = str(self._least["rigor"])
+        told["cases"] = listed(list(self.table["case"]))
+        told["solved by"] = f"{counted(len(self.table), 'case')} in {self.solve_time:.3g} s"
+        return Facts(title, told)
+
+    def picture(self) -> Picture:
+        """Load factors by case."""
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """Load factors by case: see `lacore.pictures.questions.load_cases.plot_load_cases`."""
+        return views.picture(self)
+
+
+def load_cases(
+    problem: Problem,
+    cases: Mapping[str, Sequence[Load] | Problem],
+    backend: str = "clarabel",
+    *,
+    coupling: str | None = None,
+    target_width: float | None = None,
+    options: Mapping[str, Any] | None = None,
+    workers: int = 1,
+    on_case: Callable[[str], None] | None = None,
+) -> LoadCases:
+    """Load factors of a structure under several loads, in one table.
+
+    All cases are stated and assembled before the first is solved; one that then has no certified
+    load factor is named, and stops no other.
+
+    Args:
+        problem: the structure, with its dead loads.
+        cases: by name the reference loads of each, in place of those of the problem; or a problem
+            where more changes, such as one of `Problem.with_loads`.
+        backend: name of one.
+        coupling: see `lacore.solve`.
+        target_width: of a `lacore.bracket` of each case; None: the state of `lacore.solve`.
+        options: of the backend, for states.
+        workers: cases solved at a time, of states.
+        on_case: called with the name of each case as it ends, for progress.
+
+    Raises:
+        InputError: no case; loads that cannot be, with the name of their case; what `solve` and
+            `bracket` refuse.
+        CapabilityError: the backend is missing, or cannot take a problem.
+    """
+    begin = time.perf_counter()
+    require_count("workers", workers)
+    stated = _stated(problem, cases)
+    tell = on_case or (lambda name: None)
+    names = list(stated)
+    results: dict[str, LimitState | Bracket] = {}
+    if target_width is None:
+        given = {"backend": backend, "coupling": coupling, "options": options}
+        states = solved(list(stated.values()), given, workers, lambda k, _: tell(names[k]))
+        results = dict(zip(names, states, strict=True))
+        rows = [_of_state(name, state) for name, state in zip(names, states, strict=True)]
+    else:
+        require_positive("target_width", target_width)
+        rows = []
+        for name, one in stated.items():
+            found = bracket(one.problem, target_width, backend=backend)
+            results[name] = found
+            rows.append(_of_bracket(name, found))
+            tell(name)
+    table = pd.DataFrame(rows, columns=_COLUMNS)
+    known = table[_known(table)]
+    by = known["load_factor"].fillna(known["upper"])
+    governing = str(known["case"].iloc[int(np.argmin(by))]) if len(known) else ""
+    table["governs"] = table["case"] == governing
+    return LoadCases(
+        table=table,
+        results=results,
+        governing=governing,
+        sure=bool(governing) and _sure(table),
+        solve_time=time.perf_counter() - begin,
+    )
+
+
+def _stated(
+    problem: Problem, cases: Mapping[str, Sequence[Load] | Problem]
+) -> dict[str, Discretisation]:
+    """All cases, assembled."""
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    if not isinstance(cases, Mapping) or not cases:
+        raise InputError(
+            "cases", cases, "no load case", "give loads by name, {'wind': [lacore.Traction(...)]}"
+        )
+    stated = {}
+    for name, case in cases.items():
+        field = f"cases[{name!r}]"
+        try:
+            own = case if isinstance(case, Problem) else problem.with_loads(reference_loads=case)
+            stated[str(name)] = discretise(own)
+        except InputError as wrong:
+            inner = wrong.field.removeprefix("Problem.")
+            raise InputError(f"{field}: {inner}", wrong.value, wrong.why, wrong.mend) from None
+    return stated
+
+
+def _of_state(name: str, state: LimitState) -> dict[str, Any]:
+    value, lower, upper = worth(state), -np.inf, np.inf
+    if state.bracket is not None:
+        lower, upper = state.bracket
+    elif state.rigor is Rigor.UPPER:
+        upper = value
+    return {
+        "case": name,
+        "status": state.status.label,
+        "load_factor": value,
+        "lower": lower,
+        "upper": upper,
+        "rigor": state.rigor.label,
+        "residual": np.nan if state.certificate is None else state.certificate.worst[1],
+        "seconds": state.build_time + state.solve_time,
+        "message": state.status.said(state.message),
+    }
+
+
+def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
+    statuses = {found.lower_bound.status, found.upper_bound.status}
+    proven = [s for s in (Status.UNSAFE, Status.LOCKED, Status.FREE) if s in statuses]
+    return {
+        "case": name,
+        "status": proven[0].label if proven else found.status.label,
+        "load_factor": np.nan,
+        "lower": found.lower,
+        "upper": found.upper,
+        "rigor": "both bounds strict" if found.strict else Rigor.NOT_CERTIFIED.label,
+        "residual": np.nan,
+        "seconds": found.history["seconds"].max() if len(found.history) else np.nan,
+        "message": found.message,
+    }
+
+
+def _known(table: pd.DataFrame) -> Bools:
+    """Which cases have a load factor, or two that enclose it, shape (cases,)."""
+    value, lower, upper = (table[name].to_numpy() for name in ("load_factor", "lower", "upper"))
+    enclosed = np.isfinite(lower) & np.isfinite(upper) & (lower <= upper)
+    return np.asarray(~np.isnan(value) | enclosed)
+
+
+def _sure(table: pd.DataFrame) -> bool:
+    """Whether the case that governs is proven to be the least."""
+    if not _known(table).all():
+        return False
+    least, others = table[table["governs"]].iloc[0], table[~table["governs"]]
+    if not table["load_factor"].isna().any():
+        return True
+    return bool((others["lower"] >= least["upper"]).all())

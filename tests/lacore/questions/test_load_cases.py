@@ -1,0 +1,91 @@
+"""One structure under several loads: the least governs, and what fails is named."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+from tests.lacore.models import punch, under_footing
+from tests.lacore.shown import portal, wall
+
+WIND = [la.PointForce("portal", "B", (1, 0))]
+SNOW = [la.Traction("portal", "B-C", (0, -1))]
+
+
+def test_the_least_load_factor_governs():
+    """Portal of CLOSED_FORMS with clamped feet: sway 4 Mp/h, beam 16 Mp/L^2; both at once less."""
+    found = la.load_cases(portal(), {"wind": WIND, "snow": SNOW, "both": [*WIND, *SNOW]})
+    alpha = found.table.set_index("case")["load_factor"]
+    # 1e-6: the bar of the certificate; of a line load, that of moments inside its member.
+    assert alpha["wind"] == pytest.approx(4 * 10 / 3, rel=1e-6)
+    assert alpha["snow"] == pytest.approx(16 * 10 / 4**2, rel=2e-6)
+    assert found.governing == "both"
+    assert found.sure
+    assert list(found.table["governs"]) == [False, False, True]
+    assert found.results["both"].load_factor == alpha["both"] < min(alpha["wind"], alpha["snow"])
+
+
+def test_processes_give_the_same_table():
+    cases = {"wind": WIND, "snow": SNOW, "both": [*WIND, *SNOW]}
+    seen = []
+    one = la.load_cases(portal(), cases)
+    two = la.load_cases(portal(), cases, workers=2, on_case=seen.append)
+    assert seen == list(cases)
+    # Same program, same solver: equal but for what it leaves, far below the bar.
+    assert np.allclose(one.table["load_factor"], two.table["load_factor"], rtol=1e-6)
+
+
+def test_what_falls_by_itself_governs_and_what_is_locked_never_does():
+    stone = wall()
+    cases = {
+        "push": stone.reference_loads,
+        "down": [la.BodyForce("wall", (0, -1))],
+        "floats": stone.with_loads(dead_loads=[la.BodyForce("wall", (0, 1))]),
+    }
+    found = la.load_cases(stone, cases)
+    assert list(found.table["status"]) == ["solved", "locked", "unsafe"]
+    assert found.table["load_factor"].iloc[1:].tolist() == [np.inf, -np.inf]
+    assert found.governing == "floats"
+    without = la.load_cases(stone, {name: cases[name] for name in ("push", "down")})
+    assert without.governing == "push"
+
+
+def test_brackets_that_overlap_do_not_decide():
+    problem = punch(6, 4)
+    smooth = [la.RigidFooting("soil", under_footing, (0, -1), rough=False)]
+    cases = {"rough": problem.reference_loads, "smooth": smooth}
+    found = la.load_cases(problem, cases, target_width=0.2)
+    assert not found.sure
+    assert "brackets overlap" in found.message
+    table = found.table.set_index("case")
+    assert (table["lower"] < 2 + np.pi).all()
+    assert (table["upper"] > 2 + np.pi).all()
+
+
+def test_a_case_that_is_not_certified_is_named():
+    cases = {"wind": WIND, "snow": SNOW}
+    found = la.load_cases(portal(), cases, options={"max_iterations": 1})
+    assert found.failed == ("wind", "snow")
+    assert "wind" in found.message
+    assert found.governing == ""
+
+
+@pytest.mark.parametrize(
+    ("case", "said"),
+    [
+        ([la.PointForce("portal", "X", (1, 0))], "cases['wind']: PointForce.at = 'X'"),
+        ([], "cases['wind']: reference_loads"),
+        (
+            [la.PointForce("portal", "A", (1, 0))],
+            "cases['wind']: reference_loads: they do no power",
+        ),
+    ],
+)
+def test_loads_that_cannot_be_are_refused_with_their_case(case, said):
+    with pytest.raises(la.InputError, match=r"cases\['wind'\]") as caught:
+        la.load_cases(portal(), {"snow": SNOW, "wind": case})
+    assert said in str(caught.value)
+
+
+def test_no_case_is_refused():
+    with pytest.raises(la.InputError, match="no load case"):
+        la.load_cases(portal(), {})
