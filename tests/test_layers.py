@@ -264,7 +264,7 @@ def test_the_start_knows_the_standard_library_only():
 
 
 HEAVY = (
-    *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL"),
+    *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL", "ezdxf"),
     *("cvxpy", "casadi", "clarabel", "highspy", "dask", "distributed"),
     *("playwright", "jinja2", "rich", "IPython"),
 )

@@ -114,7 +114,22 @@ def values():
         *(la.hardening.Voce(1.0, 2.0, 1 / 3), la.hardening.Swift(1.0, 1 / 3, 0.2)),
         *(la.AdaptiveSteps(1 / 3), la.LeastNorm(), la.Time(), la.FootingTravel()),
         *(la.PointTravel(LONG, (1 / 3, wide), (0, 1)), la.SolverProcess()),
+        *drawn(),
     ]
+
+
+def drawn():
+    """Two stones of a drawing whose words are all as long as can be."""
+    blocks = la.BlockAssembly([la.masonry.rectangle(0, 1, y, y + 1) for y in (0, 1)], 0.5)
+    wide = Fraction(10**300 + 1, 10**300)
+    layer = la.masonry.Layer(la.Coulomb(wide), wide)
+    layers = {LONG: layer, LONG[1:]: layer}
+    of = dict.fromkeys(blocks.names, LONG)
+    counts = dict.fromkeys(MANY, 10**50)
+    drawing = la.masonry.DrawnBlocks(
+        blocks, layers, of, of, LONG, "mm", 1 / 3, float(wide), counts, MANY
+    )
+    return [layer, drawing]
 
 
 def states():

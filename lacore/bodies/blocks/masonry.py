@@ -1,4 +1,4 @@
-"""Builders of block assemblies: walls in running bond, stacks, arches."""
+"""Builders of block assemblies: walls in running bond, stacks, arches, what was drawn."""
 
 from collections.abc import Sequence
 from math import pi
@@ -8,6 +8,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.bonds import ROUND_OFF, Opening, random_bond, regular_bond, windows
+from lacore.bodies.blocks.drawings.drawn import DrawnBlocks, Layer
+from lacore.bodies.blocks.drawings.reading import read
 from lacore.bodies.blocks.joints import JointFriction
 from lacore.errors import (
     InputError,
@@ -20,9 +22,12 @@ from lacore.errors import (
 from lacore.materials.friction import Friction
 
 __all__ = [
+    "DrawnBlocks",
+    "Layer",
     "Opening",
     "arch",
     "random_bond",
+    "read",
     "rectangle",
     "regular_bond",
     "running_bond",

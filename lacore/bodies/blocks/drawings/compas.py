@@ -1,0 +1,126 @@
+"""Outlines of blocks in assemblies of compas, read from its JSON as data.
+
+An assembly is a graph, each node with the mesh of a block: ``{"vertex": {key: {x, y, z}}, "face":
+{key: [vertices]}}`` (compas_assembly 0.7; compas 1 and 2 wrap it differently, so it is searched
+for). Meshes are plane, or prisms across the plane of the wall.
+"""
+
+from collections.abc import Iterator, Set
+from typing import Any
+
+import numpy as np
+import shapely
+
+from lacore.arrays import Floats
+from lacore.bodies.blocks.drawings.strokes import Drawing, Stroke, refused
+from lacore.errors import InputError, is_number
+
+BLOCK, SUPPORT = "block", "support"
+_PLANES = ((2, (0, 1)), (1, (0, 2)), (0, (1, 2)))  # across it, and right and up in it
+_FLAT = 1e-6  # of the size: compas writes coordinates as they were computed
+
+
+def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
+    """Outlines of the blocks of an assembly, seen along y (x, z), along x (y, z), or from above.
+
+    That is the first of these planes across which all blocks have one thickness: of plane blocks
+    theirs. The layer of a block is its attribute "layer", else "support" where it is one, else
+    "block"; its handle is the key of its node.
+
+    Args:
+        path: of the file, for messages.
+        content: as `json` reads it.
+        layers: to take blocks of.
+
+    Raises:
+        InputError: no assembly, blocks that are not plane.
+    """
+    nodes = _nodes(content)
+    if nodes is None:
+        raise InputError(
+            "path",
+            path,
+            "neither GeoJSON (no `type`) nor an assembly of compas (no graph with nodes)",
+            "write it by compas.json_dump(assembly, path)",
+        )
+    meshes = [(key, _layer(node), _mesh(node, path, key)) for key, node in nodes.items()]
+    if not meshes:
+        raise InputError("path", path, "an assembly without blocks", "add blocks, and write it")
+    across, up = _plane(path, [points for _, _, (points, _) in meshes])
+    strokes = []
+    for key, layer, (points, faces) in meshes:
+        if layer not in layers:
+            continue
+        near = points[:, across] <= points[:, across].mean()  # of a plane mesh all
+        caps = [shapely.Polygon(points[face][:, up]) for face in faces if near[face].all()]
+        outline = shapely.union_all([cap for cap in caps if cap.is_valid])
+        if outline.geom_type != "Polygon" or shapely.get_num_interior_rings(outline):
+            what = f"layer {layer!r}, handle {key}"
+            raise refused(path, what, "its mesh is no prism across the plane", "close its faces")
+        ring = shapely.get_coordinates(shapely.get_exterior_ring(outline))[:-1]
+        strokes.append(Stroke(layer, key, ring, closed=True))
+    return Drawing(tuple(strokes), tuple({layer for _, layer, _ in meshes}), None, {})
+
+
+def _nodes(content: Any) -> dict[str, Any] | None:
+    """The nodes of the graph, wherever it stands."""
+    for own in _dictionaries(content):
+        if isinstance(own.get("node"), dict) and "edge" in own:
+            return {str(key): node for key, node in own["node"].items()}
+    return None
+
+
+def _dictionaries(content: Any) -> Iterator[dict[str, Any]]:
+    """A dictionary and those in it, outer ones first."""
+    waiting = [content]
+    while waiting:
+        own = waiting.pop(0)
+        if isinstance(own, dict):
+            yield own
+            waiting += own.values()
+        elif isinstance(own, list):
+            waiting += own
+
+
+def _layer(node: Any) -> str:
+    for own in _dictionaries(node):
+        if isinstance(own.get("layer"), str):
+            return str(own["layer"])
+    support = any(own.get("is_support") is True for own in _dictionaries(node))
+    return SUPPORT if support else BLOCK
+
+
+def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
+    """Vertices (k, 3), and faces as their numbers."""
+    for own in _dictionaries(node):
+        vertex, face = own.get("vertex"), own.get("face")
+        if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
+            continue
+        places = [[point.get(axis, 0.0) for axis in "xyz"] for point in vertex.values()]
+        number = {name: n for n, name in enumerate(vertex)}
+        known = all(str(name) in number for corners in face.values() for name in corners)
+        if known and all(is_number(value) for place in places for value in place):
+            faces = [[number[str(name)] for name in corners] for corners in face.values()]
+            return np.array(places, dtype=np.float64), faces
+    raise refused(path, f"handle {key}", "a node without the mesh of a block", "add its block")
+
+
+def _plane(path: str, vertices: list[Floats]) -> tuple[int, list[int]]:
+    """The axis to look along, and the two that are seen, to the right and up."""
+    every = np.concatenate(vertices)
+    allowed = _FLAT * float(np.linalg.norm(np.ptp(every, axis=0)))
+    for across, axes in _PLANES:
+        low, high = every[:, across].min(), every[:, across].max()
+        # A wall of one height is none seen from above: only what has no thickness is drawn there.
+        if across == 2 and high - low > allowed:
+            continue
+        ends = [np.minimum(own[:, across] - low, high - own[:, across]) for own in vertices]
+        through = [np.ptp(own[:, across]) >= high - low - allowed for own in vertices]
+        if np.concatenate(ends).max() <= allowed and all(through):
+            return across, list(axes)
+    raise InputError(
+        "path",
+        path,
+        "its blocks are no prisms between two planes across y, nor across x",
+        "turn the wall into the plane of x and z",
+    )
