@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lacore.arrays import Bools, Ints, Sparse
+from lacore.assembly.seams import Seam
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps
@@ -31,7 +32,8 @@ class Discretisation(Shown):
         frames: frames by name; their hinges are the groups of these names.
         jumps: velocity jumps of the continua (T23), by name: of those whose space has them, and
             of those that slip along boundaries. Groups of the programs: the continua, these, the
-            hinges of frames.
+            seams, the hinges of frames.
+        seams: jumps across bonded interfaces, by their names, where the sides do not move as one.
         slips: the boundaries along which continua slip past what holds them, by name.
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
@@ -51,6 +53,7 @@ class Discretisation(Shown):
     frames: Mapping[str, FrameDofs]
     jumps: Mapping[str, Jumps]
     slips: Mapping[str, Slip]
+    seams: Mapping[str, Seam]
     points: ContactPoints
     shared_corners: Bools
     footings: Ints
@@ -60,6 +63,12 @@ class Discretisation(Shown):
     def scope(self) -> Scope:
         """Of which problem its load factors are."""
         return Scope.DISCRETE if self.bodies else Scope.ITSELF
+
+    @property
+    def jumping(self) -> list[tuple[tuple[str, str], Jumps]]:
+        """All velocity jumps, and the bodies that have the elements on either side of them."""
+        own = [((name, name), jumps) for name, jumps in self.jumps.items()]
+        return own + [(seam.bodies, seam.jumps) for seam in self.seams.values()]
 
     @property
     def contents(self) -> str:

@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from lacore.assembly.bonds import joined_parts, ties
 from lacore.assembly.contact_checks import movable_points, shared_corners
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.holding import held_by
 from lacore.assembly.loading import load_vector, require_power
 from lacore.assembly.natural import natural_scales
 from lacore.assembly.ordering import point_order
+from lacore.assembly.seams import seams
 from lacore.assembly.slips import slips
 from lacore.assembly.span_nodes import spanned
 from lacore.assembly.sticking import yielding
@@ -54,7 +56,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     interfaces = yielding(problem, continua, footings)
     contact, points = contact_of(interfaces, problem.segments, unknowns)
     slipping = slips(problem, continua, footings, unknowns.node_dofs.size)
-    held = held_by(problem, unknowns, slipping)
+    tied = ties(problem, continua)
+    held = held_by(problem, unknowns, slipping, tied)
     jumping = {
         name: jumps(name, own, n, slipping.get(name))
         for name, own in continua.items()
@@ -62,11 +65,17 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     }
     jumping = {name: part.kept(movable(part.group, held.basis)) for name, part in jumping.items()}
     jumping = {name: part for name, part in jumping.items() if part.group.weights.size}
+    seaming = seams(problem, continua, dofs, tied, n)
+    seaming = {
+        name: own.kept(movable(own.jumps.group, held.basis)) for name, own in seaming.items()
+    }
+    seaming = {name: own for name, own in seaming.items() if own.jumps.group.weights.size}
     strained = {name: own.groups(name, n) for name, own in dofs.items()}
     full = KinematicProgram(
         groups=(
             *(group for name in continua for group in strained.pop(name)),
             *(part.group for part in jumping.values()),
+            *(own.jumps.group for own in seaming.values()),
             *(group for groups in strained.values() for group in groups),
         ),
         contact=contact,
@@ -76,7 +85,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         dead_load=load_vector(
             acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n
         ),
-        parts=unknowns.parts,
+        parts=joined_parts(unknowns.parts, problem, dofs),
     )
     program = reduced(full, held.basis)
     order = point_order(contact, points, unknowns.assemblies, len(problem.interfaces))
@@ -96,6 +105,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         frames=unknowns.frames,
         jumps=jumping,
         slips=slipping,
+        seams=seaming,
         points=points,
         shared_corners=shared_corners(program.contact, points, problem, continua),
         footings=np.array(list(unknowns.footings.values()), dtype=np.int64),

@@ -1,12 +1,13 @@
 """What supports and footings leave free of all unknowns."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 
 from lacore.arrays import Bools, Sparse
+from lacore.assembly.bonds import Ties, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.held import footing_of, support_of
@@ -28,8 +29,8 @@ class Held:
     nodes: Bools
 
 
-def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip]) -> Held:
-    """What the supports and footings of a problem leave free, where bodies may slip past them.
+def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], tied: Ties) -> Held:
+    """What supports, footings and bonds leave free, where bodies may slip past what holds them.
 
     Raises:
         InputError: a footing that cannot move, a polygon held in place of an arc.
@@ -38,7 +39,7 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip]) 
     asked = [
         *(
             support_of(support, bodies[support.body], slipping.get(support.body))
-            for support in problem.supports
+            for support in supports_of(problem)
             if support.body in bodies
         ),
         *(
@@ -50,10 +51,15 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip]) 
     conditions = join(asked)
     slid = [slip.nodes(bodies[name]).ravel() for name, slip in slipping.items()]
     nodes = np.isin(np.arange(node_dofs.shape[1]), np.concatenate([conditions.nodes, *slid]))
+    nodes = tied.all_of(nodes)
     # On an axis u_r = 0 follows from continuity: no support, and no reaction.
     axes = np.concatenate([np.zeros(0, dtype=np.int64), *(b.axis_nodes for b in bodies.values())])
     conditions = join([conditions, held(axes, np.tile([1.0, 0.0], (axes.size, 1)))])
+    # What follows is held, and then moves with what it follows, where all of its conditions are.
+    conditions = replace(conditions, nodes=tied.first[conditions.nodes])
+    conditions = join([conditions, *(held(tied.following, axis) for axis in tied.both_axes)])
     deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
+    deforming = tied.spread(deforming, node_dofs)
     rigid = [
         own.free([support for support in problem.supports if support.body == name])
         for name, own in unknowns.rigid.items()

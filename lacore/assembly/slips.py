@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Bools, Ints
+from lacore.assembly.bonds import supports_of
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.slip import Slip
@@ -45,7 +46,11 @@ def slips(
         first: number of the first of these.
     """
     found = {}
-    touched = [contact_facets(problem, index) for index in range(len(problem.interfaces))]
+    touched = [
+        contact_facets(problem, index)
+        for index, interface in enumerate(problem.interfaces)
+        if not interface.bonded
+    ]
     for name, dofs in bodies.items():
         if not dofs.linear or dofs.body.form.surfaces:
             continue
@@ -62,7 +67,7 @@ def asked_of(
 ) -> tuple[NodeConditions, Ints]:
     """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
     parts = []
-    for support in problem.supports:
+    for support in supports_of(problem):
         if support.body == name:
             facets = boundary_facets(dofs.body, support.where, "Fix.where")
             *_, outward = facet_geometry(dofs.body, facets)

@@ -29,7 +29,10 @@ def yielding(
     Of straight triangles in the plane, as in `lacore.assembly.slips`.
     """
     found = list(problem.interfaces)
-    touched = [contact_facets(problem, index) for index in range(len(found))]
+    touched = [
+        {} if interface.bonded else contact_facets(problem, index)
+        for index, interface in enumerate(found)
+    ]
     moves = [interface.obstacle is None for interface in found]
     for index, interface in enumerate(found):
         strengths = [bodies[name].strength for name in touched[index] if name in bodies]

@@ -216,7 +216,7 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
         strict = all(d.linear and d.body.geometry == "exact" for d in bodies)
         rigor = Rigor.UPPER if strict else Rigor.DISCRETE
     full = discretisation.full
-    hinges = full.groups[len(discretisation.bodies) + len(discretisation.jumps) :]
+    hinges = full.groups[len(discretisation.bodies) + len(discretisation.jumping) :]
     load_factor = (
         sum(float(part.sum()) for part in power.values())
         + sum(float(group.dissipation(velocity).sum()) for group in hinges)
@@ -268,9 +268,9 @@ def plastic_power(
             power[name] = _on_lattice(group, velocity, dofs.space, parts)
         else:
             power[name] = group.dissipation(velocity).reshape(dofs.areas.size, -1).sum(axis=1)
-    for name, jumps in discretisation.jumps.items():
+    for names, jumps in discretisation.jumping:
         elements, along = jumps.power(velocity, parts)
-        for side in elements:
+        for name, side in zip(names, elements, strict=True):
             np.add.at(power[name], side, along / 2)
     return power
 

@@ -11,7 +11,7 @@ from typing import TypeGuard
 from lacore.conditions.where import Where, where_name
 from lacore.contact.obstacles import RigidObstacle, Shape
 from lacore.errors import InputError
-from lacore.materials.friction import Friction, friction_law
+from lacore.materials.friction import Bonded, Friction, friction_law
 from lacore.showing import Compact
 
 
@@ -25,10 +25,12 @@ class Interface(Compact):
         slave: ``(body name, where)``, see `lacore.bodies.continuum.boundaries.boundary_facets`.
         master: a `RigidObstacle`, or ``(body name, where)`` of another body. The two boundaries
             touch along straight parts; their meshes need not match.
-        friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
-            STICK forbids slip wherever the body is, also where it lifts off, and opening is
-            free: the limit mu -> infinity of associated friction, not of Coulomb friction. No
-            body carries more shear than its strength: see `lacore.assembly.sticking` for corners.
+        friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`,
+            `BOND`. STICK forbids slip wherever the body is, also where it lifts off, but opens
+            freely, without any tension: the limit mu -> infinity of associated friction, not of
+            Coulomb friction. No body carries more shear than its strength: see
+            `lacore.assembly.sticking` for corners. BOND transfers tension, too, all that the weaker
+            side can carry: see `lacore.assembly.bonds`.
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.
@@ -78,6 +80,11 @@ class Interface(Compact):
     def law(self) -> Friction:
         """The friction law, a bare coefficient read as Coulomb friction."""
         return friction_law(self.friction, "Interface.friction")
+
+    @property
+    def bonded(self) -> bool:
+        """Whether nothing opens nor slips there, up to the strength of the weaker side."""
+        return isinstance(self.law, Bonded)
 
     @property
     def name(self) -> str:

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.any_body import Dofs
 from lacore.bodies.blocks.dofs import RigidDofs
-from lacore.contact.controls import controls
+from lacore.contact.controls import Controls, controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.segments import Segments
@@ -108,6 +108,7 @@ def contact_rows(
     stations = [
         interface_station(interface, own, index, bodies, n)
         for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True))
+        if not interface.bonded
     ]
     return joined(stations, interfaces, jointed, n)
 
@@ -194,17 +195,8 @@ def _stations(
     n: int,
 ) -> Station:
     """Control values of the jump on segments; sides: slave and master, and which parts of them."""
-
-    def jump(points: Floats) -> Sequence[Sparse]:
-        own, *others = (dofs.velocity_rows(parts, points, n) for dofs, parts in sides)
-        for other in others:
-            own = (csr_matrix(own[0] - other[0]), csr_matrix(own[1] - other[1]))
-        return own
-
     stands = controls(segments, sides)
-    values = [jump(stand.place) for stand in stands]
-    if len(stands) > 2:
-        values[2] = [m * 2.0 - (a + b) * 0.5 for a, b, m in zip(*values, strict=True)]
+    values = jump_rows(stands, sides, n)
     count, copies = interface.size, len(stands)
     position = np.concatenate([stand.place for stand in stands], axis=1)
     normal = np.concatenate([stand.normal for stand in stands], axis=1)
@@ -233,6 +225,23 @@ def _stations(
         x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
         y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
     )
+
+
+def jump_rows(
+    stands: Sequence[Controls], sides: Sequence[tuple[Dofs, Ints]], n: int
+) -> list[Sequence[Sparse]]:
+    """Rows of u_x and u_y of the slave against the master, of each of `controls`, (k, n) each."""
+
+    def jump(points: Floats) -> Sequence[Sparse]:
+        own, *others = (dofs.velocity_rows(parts, points, n) for dofs, parts in sides)
+        for other in others:
+            own = (csr_matrix(own[0] - other[0]), csr_matrix(own[1] - other[1]))
+        return own
+
+    values = [jump(stand.place) for stand in stands]
+    if len(stands) > 2:
+        values[2] = [m * 2.0 - (a + b) * 0.5 for a, b, m in zip(*values, strict=True)]
+    return values
 
 
 def moving_sides(sides: Sequence[tuple[Dofs, Ints]], count: int) -> Ints:

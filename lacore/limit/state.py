@@ -169,9 +169,9 @@ class LimitState(Shown):
             name: group.dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
             for (name, dofs), group in zip(d.bodies.items(), self.program.groups, strict=False)
         }
-        for name, jumps in d.jumps.items():
+        for names, jumps in d.jumping:
             halves = jumps.group.dissipation(u) / 2
-            for side in jumps.elements:
+            for name, side in zip(names, jumps.elements, strict=True):
                 np.add.at(power[name], side, halves)
         return {name: value / d.bodies[name].volumes for name, value in power.items()}
 

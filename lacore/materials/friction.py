@@ -76,9 +76,27 @@ SMOOTH = Tresca(0.0)
 
 
 STICK = Tresca(inf)
+"""No slip, wherever the bodies are; but it opens freely: what carries tension, too, is `BOND`."""
 
 
-Friction = Coulomb | Tresca
+@dataclass(frozen=True, repr=False)
+class Bonded(Compact):
+    """Neither slip nor opening, up to the strength of the weaker side: as if both were one."""
+
+    def __repr__(self) -> str:
+        """As it is written."""
+        return "BOND"
+
+    def terms(self) -> FrictionTerms:
+        """That of sticking: what opens is no matter of friction."""
+        return FrictionTerms(0.0, inf, 0.0)
+
+
+BOND = Bonded()
+"""What an interface is that transfers all that the weaker side can carry."""
+
+
+Friction = Coulomb | Tresca | Bonded
 
 
 def friction_law(friction: float | Friction, field: str) -> Friction:
@@ -88,14 +106,14 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
         InputError: neither, a coefficient below 0 or NaN, or a bare one that looks like an angle in
             degrees; it names `field`.
     """
-    if isinstance(friction, Coulomb | Tresca):
+    if isinstance(friction, Coulomb | Tresca | Bonded):
         return friction
     if not isinstance(friction, int | float | np.number):
         raise InputError(
             field,
             friction,
             "not a friction law",
-            "give a coefficient, lacore.Coulomb, Tresca, SMOOTH or STICK",
+            "give a coefficient, lacore.Coulomb, Tresca, SMOOTH, STICK or BOND",
         )
     if _DEGREES[0] <= friction < _DEGREES[1]:
         raise InputError(

@@ -283,6 +283,13 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
             "along a path bodies touch plane obstacles, not each other",
             "give a lacore.RigidObstacle(point=..., normal=...)",
         )
+    if interface.bonded:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "along a path nothing is bonded: obstacles are come to, and left",
+            "hold the boundary by a Fix",
+        )
     if interface.law.terms().dilatancy > 0:
         raise InputError(
             "Interface.friction",

@@ -30,11 +30,35 @@ def check_contacts(problem: "Problem") -> None:
         for (name, _), edges in sides:
             field = f"Problem.interfaces[{index}]"
             touched[name].append(Touched(field, interface.name, edges, alone))
+    _check_bonds(problem)
     _check_sharing(problem)
     _check_joined(problem)
     for name, body in problem.bodies.items():
         supports = [support for support in problem.supports if support.body == name]
         body.check_contact(f"Problem.bodies[{name!r}]", supports, touched[name])
+
+
+def _check_bonds(problem: "Problem") -> None:
+    """What is bonded has a strength, along edges."""
+    for index, interface in enumerate(problem.interfaces):
+        if not interface.bonded:
+            continue
+        bodies = [problem.bodies[name] for name, _ in interface.sides]
+        if any(body.pointwise for body in bodies):
+            raise InputError(
+                f"Problem.interfaces[{index}].friction",
+                "BOND",
+                f"{interface.name}: a node of a frame has no edge along which it could be bonded",
+                "give it a friction, or hold the node by a Fix",
+            )
+        if not any(body.deforms for body in bodies):
+            raise InputError(
+                f"Problem.interfaces[{index}].friction",
+                "BOND",
+                f"{interface.name}: what is rigid on both sides has no strength at which a bond"
+                " could break",
+                "hold blocks by a Fix; make those that never part one block; or give a friction",
+            )
 
 
 def _check_sharing(problem: "Problem") -> None:

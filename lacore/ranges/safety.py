@@ -197,7 +197,7 @@ def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | No
 def _divided(law: Friction, factor: float) -> Friction:
     if isinstance(law, Coulomb):
         return replace(law, mu=law.mu / factor)
-    return Tresca(law.limit / factor)
+    return Tresca(law.limit / factor) if isinstance(law, Tresca) else law
 
 
 def _check(name: str, body: Body) -> None:

@@ -14,7 +14,7 @@ import shapely
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.checks import check_contact
-from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_names
+from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_law, joint_names
 from lacore.bodies.blocks.loaded import carried
 from lacore.bodies.blocks.meeting_corners import Meetings, meetings
 from lacore.bodies.blocks.polygons import (
@@ -30,7 +30,7 @@ from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import edges_inside
 from lacore.errors import InputError, require_known, require_positive
-from lacore.materials.friction import Friction, friction_law
+from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
 from lacore.showing import Facts, Shown, counted, listed, short
 
@@ -105,7 +105,7 @@ class BlockAssembly(Shown):
         require_apart(names, polygons, tolerance, "BlockAssembly.blocks")
         edges = outline_edges(polygons, tolerance)
         require_no_slits(names, polygons, edges, tolerance, "BlockAssembly.blocks")
-        friction = friction_law(self.friction, "BlockAssembly.friction")
+        friction = joint_law(self.friction, "BlockAssembly.friction")
         laws = {} if self.joint_friction is None else self.joint_friction
         joints = find_joints(
             names, edges, friction, laws, tolerance, "BlockAssembly.joint_friction"

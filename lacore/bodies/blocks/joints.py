@@ -9,7 +9,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.polygons import BlockEdges
 from lacore.bodies.touching import Shared, touching
 from lacore.errors import InputError, suggest
-from lacore.materials.friction import Friction, friction_law
+from lacore.materials.friction import BOND, Friction, friction_law
 from lacore.showing import Compact
 
 JointFriction = Mapping[tuple[str, str], float | Friction]
@@ -48,6 +48,19 @@ class Joints(Compact):
     def length(self) -> Floats:
         """Lengths (J,), m."""
         return np.asarray(np.linalg.norm(self.end - self.start, axis=0))
+
+
+def joint_law(friction: float | Friction, field: str) -> Friction:
+    """A friction law of joints: of rigid blocks none is bonded."""
+    law = friction_law(friction, field)
+    if law == BOND:
+        raise InputError(
+            field,
+            "BOND",
+            "rigid blocks have no strength at which a bond could break",
+            "make what never parts one block, or give a friction",
+        )
+    return law
 
 
 def find_joints(
@@ -156,5 +169,5 @@ def _by_pair(
         key = high * len(names) + low
         if key in laws:
             raise InputError(field, pair, "this joint is given twice", "give one order of it only")
-        laws[key] = friction_law(friction, f"{field}[{pair!r}]")
+        laws[key] = joint_law(friction, f"{field}[{pair!r}]")
     return np.array(list(laws), dtype=np.int64), list(laws.values())

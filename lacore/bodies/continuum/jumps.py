@@ -117,24 +117,47 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
     normal = np.stack([along[1], -along[0]]) * within
     opening, slipping = across(normal * _outward(mesh, facets, normal)), across(along)
     form = dofs.body.form.across()
-    dim, count = form.rows.shape[0], length.size
+    elements = np.repeat(elements, copies, axis=1)
+    group = layer(
+        f"{name}: jumps",
+        form,
+        (opening, slipping),
+        length**2 / copies,
+        form.bounds(elements).min(axis=0),
+        _weaker(form, elements),
+    )
+    return Jumps(group, elements, np.arange(length.size), copies)
+
+
+def layer(
+    name: str,
+    form: ConicForm,
+    jump: tuple[Sparse, Sparse],
+    weights: Floats,
+    bound: Floats,
+    surfaces: Surfaces | None,
+) -> DissipationGroup:
+    """What velocity jumps cost, as strain rates of a layer.
+
+    Args:
+        name: of the group.
+        form: of the layer, see `ConicForm.across`.
+        jump: rows of ``[u_n]`` (opening) and ``[u_t]`` per thickness of the layer, (m, n) each.
+        weights: volumes of the layer, shape (m,).
+        bound, surfaces: what it carries, see `DissipationGroup`.
+    """
+    opening, slipping = jump
+    dim, count = form.rows.shape[0], weights.size
     order = np.arange(dim * count).reshape(dim, count).T.ravel()
-    rows = vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
+    rows = csr_matrix(
+        vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
+    )
     (across_it, along_it), *_ = form.volumes
     volumetric = csr_matrix(across_it * opening + along_it * slipping)
     for matrix in (rows, volumetric):
         matrix.eliminate_zeros()
-    group = DissipationGroup(
-        name=f"{name}: jumps",
-        rows=csr_matrix(rows),
-        dim=dim,
-        weights=length**2 / copies,
-        bound=np.repeat(form.bounds(elements).min(axis=0), copies),
-        volumetric=volumetric,
-        volumetric_factor=form.volumetric_factor,
-        surfaces=_weaker(form, elements, copies),
-    )
-    return Jumps(group, np.repeat(elements, copies, axis=1), np.arange(count), copies)
+    factor = form.volumetric_factor
+    return DissipationGroup(name, rows, dim, weights, bound, volumetric, factor, surfaces=surfaces)
 
 
 def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
@@ -144,11 +167,14 @@ def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
     return np.asarray(np.where(np.sum(normal * away, axis=0) < 0, -1.0, 1.0))
 
 
-def _weaker(form: ConicForm, elements: Ints, copies: int) -> Surfaces | None:
-    """Surfaces of layers between elements of shape (2, e), of the weaker side, `copies` each."""
-    one, other = (form.surfaces_of(np.repeat(side, copies)) for side in elements)
-    if one is None or other is None:
-        return None
+def _weaker(form: ConicForm, elements: Ints) -> Surfaces | None:
+    """Surfaces of layers between elements of shape (2, m), of the weaker side."""
+    one, other = (form.surfaces_of(side) for side in elements)
+    return None if one is None or other is None else weaker_surfaces(one, other)
+
+
+def weaker_surfaces(one: Surfaces, other: Surfaces) -> Surfaces:
+    """Those of layers of one plane, of the side with the lesser strength at each."""
     weaker = np.argmin(np.stack([one.strength[:, 0], other.strength[:, 0]]), axis=0)
     strength = np.minimum(one.strength, other.strength)
     slope = np.where(weaker[:, None, None] == 0, one.slope, other.slope)

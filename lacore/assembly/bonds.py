@@ -1,0 +1,134 @@
+"""Bonded interfaces: boundaries that move as one, up to the strength of the weaker side.
+
+Where the edges of two continua match, and velocities are continuous on both sides, their nodes move
+as one: a body that is cut in two, and bonded, is the uncut one. Elsewhere velocities may jump, at
+the cost of a layer of the weaker side: see `lacore.assembly.seams`. A rigid obstacle holds what is
+bonded to it like a support.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.bodies.any_body import Dofs
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.conditions.loads import Fix
+from lacore.contact.interfaces import Interface
+from lacore.contact.segments import Segments
+from lacore.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class Ties:
+    """Nodes of continua that move as one.
+
+    Attributes:
+        first: the first node of those that each one moves with, mostly itself, shape (nodes,).
+        tied: which segments of each interface that makes them so, by its number.
+    """
+
+    first: Ints
+    tied: Mapping[int, Bools]
+
+    @property
+    def following(self) -> Ints:
+        """Nodes that move with one before them, ascending."""
+        return np.flatnonzero(self.first != np.arange(self.first.size))
+
+    @property
+    def both_axes(self) -> Floats:
+        """Directions that hold all that follows, shape (2, following, 2)."""
+        return np.repeat(np.eye(2)[:, None], self.following.size, axis=1)
+
+    def all_of(self, nodes: Bools) -> Bools:
+        """Those of a mask, and all that move with one of them, shape (nodes,)."""
+        return np.isin(self.first, self.first[nodes])
+
+    def spread(self, basis: Sparse, node_dofs: Ints) -> Sparse:
+        """A basis in which the nodes that follow have no rows, with those of what they follow."""
+        row, own = np.arange(basis.shape[0]), self.following
+        row[node_dofs[:, own]] = node_dofs[:, self.first[own]]
+        return csr_matrix(basis[row]) if own.size else basis
+
+
+def ties(problem: Problem, bodies: Mapping[str, BodyDofs]) -> Ties:
+    """Which nodes of the continua of a problem its bonds make one."""
+    count = sum(own.nodes.shape[1] for own in bodies.values())
+    pairs, tied = [np.zeros((2, 0), dtype=np.int64)], {}
+    for index, (interface, segments) in enumerate(
+        zip(problem.interfaces, problem.segments, strict=True)
+    ):
+        names = [name for name, _ in interface.sides]
+        if not interface.bonded or len(names) < 2 or not all(name in bodies for name in names):
+            continue
+        one, other = (bodies[name] for name in names)
+        same, turned = matching(one, other, segments)
+        tied[index] = same & (one.degree == other.degree)
+        tied[index] &= not (one.space.jumps or other.space.jumps)
+        mine, its = (
+            own.facet_nodes(edges[tied[index]]) + own.first_node
+            for own, edges in zip((one, other), segments.edges, strict=True)
+        )
+        its = np.where(turned[tied[index]], its[::-1], its)
+        pairs.append(np.stack([mine.ravel(), its.ravel()]))
+    one, other = np.concatenate(pairs, axis=1)
+    graph = csr_matrix((np.ones(one.size), (one, other)), shape=(count, count))
+    _, group = connected_components(graph, directed=False)
+    _, leader = np.unique(group, return_index=True)
+    return Ties(np.asarray(leader[group], dtype=np.int64), tied)
+
+
+def matching(one: BodyDofs, other: BodyDofs, segments: Segments) -> tuple[Bools, Bools]:
+    """Segments that are a whole edge of both sides, and which of them run against each other."""
+    near = max(one.body.allowed, other.body.allowed)
+
+    def ends(dofs: BodyDofs, edges: Ints) -> Floats:
+        mesh = dofs.body.mesh
+        return np.asarray(mesh.p[:, mesh.facets[:, edges]])  # (2, ends, segments)
+
+    a, b = ends(one, segments.slave), ends(other, segments.master)
+    straight, turned = (
+        np.all(np.linalg.norm(a - facing, axis=0) <= near, axis=0) for facing in (b, b[:, ::-1])
+    )
+    return straight | turned, np.asarray(turned)
+
+
+def supports_of(problem: Problem) -> Sequence[Fix]:
+    """The supports of a problem, and the obstacles that something is bonded to, as such."""
+    return (*problem.supports, *(Fix(*one.slave, "xy") for one in _held(problem)))
+
+
+def _held(problem: Problem) -> list[Interface]:
+    return [one for one in problem.interfaces if one.bonded and one.obstacle is not None]
+
+
+def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Ints:
+    """Parts of unknowns, shape (n,), where what is bonded has its equilibrium as one.
+
+    Args:
+        parts: without bonds.
+        problem: whose bonds they are.
+        dofs: of all bodies.
+    """
+    pairs = [np.zeros((2, 0), dtype=np.int64)]
+    for interface, segments in zip(problem.interfaces, problem.segments, strict=True):
+        if interface.bonded and interface.obstacle is None:
+            meeting = zip(interface.sides, segments.edges, strict=True)
+            pairs.append(
+                np.stack([parts[_unknowns(dofs[own], edges)] for (own, _), edges in meeting])
+            )
+    one, other = np.concatenate(pairs, axis=1)
+    count = int(parts.max(initial=-1)) + 1
+    graph = csr_matrix((np.ones(one.size), (one, other)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1][parts], dtype=np.int64)
+
+
+def _unknowns(dofs: Dofs, edges: Ints) -> Ints:
+    """An unknown of the piece that each edge belongs to; a continuum is one piece."""
+    pieces = dofs.pieces_of_unknowns
+    piece = np.minimum(dofs.parts(edges), pieces.max())
+    return np.asarray(dofs.offset + np.searchsorted(pieces, piece))
