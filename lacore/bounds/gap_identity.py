@@ -117,6 +117,7 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         own = discretisation.assemblies[name]
         moving = velocity[own.offset : own.offset + own.count]
         restricted[blocks.offset : blocks.offset + blocks.count] = moving
+    restricted = lower.model.bonds.carried(restricted)
     elements = {}
     for name, group, s, p in zip(
         lower.model.bodies, static.groups, t.stress, t.mean_stress, strict=True

@@ -37,14 +37,16 @@ def traction_rows(
     """Tractions at the ends of facets: linear between, they obey the convex law there too."""
     stations = []
     for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
+        if interface.bonded:
+            continue
         if all(name in rigid for name, _ in interface.sides):
             stations.append(interface_station(interface, own, index, rigid, n))
         else:
-            stations.append(_station(interface, own, index, bodies, rigid, n))
+            stations.append(traction_station(interface, own, index, bodies, rigid, n))
     return joined(stations, interfaces, rigid, n)
 
 
-def _station(
+def traction_station(
     interface: Interface,
     segments: Segments,
     index: int,
@@ -63,7 +65,7 @@ def _station(
     facets, facet = np.unique(touched, return_inverse=True)
     start, end, outward = facet_geometry(carrier.body, facets)
     nodes = carrier.facet_nodes(facets).ravel()
-    x, y = _selected(nodes, n)
+    x, y = selected(nodes, n)
     moving = np.stack([nodes, np.full_like(nodes, -1)])
     for name, edges in others:
         if name in rigid:
@@ -76,7 +78,7 @@ def _station(
         else:
             whole = start[:, facet], end[:, facet]
             moving[1] = _matched(bodies[name], interface, edges, whole, field)
-            facing = _selected(moving[1], n)
+            facing = selected(moving[1], n)
         x, y = csr_matrix(x - facing[0]), csr_matrix(y - facing[1])
     sign = -1.0 if turned else 1.0
     return Station(
@@ -91,7 +93,7 @@ def _station(
     )
 
 
-def _selected(nodes: Ints, n: int) -> tuple[Sparse, Sparse]:
+def selected(nodes: Ints, n: int) -> tuple[Sparse, Sparse]:
     """Rows of u_x and u_y of nodes of multipliers, each of shape (nodes, n)."""
     one, start = np.ones(nodes.size), np.arange(nodes.size + 1)
     x, y = (csr_matrix((one, 2 * nodes + axis, start), shape=(nodes.size, n)) for axis in (0, 1))

@@ -9,6 +9,7 @@ from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
+from lacore.assembly.bonds import supports_of
 from lacore.assembly.loading import footings_of, load_vector, require_power
 from lacore.assembly.natural import strengths_of
 from lacore.bodies.any_body import numbered, of_kind
@@ -20,6 +21,7 @@ from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
+from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
 from lacore.conditions.elimination import free_basis, join
@@ -48,6 +50,7 @@ class StaticModel(Shown):
         bodies: continua by name.
         assemblies: rigid blocks by name.
         points: geometry of the contact points, the ends of facets and of joints.
+        bonds: multipliers that bonded interfaces make one.
         natural: scales in which the quantities of the answer are of order one.
     """
 
@@ -57,6 +60,7 @@ class StaticModel(Shown):
     bodies: Mapping[str, EquilibriumDofs]
     assemblies: Mapping[str, RigidDofs]
     points: ContactPoints
+    bonds: StaticBonds
     natural: Scales
 
     @property
@@ -117,7 +121,7 @@ def static_model(problem: Problem) -> StaticModel:
         [
             *(
                 support_conditions(s, *_ends(bodies[s.body], s))
-                for s in problem.supports
+                for s in supports_of(problem)
                 if s.body in bodies
             ),
             *(
@@ -126,6 +130,8 @@ def static_model(problem: Problem) -> StaticModel:
             ),
         ]
     )
+    bonds = static_bonds(problem.interfaces, problem.segments, bodies, assemblies, conditions, n)
+    conditions = join([conditions, bonds.conditions])
     basis = csr_matrix(
         block_diag(
             [
@@ -138,6 +144,7 @@ def static_model(problem: Problem) -> StaticModel:
             format="csr",
         )
     )
+    basis = bonds.spread(basis)
     check_corners(full, basis, bodies)
     program = reduced(full, basis)
     # What a support takes altogether needs no reaction.
@@ -155,6 +162,7 @@ def static_model(problem: Problem) -> StaticModel:
         bodies=bodies,
         assemblies=assemblies,
         points=points.kept(kept),
+        bonds=bonds,
         natural=Scales(
             length=length,
             stress=max(strengths_of(full.groups, full.dead_load, length)),

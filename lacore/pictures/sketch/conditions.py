@@ -13,7 +13,7 @@ from lacore.bodies.touching import Edges
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import interface_segments
-from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Friction
+from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
@@ -122,7 +122,7 @@ def _draw_held_nodes(sheet: Sheet, support: Fix, nodes: Edges, text: str, gid: s
 
 def law_text(law: Friction) -> str:
     """A friction law, as mathtext."""
-    if law == BOND:
+    if isinstance(law, Bonded):
         return "bond"
     if isinstance(law, Coulomb):
         return rf"$\mu = {law.mu:.4g}$" + (", associated" if law.associated else "")

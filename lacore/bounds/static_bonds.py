@@ -1,0 +1,118 @@
+"""Bonds of equilibrium elements: tractions that are the same on both sides, whatever they are.
+
+The multipliers of the facets of both sides are one then, as those of a facet inside a body; those
+of a facet on a rigid block are its motion. The weaker side yields at what it carries.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix, vstack
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bounds.equilibrium import EquilibriumDofs
+from lacore.bounds.static_contact import selected, traction_station
+from lacore.conditions.elimination import NodeConditions, held, join
+from lacore.contact.interfaces import Interface
+from lacore.contact.segments import Segments
+from lacore.errors import InputError
+from lacore.showing import Compact
+
+
+@dataclass(frozen=True, repr=False)
+class StaticBonds(Compact):
+    """Multipliers that follow others.
+
+    Attributes:
+        following: nodes, of two multipliers each, shape (k,).
+        beside: the nodes that they follow, -1 for rigid blocks, shape (k,).
+        rows: what they follow, of all n multipliers: those of x, then those of y, shape (2 k, n).
+    """
+
+    following: Ints
+    beside: Ints
+    rows: Sparse
+
+    @property
+    def _unknowns(self) -> Ints:
+        return np.concatenate([2 * self.following, 2 * self.following + 1])
+
+    @property
+    def conditions(self) -> NodeConditions:
+        """What follows is held, as long as nothing tells it what."""
+        count = self.following.size
+        return join([held(self.following, np.tile(axis, (count, 1))) for axis in np.eye(2)])
+
+    def spread(self, basis: Sparse) -> Sparse:
+        """A basis, shape (n, free), in which what follows is held, with what it follows."""
+        if not self.following.size:
+            return basis
+        n, own = basis.shape[0], self._unknowns
+        placed = csr_matrix((np.ones(own.size), (own, np.arange(own.size))), shape=(n, own.size))
+        return csr_matrix(basis + placed @ (self.rows @ basis))
+
+    def carried(self, velocity: Floats) -> Floats:
+        """A velocity, shape (n,), that has the mean of both sides on bonds, or that of the block.
+
+        So that either side gets half of the power of tractions on a jump, a body all beside a
+        block.
+        """
+        moved = velocity.copy()
+        pair = self.beside >= 0
+        for axis in (0, 1):
+            own, other = 2 * self.following[pair] + axis, 2 * self.beside[pair] + axis
+            moved[other] = (velocity[own] + velocity[other]) / 2
+        moved[self._unknowns] = self.rows @ moved
+        return moved
+
+
+def static_bonds(
+    interfaces: Sequence[Interface],
+    segments: Sequence[Segments],
+    bodies: Mapping[str, EquilibriumDofs],
+    rigid: Mapping[str, RigidDofs],
+    asked: NodeConditions,
+    n: int,
+) -> StaticBonds:
+    """What the bonds of bodies with each other make follow.
+
+    Args:
+        interfaces, segments: of the problem.
+        bodies, rigid: its continua and assemblies.
+        asked: conditions of supports and footings.
+        n: multipliers.
+
+    Raises:
+        InputError: edges of both sides that do not match, or that a support or a footing holds.
+    """
+    following = beside = np.zeros(0, dtype=np.int64)
+    x = y = csr_matrix((0, n))
+    for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
+        if not interface.bonded or interface.obstacle is not None:
+            continue
+        turned = interface.slave[0] in rigid
+        station = traction_station(interface, own, index, bodies, rigid, n)
+        nodes, others = station.moving.T[::-1] if turned else station.moving.T
+        between = any(name in rigid for name, _ in interface.sides)
+        _check_free(np.concatenate([nodes, others[:0] if between else others]), asked, interface)
+        mine, jump = selected(nodes, n), (station.x, station.y)
+        sign = -1.0 if turned else 1.0
+        facing = [csr_matrix(rows - sign * part) for rows, part in zip(mine, jump, strict=True)]
+        for rows in facing:
+            rows.eliminate_zeros()
+        x, y = (vstack(part, format="csr") for part in zip((x, y), facing, strict=True))
+        following = np.concatenate([following, nodes])
+        beside = np.concatenate([beside, np.full_like(others, -1) if between else others])
+    return StaticBonds(following, beside, csr_matrix(vstack([x, y], format="csr")))
+
+
+def _check_free(nodes: Ints, asked: NodeConditions, interface: Interface) -> None:
+    if np.isin(nodes, asked.nodes).any():
+        raise InputError(
+            "Problem.interfaces",
+            interface.name,
+            "a support or a footing holds edges that are bonded",
+            "let it end beside them",
+        )
