@@ -17,8 +17,9 @@ from lacore.assembly.slips import asked_of, contact_facets, meetings
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import RigidFooting
 from lacore.contact.interfaces import Interface
-from lacore.materials.friction import Tresca
+from lacore.materials.friction import STICK, Tresca
 from lacore.problem.problem import Problem
+from lacore.status import Status
 
 
 def yielding(
@@ -52,3 +53,11 @@ def yielding(
             if any(meetings(bodies[name], facets, other)[0].any() for other in beside):
                 found[index] = replace(interface, friction=Tresca(most))
     return tuple(found)
+
+
+def opening(problem: Problem, status: Status) -> str:
+    """In words that what sticks opens, where a structure comes apart; empty where nothing does."""
+    sticks = [interface.name for interface in problem.interfaces if interface.law == STICK]
+    if not sticks or status not in (Status.FREE, Status.UNSAFE):
+        return ""
+    return f"{sticks[0]} sticks, and opens freely: lacore.BOND in its place carries tension, too"

@@ -12,6 +12,7 @@ import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
+from lacore.assembly.sticking import opening
 from lacore.backend import Backend, check_capable, find_backend, read_options
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
@@ -330,7 +331,8 @@ def limit_state(
         message += f"; {POLYGON}"
     if ranging:
         message += f"; {_ONE_OF_MANY}"
-    notes = (corners, reached, warning(coupled, load_factor), coupled.note)
+    apart = opening(discretisation.problem, coupled.status)
+    notes = (corners, reached, apart, warning(coupled, load_factor), coupled.note)
     message += "".join(f"; {note}" for note in notes if note)
     if inner.message:
         message += f" ({inner.message})"

@@ -104,7 +104,12 @@ def values():
         *(la.PorePressure(LONG, np.full(1000, 1 / 3)), la.PorePressure(LONG, lambda x: x[0])),
         Interpolated(la.meshes.rectangle((0, 1), (0, 1), 1, 1), np.full(5, 1 / 3)),
         *(la.RigidFooting(LONG, lambda x: x[0] > 0, (0, -1), wide), plane, la.RigidObstacle()),
-        *(la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)), la.SMOOTH, la.STICK),
+        *(
+            la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)),
+            la.SMOOTH,
+            la.STICK,
+            la.BOND,
+        ),
         *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),
         *(la.MohrCoulomb(wide, 30, tension_cutoff=0.0, crushing=wide), la.MaximumShear(wide)),
         la.MohrCoulomb(wide, 30, dilation_angle=1 / 3),
