@@ -106,7 +106,7 @@ class ConicSolver:
 
     def _found(self, contact: FrozenContact) -> _Standing:
         """The form for a contact: one of the last, or a new one in place of the oldest."""
-        pattern = Pattern.of(contact, softened=self._penalty is not None)
+        pattern = Pattern.of(contact)
         known = [standing for standing in self._standing if pattern.same(standing.pattern)]
         if not known:
             self._standing = self._standing[1 - _KEPT :]

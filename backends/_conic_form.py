@@ -38,14 +38,11 @@ class Pattern:
     dilatancy: Floats
 
     @classmethod
-    def of(cls, contact: FrozenContact, softened: bool) -> "Pattern":
-        """That of a frozen contact; softened dilatant points have no friction besides (T18)."""
-        bound = contact.bound
-        if softened:
-            bound = np.where(contact.dilatancy > 0, 0.0, bound)
+    def of(cls, contact: FrozenContact) -> "Pattern":
+        """That of a frozen contact."""
         return cls(
-            friction=np.isfinite(bound) & (bound > 0),
-            stick=np.isinf(bound),
+            friction=np.isfinite(contact.bound) & (contact.bound > 0),
+            stick=np.isinf(contact.bound),
             dilatancy=contact.dilatancy.copy(),
         )
 

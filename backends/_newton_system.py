@@ -78,8 +78,8 @@ class Shape:
     """Everything that neither bounds nor penalties change.
 
     Attributes:
-        plain: contact points without dilatancy, shape (m,).
-        rows, dims: of the Huber terms: a group each, then the plain contact points.
+        plain: contact points without dilatancy, or with a bound on friction beside it, shape (m,).
+        rows, dims: of the Huber terms: a group each, then these contact points.
         gram: curvature of the Huber terms, of theta in each group, and of the contact points.
     """
 

@@ -375,7 +375,7 @@ def _contact_law(tangent_dim: int) -> _Law:
         tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
         rate = ca.sqrt(ca.fmax(square, limit**2 + tiny))
         elastic = ca.fmin(square, limit**2)
-        frozen = normal * pressed**2 / 2 + tangential * elastic / 2 + bound * (rate - limit)
+        rubbed = tangential * elastic / 2 + bound * (rate - limit)
 
         speed = ca.sqrt(square + tiny)
         sliding = tangential * speed > dilatancy * normal * pressed
@@ -386,7 +386,8 @@ def _contact_law(tangent_dim: int) -> _Law:
             pushed**2 / (2 * compliance),
             normal * pressed**2 / 2 + tangential * square / 2,
         )
-        return weight * ca.if_else(dilatancy > 0, dilatant, frozen)
+        plain = normal * pressed**2 / 2
+        return weight * (ca.if_else(dilatancy > 0, dilatant, plain) + rubbed)
 
     local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 4)
     value = energy(*(ca.vertsplit(part) for part in (local, constants, p)))

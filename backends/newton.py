@@ -146,7 +146,7 @@ class NewtonSolver:
         """Solve; from the last velocity when only friction bounds have changed since."""
         begin = time.perf_counter()
         deadline = begin + self._options.time_limit
-        plain = contact.dilatancy <= 0
+        plain = (contact.dilatancy <= 0) | (contact.bound > 0)
         if self._shape is None or not np.array_equal(plain, self._shape.plain):
             self._shape, self._velocity = shape_of(self._program, plain), None
         start = self._velocity

@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csr_matrix
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.dissipation import DissipationGroup as DissipationGroup
 from lacore.errors import InputError
+from lacore.numerics.interleaving import interleaved as interleaved
 from lacore.showing import Compact
 
 
@@ -46,8 +47,7 @@ class Scales(Compact):
         return self.force * self.velocity
 
 
-SI = Scales()
-"""Nothing is scaled."""
+SI = Scales()  # nothing is scaled
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,6 +62,7 @@ class ContactRows(Compact):
         coefficient, limit, dilatancy: the law ``||t_t|| <= coefficient t_n + limit``,
             ``u_n >= dilatancy ||u_t||``, each of shape (m,); limit in Pa, inf is stick.
         interface: number of the interface of each point, shape (m,).
+        tension: strength T, Pa, (m,); None: none. All `t_n` are the real ones plus T (T66).
         closing: speed at which the distance that is left closes within a step of a path,
             ``u_n + closing >= 0``, shape (m,), m/s; None: all points touch.
     """
@@ -74,12 +75,18 @@ class ContactRows(Compact):
     limit: Floats
     dilatancy: Floats
     interface: Ints
+    tension: Floats | None = None
     closing: Floats | None = None
 
     @property
     def lead(self) -> Floats:
         """`closing`, zero where all points touch, shape (m,), m/s."""
         return np.zeros(self.count) if self.closing is None else self.closing
+
+    @property
+    def pull(self) -> Floats:
+        """`tension`, zero where there is none, shape (m,), Pa."""
+        return np.zeros(self.count) if self.tension is None else self.tension
 
     @property
     def count(self) -> int:
@@ -228,6 +235,11 @@ class KinematicProgram(Compact):
         return np.zeros(self.n, dtype=np.int64) if self.parts is None else self.parts
 
     @property
+    def held_shut(self) -> Floats:
+        """What of `dead_load` is strength of contact in tension, shape (n,)."""
+        return np.asarray(-(self.contact.normal.T @ (self.contact.weights * self.contact.pull)))
+
+    @property
     def n(self) -> int:
         """Number of velocity unknowns."""
         return int(self.reference_load.size)
@@ -317,7 +329,7 @@ def require_finite(program: KinematicProgram) -> None:
         "contact.limit": np.where(np.isposinf(contact.limit), 0.0, contact.limit),
         **{
             f"contact.{name}": getattr(contact, name)
-            for name in ("weights", "coefficient", "dilatancy", "lead")
+            for name in ("weights", "coefficient", "dilatancy", "lead", "pull")
         },
     }
     for group in program.groups:
@@ -354,19 +366,6 @@ def require_homogeneous(program: KinematicProgram, field: str, mend: str) -> Non
         )
 
 
-def interleaved(first: Sparse, first_dim: int, second: Sparse, second_dim: int) -> Sparse:
-    """Rows of both by point: `first_dim` rows of the first, then `second_dim` of the second."""
-    count = first.shape[0] // first_dim
-    order = np.concatenate(
-        [
-            np.arange(first.shape[0]).reshape(count, first_dim),
-            first.shape[0] + np.arange(second.shape[0]).reshape(count, second_dim),
-        ],
-        axis=1,
-    )
-    return csr_matrix(csr_matrix(vstack([first, second], format="csr"))[order.ravel()])
-
-
 def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram:
     """The SI program written in other units: what backends solve, so tolerances mean one thing."""
     contact = program.contact
@@ -392,6 +391,7 @@ def dimensionless(program: KinematicProgram, scales: Scales) -> KinematicProgram
             contact,
             weights=contact.weights / (scales.length * scales.thickness),
             limit=contact.limit / scales.stress,
+            tension=None if contact.tension is None else contact.tension / scales.stress,
             closing=None if contact.closing is None else contact.closing / scales.velocity,
         ),
         reference_load=program.reference_load * scales.velocity,

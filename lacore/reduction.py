@@ -21,6 +21,7 @@ def kept_points(contact: ContactRows, kept: Bools | Ints) -> ContactRows:
             name: getattr(contact, name)[kept]
             for name in ("weights", "coefficient", "limit", "dilatancy", "interface")
         },
+        tension=None if contact.tension is None else contact.tension[kept],
         closing=None if contact.closing is None else contact.closing[kept],
     )
 
@@ -49,3 +50,13 @@ def reduced(program: KinematicProgram, basis: Sparse) -> KinematicProgram:
         dead_load=np.asarray(basis.T @ program.dead_load),
         parts=parts,
     )
+
+
+def held_shut(program: KinematicProgram) -> KinematicProgram:
+    """The program with the dead load by which strength in tension holds contact shut (T66).
+
+    Once, when all of its points are there.
+    """
+    if program.contact.tension is None:
+        return program
+    return replace(program, dead_load=program.dead_load + program.held_shut)

@@ -360,7 +360,7 @@ def _contact_law(
 
     With dilatancy d the penalty energy is that of the distance to the cone ``u_n >= d ||u_t||``
     in the metric (K_n, K_t): its derivative is the trial reaction projected onto
-    ``||t_t|| <= d t_n``.
+    ``||t_t|| <= d t_n``. A bound on friction is a law beside it.
     """
     opening = program.contact.opening(velocity) + contact.shift
     slip = program.contact.slip(velocity)
@@ -369,7 +369,7 @@ def _contact_law(
     normal = penalty.normal * np.maximum(-opening, 0.0)
     d = contact.dilatancy
     dilatant = d > 0
-    energy = normal**2 / (2 * penalty.normal) + np.where(dilatant, 0.0, law.energy)
+    energy = normal**2 / (2 * penalty.normal) + law.energy
     tangential = -law.secant[:, None] * slip
 
     sliding = dilatant & (penalty.tangential * slip_rate > d * normal)
@@ -377,10 +377,10 @@ def _contact_law(
     compliance = 1 / penalty.normal + d**2 / penalty.tangential
     pushed = np.maximum(d * slip_rate - opening, 0.0)[sliding]
     normal[sliding] = pushed / compliance[sliding]
-    energy[sliding] = pushed**2 / (2 * compliance[sliding])
+    energy[sliding] = pushed**2 / (2 * compliance[sliding]) + law.energy[sliding]
     with np.errstate(divide="ignore", invalid="ignore"):
         direction = np.where(slip_rate[:, None] > 0, slip / slip_rate[:, None], 0.0)
-    tangential[sliding] = -(d * normal)[sliding, None] * direction[sliding]
-    tangential[sticking] = -penalty.tangential * slip[sticking]
+    tangential[sliding] -= (d * normal)[sliding, None] * direction[sliding]
+    tangential[sticking] -= penalty.tangential * slip[sticking]
     energy[sticking] += penalty.tangential * slip_rate[sticking] ** 2 / 2
-    return _Reaction(energy, np.where(dilatant, 0.0, law.dissipation), normal, tangential)
+    return _Reaction(energy, law.dissipation, normal, tangential)

@@ -25,7 +25,7 @@ from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
 from lacore.program import ContactRows, KinematicProgram
-from lacore.reduction import kept_points, reduced
+from lacore.reduction import held_shut, kept_points, reduced
 
 Contact = Callable[
     [Sequence[Interface], Sequence[Segments], Unknowns], tuple[ContactRows, ContactPoints]
@@ -90,7 +90,9 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     program = reduced(full, held.basis)
     order = point_order(contact, points, unknowns.assemblies, len(problem.interfaces))
     kept = order[movable_points(program.contact, points)[order]]
-    full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
+    full, program = (
+        held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
+    )
     points = points.kept(kept)
     size = unknowns.load_size(full.reference_load)
     require_power(program.reference_load, size)

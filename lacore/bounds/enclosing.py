@@ -10,7 +10,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.errors import InputError
-from lacore.materials.friction import SMOOTH, Coulomb, Friction, friction_law
+from lacore.materials.friction import Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
 
 
@@ -24,7 +24,11 @@ def has_coulomb(problem: Problem) -> bool:
 
 def frictionless(problem: Problem) -> Problem:
     """Without Coulomb friction: its load factor is no larger than any Coulomb one."""
-    return _with_laws(problem, lambda law: SMOOTH if _follows_pressure(law) else law)
+
+    def without(law: Friction) -> Friction:
+        return law.frictionless() if isinstance(law, Coulomb) and _follows_pressure(law) else law
+
+    return _with_laws(problem, without)
 
 
 def associated(problem: Problem) -> Problem:

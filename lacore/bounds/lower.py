@@ -143,7 +143,7 @@ class LowerBound(Shown):
                 "n_x": where.normal[:, 0],
                 "n_y": where.normal[:, 1],
                 "length": rows.weights,
-                "t_n": point.normal_reaction,
+                "t_n": point.normal_reaction - rows.pull,
                 "t_t": point.tangential_reaction[:, 0],
             }
         )

@@ -32,7 +32,7 @@ from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
 from lacore.program import KinematicProgram, Scales
-from lacore.reduction import kept_points, reduced
+from lacore.reduction import held_shut, kept_points, reduced
 from lacore.showing import Facts, Shown, counted, listed, sized
 
 _LENT = 1e-5  # of the dead load per size of a body: a cohesion that no result sees, and proofs do
@@ -149,7 +149,9 @@ def static_model(problem: Problem) -> StaticModel:
     program = reduced(full, basis)
     # What a support takes altogether needs no reaction.
     kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
-    full, program = (replace(p, contact=kept_points(p.contact, kept)) for p in (full, program))
+    full, program = (
+        held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
+    )
     size = float(np.abs(full.reference_load).sum())
     require_power(program.reference_load, size)
     for name, own in bodies.items():

@@ -56,7 +56,8 @@ def carrying(
         prepare: sets an exact backend to work on a program.
         tolerance: bar for the residuals of either proof.
     """
-    size = float(np.abs(program.dead_load).sum())
+    dead = _weights(program)
+    size = float(np.abs(dead).sum())
     if not size > 0:
         return Carrying(_unloaded(program), None, 0.0)
     shared, frozen = _shared(program, contact, size)
@@ -71,7 +72,7 @@ def carrying(
         residual = float(np.max([seen.equilibrium, seen.yield_violation, seen.cone]))
         if residual <= tolerance:
             return Carrying(carried, None, residual)
-    driven = float(program.dead_load @ mechanism)
+    driven = float(dead @ mechanism)
     if driven > _SOME * size:
         falling = _scaled(static, 1.0, mechanism / driven)
         residual = _residual_of_fall(program, contact, falling, tolerance)
@@ -84,12 +85,19 @@ def _residual_of_fall(
     program: KinematicProgram, contact: FrozenContact, falling: ProgramState, tolerance: float
 ) -> float:
     """Largest residual of a mechanism; infinite where it takes the power of the dead load."""
-    program = replace(program, reference_load=program.dead_load, dead_load=np.zeros(program.n))
+    held = program.held_shut
+    program = replace(program, reference_load=program.dead_load - held, dead_load=held)
     u, seen = falling.velocity, certify(program, falling, contact)
     taken = program.plastic_dissipation(u) + program.friction_dissipation(u, contact.bound)
+    taken -= float(held @ u)
     if not taken < 1 - tolerance:
         return np.inf
     return float(np.max([seen.penetration, seen.divergence, seen.normalisation]))
+
+
+def _weights(program: KinematicProgram) -> Floats:
+    """The dead load without what holds contact shut, which is a strength, shape (n,)."""
+    return np.asarray(program.dead_load - program.held_shut)
 
 
 def _alone(program: KinematicProgram) -> KinematicProgram:
@@ -104,9 +112,13 @@ def _shared(
     relative = replace(
         program,
         groups=tuple(group.times(1 / size) for group in program.groups),
-        contact=replace(rows, limit=rows.limit / size),
-        reference_load=program.dead_load / size,
-        dead_load=np.zeros(program.n),
+        contact=replace(
+            rows,
+            limit=rows.limit / size,
+            tension=None if rows.tension is None else rows.tension / size,
+        ),
+        reference_load=_weights(program) / size,
+        dead_load=program.held_shut / size,
     )
     shared = with_own_unknown(relative, "share that is not carried")
     shared.reference_load[-1] = 1.0
@@ -143,6 +155,6 @@ def _unloaded(program: KinematicProgram) -> ProgramState:
         load_factor=0.0,
         stress=tuple(np.zeros((group.weights.size, group.dim)) for group in program.groups),
         mean_stress=tuple(np.zeros(group.volumetric.shape[0]) for group in program.groups),
-        normal_reaction=np.zeros(rows.count),
+        normal_reaction=rows.pull,
         tangential_reaction=np.zeros((rows.count, rows.tangent_dim)),
     )

@@ -99,6 +99,7 @@ def _driven(
             limit=more(rows.limit, np.inf),
             dilatancy=more(rows.dilatancy, 0.0),
             interface=np.append(rows.interface, 0),
+            tension=None if rows.tension is None else more(rows.tension, 0.0),
             closing=None if rows.closing is None else more(rows.closing, 0.0),
         ),
         reference_load=program.dead_load,

@@ -22,6 +22,7 @@ from lacore.contact.controls import Controls, controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.segments import Segments
+from lacore.errors import InputError
 from lacore.program import ContactRows
 from lacore.showing import Compact
 
@@ -66,6 +67,12 @@ class Laws(Compact):
     coefficient: Floats
     limit: Floats
     dilatancy: Floats
+    tension: Floats
+
+    def at(self, points: Ints) -> "Laws":
+        """Those of some segments or points, by numbers."""
+        own = (self.coefficient, self.limit, self.dilatancy, self.tension)
+        return Laws(*(values[points] for values in own))
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,7 +148,7 @@ def joined(
         return np.concatenate([np.zeros(0), *values])
 
     numbers = [np.zeros(0, dtype=np.int64), *(part.interface for part in stations)]
-
+    tension = every([part.laws.tension for part in stations])
     rows = ContactRows(
         normal=along(normal),
         tangential=along(np.stack([-normal[:, 1], normal[:, 0]], axis=1)),
@@ -151,6 +158,7 @@ def joined(
         limit=every([part.laws.limit for part in stations]),
         dilatancy=every([part.laws.dilatancy for part in stations]),
         interface=np.concatenate(numbers),
+        tension=tension if tension.any() else None,
     )
     position = np.concatenate([np.zeros((0, 2)), *(part.position for part in stations)])
     none = np.zeros((0, 2), dtype=np.int64)
@@ -171,17 +179,31 @@ def interface_station(
 
 def laws_of(interface: Interface, strength: float, count: int) -> Laws:
     """Those of an interface at `count` places, between bodies that carry a shear `strength`, Pa."""
-    law = interface.law.terms()
-    # Infinite where it is far beyond any shear stress that the bodies can carry.
-    limit = law.limit if law.limit <= _UNATTAINABLE * strength else inf
-    return Laws(*(np.full(count, v) for v in (law.coefficient, limit, law.dilatancy)))
+    law, most = interface.law.terms(), _UNATTAINABLE * strength
+    if law.tension > most:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            f"a tension of {law.tension:.4g} Pa, beside a shear strength of {strength:.4g} Pa in"
+            " the bodies: nothing would ever open",
+            f"give at most {most:.4g} Pa; what never opens nor slips is one body",
+        )
+    # Stick, where it is far beyond any shear stress that the bodies can carry.
+    sticks = law.limit > most
+    terms = (
+        0.0 if sticks else law.coefficient,
+        inf if sticks else law.limit,
+        0.0 if sticks else law.dilatancy,
+        law.tension,
+    )
+    return Laws(*(np.full(count, value) for value in terms))
 
 
 def _joints(dofs: RigidDofs, first: int, n: int) -> Station:
     joints = dofs.body.joints
     nothing = np.full(joints.slave.size, -1)
     segments = Segments(nothing, nothing, joints.start, joints.end, joints.normal)
-    laws = Laws(joints.coefficient, joints.limit, joints.dilatancy)
+    laws = Laws(joints.coefficient, joints.limit, joints.dilatancy, joints.tension)
     number = first + np.arange(joints.slave.size)
     sides = [(dofs, joints.slave), (dofs, joints.master)]
     return _stations(segments, number, laws, sides, n)
@@ -221,7 +243,7 @@ def _stations(
         moving=moving[at],
         weights=np.bincount(point.ravel(), weights).astype(np.float64),
         interface=interface[at],
-        laws=Laws(laws.coefficient[at], laws.limit[at], laws.dilatancy[at]),
+        laws=laws.at(at),
         x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
         y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
     )

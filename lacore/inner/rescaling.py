@@ -104,6 +104,7 @@ class PartUnits:
             normal=cut(rows.normal, self.points),
             tangential=cut(rows.tangential, np.repeat(self.points, rows.tangent_dim)),
             limit=rows.limit * self.points,
+            tension=None if rows.tension is None else rows.tension * self.points,
             closing=None if rows.closing is None else rows.closing / (self.points * fastest),
         )
         return replace(

@@ -114,6 +114,7 @@ def checked(
             _column("reactions", reactions, name, discretisation.full.contact.count)
             for name in _READ
         )
+        t_n = t_n + discretisation.full.contact.pull
         point = replace(point, normal_reaction=t_n, tangential_reaction=t_t[:, None])
     if hinges is not None:
         point = _with_moments(discretisation, point, hinges)

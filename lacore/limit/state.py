@@ -59,8 +59,8 @@ class LimitState(Shown):
         tolerance: bar for the residuals.
         message: the status in words, with what the backend added.
         discretisation: the assembled problem.
-        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa); None
-            where there is no state. For a status other than SOLVED it is the last iterate, for
+        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa, the
+            normal ones less `ContactRows.pull`); None where there is no state. For a status other than SOLVED it is the last iterate, for
             inspection only; for UNSAFE the mechanism by which the dead loads fall, at
             ``Fd.u = 1``, with stresses and reactions that carry the largest share of them.
     """
@@ -209,7 +209,7 @@ class LimitState(Shown):
         of the surface, m^2: times tractions it makes forces.
         Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
         the step does not close is open, though it may approach (``u_n < 0``).
-        ``t_n >= 0`` is compression, of a body with water in its pores that of the skeleton (T64);
+        ``t_n > 0`` is compression, of a body with water in its pores that of the skeleton (T64);
         the tangent is the normal turned by +90 degrees. Pressures oscillate from point to point;
         sums and averages are what to trust.
         """
@@ -230,7 +230,7 @@ class LimitState(Shown):
                 "n_x": where.normal[:, 0],
                 "n_y": where.normal[:, 1],
                 "length": rows.weights,
-                "t_n": point.normal_reaction,
+                "t_n": point.normal_reaction - rows.pull,
                 "t_t": point.tangential_reaction[:, 0],
                 "u_n": u_n,
                 "u_t": u_t,

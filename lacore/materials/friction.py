@@ -1,36 +1,53 @@
 """Friction laws of interfaces and joints (T2, T4)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, radians, tan
 
 import numpy as np
 
 from lacore.errors import InputError, is_number
-from lacore.showing import Compact
+from lacore.showing import Compact, short
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
+_ROUND_OFF = 1e-12  # of the adhesion, where a tension is meant to be that of the apex
 
 
 @dataclass(frozen=True, repr=False)
 class FrictionTerms(Compact):
-    """A law as ``||t_t|| <= coefficient t_n + limit`` with ``u_n >= dilatancy ||u_t||``."""
+    """A law as ``||t_t|| <= coefficient t + limit``, ``t = t_n + tension >= 0`` (T66).
+
+    With ``u_n >= dilatancy ||u_t||``, and of that dilatancy, too, ``||t_t|| <= dilatancy t + limit``.
+    """
 
     coefficient: float
     limit: float
     dilatancy: float
+    tension: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)
 class Coulomb(Compact):
-    """Unilateral Coulomb friction ``||t_t|| <= mu t_n`` (T2).
+    """Unilateral Coulomb friction ``||t_t|| <= adhesion + mu t_n``, ``t_n >= -tension`` (T2, T66).
+
+    What sticks is strong as a plastic body is: adhesion and tension are kept while it slips and
+    opens. (What breaks at first slip has neither where it slips: give it without them, too.)
 
     Attributes:
         mu: friction coefficient, >= 0.
-        associated: sliding dilates, ``u_n >= mu ||u_t||``, and dissipates nothing (T4).
+        associated: sliding dilates, ``u_n >= mu ||u_t||``, and friction dissipates nothing (T4).
+        adhesion: shear strength without pressure, of a wall beside soil c_a, Pa, >= 0; of nodes of
+            frames N, as their tractions are.
+        tension: strength in tension, in the same unit, >= 0; at most ``adhesion/mu``, where the
+            cone ends.
+
+    Raises:
+        InputError: a negative number or NaN; a tension beyond the apex of the cone.
     """
 
     mu: float
     associated: bool = False
+    adhesion: float = 0.0
+    tension: float = 0.0
 
     def __post_init__(self) -> None:
         if not (is_number(self.mu) and self.mu >= 0):
@@ -40,12 +57,45 @@ class Coulomb(Compact):
                 "not a friction coefficient",
                 "give a finite mu >= 0 (0 or lacore.SMOOTH: none; lacore.STICK: no slip at all)",
             )
+        for name in ("adhesion", "tension"):
+            value = getattr(self, name)
+            if not (is_number(value) and value >= 0):
+                raise InputError(
+                    f"Coulomb.{name}", value, "not a strength", "give a finite stress >= 0 in Pa"
+                )
+        if self.mu * self.tension > self.adhesion * (1 + _ROUND_OFF):
+            raise InputError(
+                "Coulomb.tension",
+                self.tension,
+                f"beyond the apex of the cone, adhesion/mu = {self.adhesion / self.mu:.6g} Pa",
+                "give no more than that, or a larger adhesion",
+            )
+
+    def __repr__(self) -> str:
+        """As it is written, without strengths that it has not."""
+        told = f"Coulomb(mu={short(self.mu)}, associated={self.associated}"
+        if self.adhesion or self.tension:
+            told += f", adhesion={short(self.adhesion)}, tension={short(self.tension)}"
+        return f"{told})"
 
     def terms(self) -> FrictionTerms:
         """The law as coefficients of the program."""
+        limit = max(self.adhesion - self.mu * self.tension, 0.0)
         if self.associated:
-            return FrictionTerms(0.0, 0.0, self.mu)
-        return FrictionTerms(self.mu, 0.0, 0.0)
+            return FrictionTerms(0.0, limit, self.mu, self.tension)
+        return FrictionTerms(self.mu, limit, 0.0, self.tension)
+
+    def frictionless(self) -> "Coulomb":
+        """What it carries whatever presses: a cylinder inside its cone (T14)."""
+        limit = max(self.adhesion - self.mu * self.tension, 0.0)
+        return replace(self, mu=0.0, adhesion=limit)
+
+    def divided(self, factor: float) -> "Coulomb":
+        """With all strengths divided by a factor; the apex stays, and no tension is beyond it."""
+        mu, adhesion, tension = (part / factor for part in (self.mu, self.adhesion, self.tension))
+        if mu > 0:
+            tension = min(tension, adhesion / mu)
+        return replace(self, mu=mu, adhesion=adhesion, tension=tension)
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,6 +121,10 @@ class Tresca(Compact):
         """The law as coefficients of the program."""
         return FrictionTerms(0.0, self.limit, 0.0)
 
+    def divided(self, factor: float) -> "Tresca":
+        """With its limit divided by a factor."""
+        return Tresca(self.limit / factor)
+
 
 SMOOTH = Tresca(0.0)
 
@@ -90,6 +144,10 @@ class Bonded(Compact):
     def terms(self) -> FrictionTerms:
         """That of sticking: what opens is no matter of friction."""
         return FrictionTerms(0.0, inf, 0.0)
+
+    def divided(self, factor: float) -> "Bonded":
+        """The same: its strength is that of the bodies."""
+        return self
 
 
 BOND = Bonded()

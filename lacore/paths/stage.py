@@ -290,6 +290,14 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
             "along a path nothing is bonded: obstacles are come to, and left",
             "hold the boundary by a Fix",
         )
+    if interface.law.terms().tension > 0:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "what sticks in tension along a path is not followed: where it has opened it would hold"
+            " what comes back",
+            "leave the tension out",
+        )
     if interface.law.terms().dilatancy > 0:
         raise InputError(
             "Interface.friction",

@@ -111,8 +111,9 @@ def contact_forces(state: LimitState) -> ContactForces:
     tangent = np.stack([-normal[1], normal[0]])
     force = total(length * (t_n * normal + t_t * tangent))
     pressed = total((length * t_n)[None])[0]
-    # Without pressure (cohesion alone) the middle of the joint has to do.
-    weight = np.where((pressed > 0)[group], length * t_n, length)
+    # Without pressure, or with tension, too, the middle of the joint has to do.
+    torn = np.bincount(group, t_n < 0, k) > 0
+    weight = np.where(((pressed > 0) & ~torn)[group], length * t_n, length)
     centre = total(weight * place) / total(weight[None])
     at = rigid[first]
     reach = np.nanmin(radius[:, at], axis=0)
@@ -139,7 +140,7 @@ def _largest_load(state: LimitState) -> float:
     point, program = state.point, state.discretisation.full
     assert point is not None
     live = abs(point.load_factor) * float(np.abs(program.reference_load).max())
-    return max(live, float(np.abs(program.dead_load).max()))
+    return max(live, float(np.abs(program.dead_load - program.held_shut).max()))
 
 
 def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
@@ -213,7 +214,7 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Forces (2, k) on blocks, continua and nodes, points on their lines (2, k), sizes (k,)."""
     d = state.discretisation
     falls = state.status is Status.UNSAFE
-    load = d.full.dead_load if falls else d.full.reference_load
+    load = d.full.dead_load - d.full.held_shut if falls else d.full.reference_load
     stated = d.problem.dead_loads if falls else d.problem.reference_loads
     for rigid in d.assemblies.values():
         own = load[rigid.offset : rigid.offset + rigid.count].reshape(-1, 3).T

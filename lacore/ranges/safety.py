@@ -18,7 +18,6 @@ from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError, require_positive
-from lacore.materials.friction import Coulomb, Friction, Tresca
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
 from lacore.showing import Facts, Shown, counted
@@ -190,14 +189,8 @@ def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | No
             return None
     pairs = problem.interfaces
     if interfaces:
-        pairs = tuple(replace(pair, friction=_divided(pair.law, factor)) for pair in pairs)
+        pairs = tuple(replace(pair, friction=pair.law.divided(factor)) for pair in pairs)
     return replace(problem, bodies={**problem.bodies, **weaker}, interfaces=pairs)
-
-
-def _divided(law: Friction, factor: float) -> Friction:
-    if isinstance(law, Coulomb):
-        return replace(law, mu=law.mu / factor)
-    return Tresca(law.limit / factor) if isinstance(law, Tresca) else law
 
 
 def _check(name: str, body: Body) -> None:

@@ -173,8 +173,7 @@ def test_known_programs(name):
 
 
 def form(stated, held, penalty=None):
-    softened = penalty is not None
-    return ConicForm(stated, held, Pattern.of(held, softened=softened), penalty)
+    return ConicForm(stated, held, Pattern.of(held), penalty)
 
 
 @pytest.mark.parametrize("name", [*LINEAR, *CONIC])

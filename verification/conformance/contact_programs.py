@@ -90,7 +90,6 @@ def _contact() -> list[Worked]:
             velocity=[1, 0.92 / rise],
             normal_reaction=[(W + 0.84) / (LENGTH * rise)],
             tangential_reaction=[[-0.7 - 0.4 * (W + 0.84) / (LENGTH * rise)]],
-            unsoftened="the regularised law has no friction bound at a dilatant point (T18)",
         ),
         Worked(
             "stick",

@@ -24,8 +24,8 @@ class Joints(Compact):
         slave_edge, master_edge: edge numbers, (J,).
         start, end: the segment, along the edge of the slave, up to the gap on it, (2, J), m.
         normal: unit normal from the master into the slave, (2, J).
-        coefficient, limit, dilatancy: of ``||t_t|| <= coefficient t_n + limit`` (limit in Pa) and
-            ``u_n >= dilatancy ||u_t||``, (J,).
+        coefficient, limit, dilatancy, tension: of ``||t_t|| <= coefficient t + limit``, ``t = t_n +
+            tension >= 0`` (limit and tension in Pa) and ``u_n >= dilatancy ||u_t||``, (J,).
     """
 
     slave: Ints
@@ -38,6 +38,7 @@ class Joints(Compact):
     coefficient: Floats
     limit: Floats
     dilatancy: Floats
+    tension: Floats
 
     @property
     def count(self) -> int:
@@ -92,8 +93,8 @@ def find_joints(
     behind = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     special = order[np.repeat(first, count) + behind]
 
-    terms = np.empty((3, slave.size))
-    terms[:] = np.reshape(_coefficients(friction), (3, 1))
+    terms = np.empty((4, slave.size))
+    terms[:] = np.reshape(_coefficients(friction), (4, 1))
     if laws:
         terms[:, special] = np.repeat(np.transpose([_coefficients(law) for law in laws]), count, 1)
     return Joints(
@@ -146,9 +147,9 @@ def joint_names(names: Sequence[str], joints: Joints) -> tuple[str, ...]:
     return tuple(labels)
 
 
-def _coefficients(law: Friction) -> tuple[float, float, float]:
+def _coefficients(law: Friction) -> tuple[float, float, float, float]:
     terms = law.terms()
-    return terms.coefficient, terms.limit, terms.dilatancy
+    return terms.coefficient, terms.limit, terms.dilatancy, terms.tension
 
 
 def _by_pair(

@@ -125,7 +125,12 @@ def law_text(law: Friction) -> str:
     if isinstance(law, Bonded):
         return "bond"
     if isinstance(law, Coulomb):
-        return rf"$\mu = {law.mu:.4g}$" + (", associated" if law.associated else "")
+        told = rf"$\mu = {law.mu:.4g}$"
+        if law.adhesion:
+            told += rf", $c_a = {law.adhesion:.4g}$ Pa"
+        if law.tension:
+            told += rf", $t_n \geq -{law.tension:.4g}$ Pa"
+        return told + (", associated" if law.associated else "")
     if law in (SMOOTH, STICK):
         return "smooth" if law == SMOOTH else "stick"
     return rf"$|t_t| \leq {law.limit:.4g}$ Pa"
@@ -143,13 +148,13 @@ def joint_laws(body: BlockAssembly) -> list[str]:
     """The law of each joint, as text."""
     joints = body.joints
     laws = []
-    for coefficient, limit, dilatancy in zip(
-        joints.coefficient, joints.limit, joints.dilatancy, strict=True
+    for coefficient, limit, dilatancy, tension in zip(
+        joints.coefficient, joints.limit, joints.dilatancy, joints.tension, strict=True
     ):
-        if dilatancy > 0:
-            laws.append(law_text(Coulomb(float(dilatancy), associated=True)))
-        elif coefficient > 0:
-            laws.append(law_text(Coulomb(float(coefficient))))
+        mu = float(coefficient + dilatancy)
+        if mu > 0 or tension > 0:
+            adhesion = float(limit + mu * tension)
+            laws.append(law_text(Coulomb(mu, bool(dilatancy > 0), adhesion, float(tension))))
         else:
             laws.append("stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"{limit:.4g}")
     return laws
