@@ -59,10 +59,10 @@ class LimitState(Shown):
         tolerance: bar for the residuals.
         message: the status in words, with what the backend added.
         discretisation: the assembled problem.
-        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa, the
-            normal ones less `ContactRows.pull`); None where there is no state. For a status other than SOLVED it is the last iterate, for
-            inspection only; for UNSAFE the mechanism by which the dead loads fall, at
-            ``Fd.u = 1``, with stresses and reactions that carry the largest share of them.
+        point: velocity (all unknowns, m/s at ``F0.u = 1``), stresses (Pa), reactions (Pa, t_n with
+            `ContactRows.tension`); None where there is no state. For a status other than SOLVED it
+            is the last iterate, for inspection only; for UNSAFE the mechanism by which the dead
+            loads fall, at ``Fd.u = 1``, with what carries the largest share of them.
     """
 
     status: Status

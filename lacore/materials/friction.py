@@ -14,9 +14,9 @@ _ROUND_OFF = 1e-12  # of the adhesion, where a tension is meant to be that of th
 
 @dataclass(frozen=True, repr=False)
 class FrictionTerms(Compact):
-    """A law as ``||t_t|| <= coefficient t + limit``, ``t = t_n + tension >= 0`` (T66).
+    """A law as ``||t_t|| <= (coefficient + dilatancy) t + limit``, ``u_n >= dilatancy ||u_t||``.
 
-    With ``u_n >= dilatancy ||u_t||``, and of that dilatancy, too, ``||t_t|| <= dilatancy t + limit``.
+    With ``t = t_n + tension >= 0`` (T66).
     """
 
     coefficient: float

@@ -111,6 +111,7 @@ def values():
             la.BOND,
         ),
         *(la.Coulomb(wide, associated=True), la.Coulomb(1 / 3), la.VonMises(wide)),
+        la.Coulomb(1 / 3, adhesion=wide, tension=wide),
         *(la.MohrCoulomb(wide, 30, tension_cutoff=0.0, crushing=wide), la.MaximumShear(wide)),
         la.MohrCoulomb(wide, 30, dilation_angle=1 / 3),
         *(la.Rankine(wide, wide), la.NoTension(wide), la.DruckerPrager(wide, 30, "compression")),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from lacore.program import KinematicProgram
+from lacore.reduction import held_shut
 from lacore.status import Status
 from verification.conformance.worked import (
     LENGTH,
@@ -28,6 +29,8 @@ def _contact() -> list[Worked]:
     pressed = W / (LENGTH * rise)
     solid = points([[0.36, 0.48, 0.8]], [[[0.8, -0.6, 0], [0.48, 0.64, -0.6]]], [LENGTH])
     pushed = np.array([0.8, -0.6, 0]) * 0.6 + np.array([0.48, 0.64, -0.6]) * 0.8
+    held = slope(NORMAL)
+    torn = held_shut(replace(held, contact=replace(held.contact, tension=np.array([1.5]))))
     return [
         Worked(
             "friction",
@@ -122,6 +125,17 @@ def _contact() -> list[Worked]:
             velocity=[1, (0.92 * 0.82 / rise) - 0.24],
             normal_reaction=[pressed],
             tangential_reaction=[[-0.4 * pressed]],
+        ),
+        Worked(
+            "pulled off",
+            "'friction' pulled along n with strength 1.5 in tension, a dead load of L 1.5 along -n:"
+            " alpha = W 0.8 + L 1.5 = 7, the plane carries t_t = 3/L; t_n = 0 is -1.5",
+            torn,
+            frozen([1.8]),
+            load_factor=7.0,
+            velocity=list(NORMAL),
+            normal_reaction=[0],
+            tangential_reaction=[[1.5]],
         ),
         Worked(
             "both ends closed",

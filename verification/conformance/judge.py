@@ -314,7 +314,9 @@ def _complementary_energy(worked: Worked, penalty: Penalties) -> float | None:
         return None
     weights = program.contact.weights
     energy += float(weights @ np.square(worked.normal_reaction)) / (2 * penalty.normal)
-    energy += float(weights @ np.sum(np.square(worked.tangential_reaction), axis=1)) / (
-        2 * penalty.tangential
-    )
-    return energy
+    rubbed = np.linalg.norm(worked.tangential_reaction, axis=1)
+    # Beside a dilatant law the bound is one of its own: both carry their share.
+    bound, dilatancy = worked.contact.bound, worked.contact.dilatancy
+    beside = np.where(np.isfinite(bound) & (dilatancy > 0), np.minimum(bound, rubbed), 0.0)
+    squares = (rubbed - beside) ** 2 + beside**2
+    return energy + float(weights @ squares) / (2 * penalty.tangential)
