@@ -186,7 +186,7 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
             interface.law,
             f"a tension of {law.tension:.4g} Pa, beside a shear strength of {strength:.4g} Pa in"
             " the bodies: nothing would ever open",
-            f"give at most {most:.4g} Pa; what never opens nor slips is one body",
+            f"give at most {most:.4g} Pa; lacore.BOND neither opens nor slips",
         )
     # Stick, where it is far beyond any shear stress that the bodies can carry.
     sticks = law.limit > most
