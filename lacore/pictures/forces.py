@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import matplotlib.colors
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -19,6 +20,8 @@ from lacore.status import Status
 THRUST = "#b2182b"
 LOAD = "#0f7b3f"
 _FAINTEST = 1e-3  # of the largest force: lines of thrust below it would not be seen
+_LEFT_OUT = 0.1  # of the sum of all forces: the smallest of many, which hide what bears the load
+_FAINT = "#e9b7ad"
 _SHORTEST = 0.3  # of the radius of the smaller block
 _ROUND_OFF = 1e-6  # of the largest load: solvers leave such forces where there are none
 _FEW = 10  # arrows that have room to be thick
@@ -51,20 +54,39 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
     size = np.linalg.norm(forces.force, axis=0)
     peak = float(size.max(initial=0.0))
     if peak > _ROUND_OFF * _largest_load(state):
-        seen = size > _FAINTEST * peak
-        lines = np.concatenate([forces.lines[0][:, :, seen], forces.lines[1][:, :, seen]], axis=2).T
-        widths = np.tile(np.maximum(thickest * size[seen] / peak, 0.3), 2)
-        axes.add_collection(
-            LineCollection(
-                list(lines), colors=THRUST, linewidths=widths, capstyle="round", zorder=3
-            )
-        )
-        handles.append(
-            Line2D([], [], color=THRUST, lw=4, label=f"contact force (max {peak:.3g} N/m)")
-        )
+        handles.append(_draw_thrust(axes, forces, size, thickest))
     handles += _draw_feet(axes, state)
     handles += _draw_loads(axes, state)
     return handles
+
+
+def _draw_thrust(axes: Axes, forces: "ContactForces", size: Floats, thickest: float) -> Line2D:
+    """Lines of thrust, as wide as the force, and the entry of a legend.
+
+    Between many blocks the small forces are most in number, and hide those that bear the load: the
+    smallest, which come to a share of the sum of all, are left out, and the others darker the
+    larger they are, so that bundles of them are seen.
+    """
+    peak, told = float(size.max()), ""
+    order = np.flatnonzero(size > _FAINTEST * peak)
+    shade = np.ones(order.size)
+    if order.size > _MANY:
+        order = order[np.argsort(size[order], kind="stable")]  # the largest on top
+        order = order[np.cumsum(size[order]) > _LEFT_OUT * size[order].sum()]
+        shade = np.sqrt(size[order] / peak)
+        told = f", those above {size[order[0]]:.2g}"
+    lines = np.concatenate([own[:, :, order] for own in forces.lines], axis=2).T
+    faint, full = (np.array(matplotlib.colors.to_rgb(colour)) for colour in (_FAINT, THRUST))
+    axes.add_collection(
+        LineCollection(
+            list(lines),
+            colors=np.tile(faint + shade[:, None] * (full - faint), (2, 1)),
+            linewidths=np.tile(np.maximum(thickest * size[order] / peak, 0.3), 2),
+            capstyle="round",
+            zorder=3,
+        )
+    )
+    return Line2D([], [], color=THRUST, lw=4, label=f"contact force (max {peak:.3g} N/m{told})")
 
 
 @dataclass(frozen=True)

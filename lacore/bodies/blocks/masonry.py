@@ -10,6 +10,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.bonds import ROUND_OFF, Opening, random_bond, regular_bond, windows
 from lacore.bodies.blocks.drawings.drawn import DrawnBlocks, Layer
 from lacore.bodies.blocks.drawings.reading import read
+from lacore.bodies.blocks.fill import fill
 from lacore.bodies.blocks.joints import JointFriction
 from lacore.errors import (
     InputError,
@@ -26,6 +27,7 @@ __all__ = [
     "Layer",
     "Opening",
     "arch",
+    "fill",
     "random_bond",
     "read",
     "rectangle",

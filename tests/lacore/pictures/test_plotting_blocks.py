@@ -96,6 +96,27 @@ def test_lines_of_thrust_are_as_thick_as_their_force(pushed):
     assert end == pytest.approx([0.0, 0.5], abs=1e-6)
 
 
+def test_of_many_forces_those_are_drawn_that_bear_the_load():
+    rows = masonry.regular_bond(8, 12)
+    wall = la.Problem(
+        {"wall": masonry.running_bond(rows, la.Coulomb(0.65, associated=True))},
+        [la.BodyForce("wall", (1, 0))],
+        [la.Fix("wall", "base")],
+        dead_loads=[la.BodyForce("wall", (0, -1))],
+    )
+    state = la.solve(wall)
+    figure = drawn(plot_mechanism(state))
+    (item,) = (c for c in figure.axes[1].collections if c.get_zorder() == 3)
+    size = np.sort(np.linalg.norm(contact_forces(state).force, axis=0))[::-1]
+    shown = len(item.get_segments()) // 2  # into either block
+    assert shown < size.size
+    assert size[:shown].sum() >= 0.9 * size.sum() > size[: shown - 1].sum()
+    assert f"those above {size[shown - 1]:.2g}" in words(figure)
+    shades = item.get_colors()[:shown, :3].sum(axis=1)
+    assert np.all(np.diff(shades) <= 1e-12)  # the darkest is the largest, and on top
+    assert to_hex(item.get_colors()[shown - 1]) == THRUST
+
+
 def test_live_loads_are_arrows_that_end_where_they_act(pushed):
     _, axes = plot_mechanism(pushed).axes
     (arrows,) = (item for item in axes.collections if hasattr(item, "U"))
