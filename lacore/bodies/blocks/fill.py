@@ -85,7 +85,7 @@ def _covered(
     if where is None:
         return np.setdiff1d(np.flatnonzero(rise > _UPWARDS), blocks.jointed_edges)
     edges = np.setdiff1d(blocks.outline(where, "where"), blocks.jointed_edges)
-    return edges[rise[edges] > -_UPWARDS]
+    return np.asarray(edges[rise[edges] > -_UPWARDS])
 
 
 def _cut(start: Floats, end: Floats, level: float) -> tuple[Floats, Floats]:
