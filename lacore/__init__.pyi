@@ -61,8 +61,16 @@ from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
 from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess
+from .questions.critical import Critical as Critical
+from .questions.critical import Search as Search
+from .questions.critical import critical as critical
 from .questions.load_cases import LoadCases as LoadCases
 from .questions.load_cases import load_cases as load_cases
+from .questions.position import WorstPosition as WorstPosition
+from .questions.position import worst_position as worst_position
+from .questions.stable import Stable as Stable
+from .questions.stable import stable as stable
+from .questions.thickness import limit_thickness as limit_thickness
 from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
 from .ranges.safety import SafetyFactor as SafetyFactor

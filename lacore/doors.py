@@ -16,6 +16,11 @@ views.picture.makers |= {
     "lacore.questions.load_cases:LoadCases": (
         "lacore.pictures.questions.load_cases:plot_load_cases"
     ),
+    "lacore.questions.critical:Critical": "lacore.pictures.questions.along:plot_critical",
+    "lacore.questions.position:WorstPosition": (
+        "lacore.pictures.questions.along:plot_worst_position"
+    ),
+    "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
 }
 views.animation.makers |= {
     "lacore.paths.path:Path": "lacore.pictures.animation:animate_path",

@@ -179,7 +179,7 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
         return []
     force, place, size = force[:, loaded], place[:, loaded], size[loaded]
     reach = np.concatenate(sizes)[loaded].mean()
-    label = "dead load $F_d$" if state.status is Status.UNSAFE else "live load $F_0$"
+    label = "dead load $F_d$" if _dead_alone(state) else "live load $F_0$"
     if size.size > _MANY:
         label += ", resultant"
         place = (place * size).sum(axis=1, keepdims=True) / size.sum()
@@ -235,9 +235,9 @@ def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
 def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Forces (2, k) on blocks, continua and nodes, points on their lines (2, k), sizes (k,)."""
     d = state.discretisation
-    falls = state.status is Status.UNSAFE
-    load = d.full.dead_load - d.full.held_shut if falls else d.full.reference_load
-    stated = d.problem.dead_loads if falls else d.problem.reference_loads
+    alone = _dead_alone(state)
+    load = d.full.dead_load - d.full.held_shut if alone else d.full.reference_load
+    stated = d.problem.dead_loads if alone else d.problem.reference_loads
     for rigid in d.assemblies.values():
         own = load[rigid.offset : rigid.offset + rigid.count].reshape(-1, 3).T
         own = np.where(held_blocks(state, rigid), 0.0, own)
@@ -272,3 +272,10 @@ def _along_members(frame: FrameDofs, load: Floats) -> tuple[Floats, Floats]:
     start = frame.body.position[:, pieces.start[piece]]
     place = start + pieces.along[:, piece] * pieces.length[piece] * share
     return load[:, piece] * pieces.length[piece] / parts[piece], place
+
+
+def _dead_alone(state: LimitState) -> bool:
+    """Whether the dead loads act alone: they fall, or what carries them is shown."""
+    return state.status is Status.UNSAFE or (
+        state.load_factor == 0 and bool(np.any(state.discretisation.full.dead_load))
+    )

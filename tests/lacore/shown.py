@@ -177,7 +177,14 @@ def states():
 def answers():
     """To questions of engineers."""
     push, stone = [la.BodyForce("wall", (1, 0))], wall()
-    return [la.load_cases(stone, {LONG: push, "up": unsafe(), **dict.fromkeys("abcdefgh", push)})]
+    cases = {LONG: push, "up": unsafe(), **dict.fromkeys("abcdefgh", push)}
+    found = [
+        la.load_cases(stone, cases),
+        la.critical(lambda mu: wall(mu), (0.5, 0.7), target=0.6, tolerance=1e-3),
+        la.worst_position(lambda mu: wall(mu), (0.5, 0.7), scan=3, tolerance=0.3),
+        *(la.stable(own) for own in (stone, unsafe())),
+    ]
+    return [*found, replace(found[1], status=la.Search.SAME_SIDE, of=LONG)]
 
 
 @cache

@@ -1,0 +1,124 @@
+"""Load factors along a parameter: each asked once, several at a time, kept where that is wanted."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.discretise import discretise
+from lacore.errors import InputError, is_number
+from lacore.limit.solve import solve
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+from lacore.questions.kept import Found, digest, keep, recall
+from lacore.questions.sharing import solved
+from lacore.questions.worth import error, worth
+
+ProblemAt = Callable[[float], Problem]
+COLUMNS = ["parameter", "load_factor", "error", "status", "residual", "seconds", "kept"]
+
+
+@dataclass
+class Along:
+    """Load factors of the problems that belong to values of a parameter.
+
+    Attributes:
+        problem_at: the problem at a value.
+        given: what `lacore.solve` is given.
+        workers: solves at a time.
+        folder: where they are kept; None: nowhere.
+        assembled: makes of a problem what is solved.
+        on_value: called with each value and its load factor as it is found.
+        rows: what was asked, by value.
+        states: those that were solved here, by value.
+    """
+
+    problem_at: ProblemAt
+    given: Mapping[str, Any]
+    workers: int = 1
+    folder: Path | None = None
+    assembled: Callable[[Problem], Discretisation] = discretise
+    on_value: Callable[[float, float], None] | None = None
+    rows: dict[float, dict[str, Any]] = field(default_factory=dict)
+    states: dict[float, LimitState] = field(default_factory=dict)
+
+    def ask(self, values: Sequence[float]) -> list[float]:
+        """Load factors at values, NaN where none is certified; those that are new are solved."""
+        new = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]
+        stated = [self.discretised(value) for value in new]
+        names, ahead = [], []
+        for value, problem in zip(new, stated, strict=True):
+            names.append(digest(problem.program, self.given) if self.folder else "")
+            known = recall(self.folder, names[-1]) if self.folder else None
+            ahead.append(known is None)
+            if known is not None:
+                self._note(value, known, kept=True)
+        left = [number for number, needed in enumerate(ahead) if needed]
+
+        def told(place: int, state: LimitState) -> None:
+            value = new[left[place]]
+            seconds = state.build_time + state.solve_time
+            residual = float("nan") if state.certificate is None else state.certificate.worst[1]
+            found = Found(worth(state), error(state), state.status.label, residual, seconds)
+            self.states[value] = state
+            self._note(value, found, kept=False)
+            if self.folder and not isnan(found.value):
+                keep(self.folder, names[left[place]], found)
+
+        solved([stated[number] for number in left], self.given, self.workers, told)
+        return [self.rows[float(value)]["load_factor"] for value in values]
+
+    def error_at(self, value: float) -> float:
+        """Of the load factor at a value that was asked."""
+        return float(self.rows[value]["error"])
+
+    def state_at(self, value: float) -> LimitState:
+        """The state at a value, solved where only its number was kept."""
+        if value not in self.states:
+            self.states[value] = solve(self.discretised(value), **self.given)
+        return self.states[value]
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All that was asked, by value."""
+        rows = [self.rows[value] for value in sorted(self.rows)]
+        return pd.DataFrame(rows, columns=COLUMNS)
+
+    def discretised(self, value: float) -> Discretisation:
+        """The problem at a value, assembled; errors name the value."""
+        try:
+            return self.assembled(self.problem_at(value))
+        except InputError as wrong:
+            field = f"problem_at({value:.7g}): {wrong.field}"
+            raise InputError(field, wrong.value, wrong.why, wrong.mend) from None
+
+    def _note(self, value: float, found: Found, kept: bool) -> None:
+        self.rows[value] = {
+            "parameter": value,
+            "load_factor": found.value,
+            "error": found.error,
+            "status": found.status,
+            "residual": found.residual,
+            "seconds": found.seconds,
+            "kept": kept,
+        }
+        if self.on_value is not None:
+            self.on_value(value, found.value)
+
+
+def read_range(within: tuple[float, float]) -> tuple[float, float]:
+    """Two ends of a parameter.
+
+    Raises:
+        InputError: they are none.
+    """
+    pair = isinstance(within, Sequence) and len(within) == 2 and all(map(is_number, within))
+    if not pair or not within[0] < within[1]:
+        raise InputError(
+            "within", within, "not a range", "give (low, high), two numbers with low < high"
+        )
+    return float(within[0]), float(within[1])

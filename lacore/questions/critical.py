@@ -1,0 +1,273 @@
+"""`critical`: the value of a parameter at which a structure just carries what it has to."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from itertools import pairwise
+from math import isnan, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import toms748
+
+from lacore import views
+from lacore.errors import InputError, is_number, require_positive, require_whole
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+from lacore.questions.along import Along, read_range
+from lacore.questions.kept import folder_of
+from lacore.showing import Facts, Picture, Shown, counted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LOAD_FACTOR = "load factor"
+_SCANNED = 9  # values between two ends on one side, before it is said that nothing crosses
+_WIDEN, _TRIES = 4.0, 8  # ends of what is proven go out where residuals do not let them be so near
+_MOST = 100  # steps of a search: bisection takes 50 to round-off
+
+
+class Search(Enum):
+    """How a search for a critical value ended. The text says what to do."""
+
+    FOUND = "the load factor is proven to be on either side of the target at the two ends"
+    SAME_SIDE = (
+        "no change of sides was seen: give a wider range, or more values to scan; that there is"
+        " none between them is not proven"
+    )
+    NOT_CERTIFIED = (
+        "at a value on the way no load factor is certified (see the table): take another backend,"
+        " or a range without it"
+    )
+    NOT_SEPARATED = (
+        "residuals are too large to prove on which side values near the critical one lie: tighten"
+        " the tolerance of the backend, or take a larger one here"
+    )
+
+    @property
+    def label(self) -> str:
+        """The name as shown in tables: ``same side``."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True, repr=False)
+class Critical(Shown):
+    """A critical value of a parameter, between two at which certificates prove the side.
+
+    Attributes:
+        status: whether it was found, and if not, why.
+        low, high: the two values; NaN where none was found.
+        at_low, at_high: their states; None where none was found.
+        target: load factor that is crossed.
+        of: what `load_factor` is of.
+        crossings: ranges of the parameter whose ends were seen on different sides, the one that
+            was searched first; there may be more between values that were not asked.
+        table: a row a value that was asked, in order: ``parameter``, ``load_factor`` (inf where it
+            is locked, -inf where the dead loads alone collapse it), its ``error`` by residuals,
+            ``status``, ``residual``, ``seconds``, whether it was ``kept`` in the folder.
+        solve_time: s, wall clock.
+    """
+
+    status: Search
+    low: float
+    high: float
+    at_low: LimitState | None
+    at_high: LimitState | None
+    target: float
+    of: str
+    crossings: tuple[tuple[float, float], ...]
+    table: pd.DataFrame
+    solve_time: float
+
+    @property
+    def value(self) -> float:
+        """The middle of the two; NaN where there are none."""
+        return (self.low + self.high) / 2
+
+    @property
+    def rises(self) -> bool | None:
+        """Whether the load factor rises through the target; None where nothing was found."""
+        if self.status is not Search.FOUND:
+            return None
+        by = self.table.set_index("parameter")["load_factor"]
+        return bool(by[self.low] < by[self.high])
+
+    @property
+    def message(self) -> str:
+        """The status in words, and what else was seen."""
+        said = self.status.value
+        if len(self.crossings) > 1:
+            more = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in self.crossings[1:])
+            said += f"; it changes sides elsewhere, too: in {more}"
+        return said
+
+    def facts(self) -> Facts:
+        """The value, between what, and what proves it."""
+        title = f"Critical: {self.status.label}"
+        if self.status is Search.FOUND:
+            title = f"Critical: {self.value:.7g}, in [{self.low:.10g}, {self.high:.10g}]"
+        told = {"status": self.message}
+        if self.status is Search.FOUND:
+            by = self.table.set_index("parameter")["load_factor"]
+            first, last = (by[end] - self.target for end in (self.low, self.high))
+            told["proven"] = f"{self.target:g} {first:+.1e} and {last:+.1e} there, of: {self.of}"
+        kept = int(self.table["kept"].sum())
+        solves = counted(len(self.table) - kept, "solve")
+        told["solved by"] = f"{solves} in {self.solve_time:.3g} s" + (f", {kept} kept" * (kept > 0))
+        return Facts(title, told)
+
+    def picture(self) -> Picture:
+        """What was asked along the parameter."""
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """Load factors: see `lacore.pictures.questions.along.plot_critical`."""
+        return views.picture(self)
+
+
+def critical(
+    problem_at: Callable[[float], Problem],
+    within: tuple[float, float],
+    *,
+    target: float = 1.0,
+    tolerance: float = 1e-7,
+    scan: int = 0,
+    backend: str = "clarabel",
+    coupling: str | None = None,
+    options: Mapping[str, Any] | None = None,
+    workers: int = 1,
+    folder: str | Path | None = None,
+    on_value: Callable[[float, float], None] | None = None,
+) -> Critical:
+    """The value of a parameter at which the load factor is the target.
+
+    Nothing is assumed of how the load factor depends on it: what is found is a range so narrow that
+    its ends, with certificates, lie on different sides of the target. Load factors of meshes that
+    change with the parameter jump a little, and so may the sides.
+
+    Args:
+        problem_at: the problem at a value.
+        within: where it is looked for, (low, high).
+        target: load factor.
+        tolerance: width to search to, per the larger of the two ends.
+        scan: values between the ends that are asked first, to see more than one change of sides;
+            9 where both ends are on one side.
+        backend, coupling, options: see `lacore.solve`.
+        workers: solves at a time, of ends and scans.
+        folder: where load factors are kept, to be found again; None: nowhere.
+        on_value: called with each value and its load factor, for progress.
+
+    Raises:
+        InputError: a range that is none; a problem that cannot be, with its value; what `solve`
+            refuses.
+        CapabilityError: the backend is missing, or cannot take a problem.
+    """
+    if not is_number(target):
+        raise InputError("target", target, "not a load factor", "give a finite number")
+    low, high = read_range(within)
+    given = {"backend": backend, "coupling": coupling, "options": options}
+    along = Along(problem_at, given, workers, folder_of(folder), on_value=on_value)
+    return crossing(along, low, high, target, tolerance, scan)
+
+
+def crossing(
+    along: Along,
+    low: float,
+    high: float,
+    target: float,
+    tolerance: float,
+    scan: int = 0,
+    of: str = LOAD_FACTOR,
+) -> Critical:
+    """The search of `critical`, of whatever `along` asks."""
+    begin = time.perf_counter()
+    require_positive("tolerance", tolerance)
+    require_whole("scan", scan)
+    seen = _Seen(along, target)
+    values = [low, *np.linspace(low, high, scan + 2)[1:-1].tolist(), high]
+    along.ask(values)
+    if not scan and seen.same_side(low, high):
+        values = np.linspace(low, high, _SCANNED + 2).tolist()
+        along.ask(values)
+    changes = seen.changes(values)
+    status, ends = Search.SAME_SIDE, None
+    if any(isnan(seen.side(value)) for value in values) and not changes:
+        status = Search.NOT_CERTIFIED
+    if changes:
+        status, ends = seen.searched(*changes[0], tolerance * max(abs(low), abs(high)))
+    return Critical(
+        status=status,
+        low=ends[0] if ends else nan,
+        high=ends[1] if ends else nan,
+        at_low=along.state_at(ends[0]) if ends else None,
+        at_high=along.state_at(ends[1]) if ends else None,
+        target=float(target),
+        of=of,
+        crossings=tuple(changes),
+        table=along.table,
+        solve_time=time.perf_counter() - begin,
+    )
+
+
+class _Seen:
+    """Sides of a target that load factors are proven to be on."""
+
+    def __init__(self, along: Along, target: float) -> None:
+        self.along, self.target = along, float(target)
+
+    def side(self, value: float) -> float:
+        """-1 or 1 where that is proven; 0 within the error; NaN where nothing is certified."""
+        above = self.along.ask([value])[0] - self.target
+        if isnan(above):
+            return nan
+        return float(np.sign(above)) if abs(above) > self.along.error_at(value) else 0.0
+
+    def same_side(self, one: float, other: float) -> bool:
+        return self.side(one) == self.side(other) != 0
+
+    def changes(self, values: list[float]) -> list[tuple[float, float]]:
+        """Neighbours on different sides, of those that are on any."""
+        told = [value for value in values if abs(self.side(value)) == 1]
+        return [(a, b) for a, b in pairwise(told) if self.side(a) != self.side(b)]
+
+    def searched(
+        self, low: float, high: float, within: float
+    ) -> tuple[Search, tuple[float, float] | None]:
+        """Narrow a change of sides down; the values next to it whose sides are proven."""
+        try:
+            root = float(
+                toms748(self._bounded, low, high, xtol=within / _WIDEN, maxiter=_MOST, disp=False)
+            )
+        except _NoNumberError:
+            return Search.NOT_CERTIFIED, None
+        first = self.side(low)
+        ends: list[float] = []
+        for sign, last, wanted in ((-1.0, low, first), (1.0, high, -first)):
+            away = within / 2
+            for _ in range(_TRIES):
+                value = float(np.clip(root + sign * away, low, high))
+                if self.side(value) == wanted or value == last:
+                    break
+                away *= _WIDEN
+            ends.append(value)
+        if self.side(ends[0]) == first and self.side(ends[1]) == -first:
+            return Search.FOUND, (ends[0], ends[1])
+        return Search.NOT_SEPARATED, None
+
+    def _bounded(self, value: float) -> float:
+        """The load factor over the target, in (-1, 1): it may be infinite on either side."""
+        above = self.along.ask([value])[0] - self.target
+        if isnan(above):
+            raise _NoNumberError
+        return float(np.sign(above)) if np.isinf(above) else above / (self._scale + abs(above))
+
+    @property
+    def _scale(self) -> float:
+        return abs(self.target) or 1.0
+
+
+class _NoNumberError(Exception):
+    """A value on the way has no certified load factor."""

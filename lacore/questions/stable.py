@@ -1,0 +1,133 @@
+"""`stable`: whether a structure stands under its dead loads alone."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lacore import views
+from lacore.assembly.discretise import discretise
+from lacore.errors import InputError, require_positive
+from lacore.limit.stability import Stability, Standing, stability_of
+from lacore.limit.state import LimitState
+from lacore.problem.problem import Problem
+from lacore.showing import Facts, Picture, Shown
+from lacore.status import Rigor, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_STATUS = {
+    Standing.STANDS: Status.SOLVED,
+    Standing.FALLS: Status.UNSAFE,
+    Standing.UNDECIDED: Status.NOT_CERTIFIED,
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Stable(Shown):
+    """Whether a structure stands under its dead loads alone, with the proof.
+
+    Attributes:
+        stands: True, with stresses and reactions that carry the dead loads; False, with a mechanism
+            that they drive; None where neither is proven.
+        stability: the proof, and which load factors of the reference loads are carried.
+        state: what there is to look at: where it stands the stresses and reactions under the dead
+            loads, nothing moves; where it falls the mechanism, at ``Fd.u = 1``.
+    """
+
+    stands: bool | None
+    stability: Stability
+    state: LimitState
+
+    def __bool__(self) -> bool:
+        """Whether it is proven to stand."""
+        return self.stands is True
+
+    def facts(self) -> Facts:
+        """What is proven, and how well."""
+        told = {"residual": f"largest {self.stability.residual:.1e}"}
+        if self.stability.why:
+            told["why"] = self.stability.why
+        told["solved by"] = f"{self.state.backend} in {self.state.solve_time:.3g} s"
+        told["size"] = self.state.discretisation.contents
+        standing = self.stability.standing
+        return Facts(f"Stable: {standing.label}: {standing.value}", told)
+
+    def picture(self) -> Picture:
+        """The mechanism, or what carries; where neither is proven the problem."""
+        if self.state.point is None:
+            return Picture(self.state.discretisation.problem.plot(), "the problem: undecided")
+        return Picture(self.plot())
+
+    def plot(self) -> "Figure":
+        """See `lacore.pictures.questions.stable.plot_stable`."""
+        return views.picture(self)
+
+
+def stable(
+    problem: Problem,
+    backend: str = "clarabel",
+    *,
+    tolerance: float = 1e-6,
+    options: Mapping[str, Any] | None = None,
+) -> Stable:
+    """Whether a structure stands under its dead loads alone: proven either way, or None.
+
+    That it stands means that stresses within all strengths and reactions within all friction cones
+    carry the dead loads; with friction that is not associated they need not be those that there are
+    (T14b). Where it falls no friction of these coefficients can hold it.
+
+    Args:
+        problem: with dead loads; its reference loads do not act.
+        backend, options: an exact one.
+        tolerance: bar for the residuals of either proof.
+
+    Raises:
+        InputError: no dead loads; what `lacore.discretise` refuses.
+        CapabilityError: the backend is missing, or cannot take the problem.
+    """
+    require_positive("tolerance", tolerance)
+    begin = time.perf_counter()
+    require_dead_loads(problem)
+    discretisation = discretise(problem)
+    built = time.perf_counter()
+    found = stability_of(discretisation, backend, options or {}, "associated", tolerance, np.nan)
+    status = _STATUS[found.standing]
+    state = LimitState(
+        status=status,
+        load_factor=0.0 if status is Status.SOLVED else np.nan,
+        rigor=Rigor.NOT_CERTIFIED,
+        backend=backend,
+        coupling="associated",
+        certificate=None,
+        contraction=np.nan,
+        bracket=None,
+        regularised=None,
+        history=pd.DataFrame({"peak_memory": []}),
+        build_time=built - begin,
+        solve_time=time.perf_counter() - built,
+        options=dict(options or {}),
+        tolerance=tolerance,
+        message=str(found),
+        discretisation=discretisation,
+        point=found.point,
+    )
+    answer = {Standing.STANDS: True, Standing.FALLS: False, Standing.UNDECIDED: None}
+    return Stable(answer[found.standing], found, state)
+
+
+def require_dead_loads(problem: Problem) -> None:
+    """Raise `InputError` where nothing acts but what a load factor multiplies."""
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    if not problem.dead_loads:
+        raise InputError(
+            "Problem.dead_loads",
+            None,
+            "there is none, and what is asked is what these alone do",
+            "give the weights as dead_loads; reference loads do not act here",
+        )
