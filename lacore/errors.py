@@ -29,7 +29,7 @@ class InputError(LacoreError, ValueError):
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
-        return InputError, (self.field, self.value, self.why, self.mend)
+        return type(self), (self.field, self.value, self.why, self.mend)
 
 
 def _short(value: object) -> str:

@@ -93,8 +93,12 @@ def _on_footing(
     return speeds[_unloaded(load)], np.array([force])
 
 
+class NoPowerError(InputError):
+    """Reference loads that supports take whole: no motion feels them."""
+
+
 def require_power(free: Floats, size: float) -> None:
-    """Raise `InputError` where nothing is left of reference loads on the free unknowns.
+    """Raise `NoPowerError` where nothing is left of reference loads on the free unknowns.
 
     Args:
         free: their forces on these.
@@ -102,7 +106,7 @@ def require_power(free: Floats, size: float) -> None:
             at least one whole nodal force.
     """
     if np.sum(np.abs(free)) <= _ROUND_OFF * size:
-        raise InputError(
+        raise NoPowerError(
             "Problem.reference_loads",
             None,
             "they do no power (F0 = 0): they cancel, or act where supports hold the body",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isnan
+from math import inf, isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import pandas as pd
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
+from lacore.assembly.loading import NoPowerError
 from lacore.errors import InputError, is_number
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
@@ -17,8 +18,10 @@ from lacore.problem.problem import Problem
 from lacore.questions.kept import Found, digest, keep, recall
 from lacore.questions.sharing import solved
 from lacore.questions.worth import error, worth
+from lacore.status import Status
 
 ProblemAt = Callable[[float], Problem]
+_HELD = Found(inf, 0.0, Status.LOCKED.label, nan, 0.0)  # whatever the load, supports take it
 COLUMNS = ["parameter", "load_factor", "error", "status", "residual", "seconds", "kept"]
 
 
@@ -48,8 +51,15 @@ class Along:
 
     def ask(self, values: Sequence[float]) -> list[float]:
         """Load factors at values, NaN where none is certified; those that are new are solved."""
-        new = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]
-        stated = [self.discretised(value) for value in new]
+        asked = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]
+        assembled = {value: self._assembled(value) for value in asked}
+        new, stated = [], []
+        for value, problem in assembled.items():
+            if problem is None:
+                self._note(value, _HELD, kept=False)
+            else:
+                new.append(value)
+                stated.append(problem)
         names, ahead = [], []
         for value, problem in zip(new, stated, strict=True):
             names.append(digest(problem.program, self.given) if self.folder else "")
@@ -76,11 +86,11 @@ class Along:
         """Of the load factor at a value that was asked."""
         return float(self.rows[value]["error"])
 
-    def state_at(self, value: float) -> LimitState:
-        """The state at a value, solved where only its number was kept."""
-        if value not in self.states:
-            self.states[value] = solve(self.discretised(value), **self.given)
-        return self.states[value]
+    def state_if(self, value: float) -> LimitState | None:
+        """The state at a value, solved where only its number was kept; None without power."""
+        if value not in self.states and (problem := self._assembled(value)) is not None:
+            self.states[value] = solve(problem, **self.given)
+        return self.states.get(value)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -94,7 +104,14 @@ class Along:
             return self.assembled(self.problem_at(value))
         except InputError as wrong:
             field = f"problem_at({value:.7g}): {wrong.field}"
-            raise InputError(field, wrong.value, wrong.why, wrong.mend) from None
+            raise type(wrong)(field, wrong.value, wrong.why, wrong.mend) from None
+
+    def _assembled(self, value: float) -> Discretisation | None:
+        """The problem at a value; None where supports take the whole load, as below a wheel."""
+        try:
+            return self.discretised(value)
+        except NoPowerError:
+            return None
 
     def _note(self, value: float, found: Found, kept: bool) -> None:
         self.rows[value] = {

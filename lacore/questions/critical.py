@@ -60,7 +60,7 @@ class Critical(Shown):
     Attributes:
         status: whether it was found, and if not, why.
         low, high: the two values; NaN where none was found.
-        at_low, at_high: their states; None where none was found.
+        at_low, at_high: their states; None where none was found, or supports take the whole load.
         target: load factor that is crossed.
         of: what `load_factor` is of.
         crossings: ranges of the parameter whose ends were seen on different sides, the one that
@@ -202,8 +202,8 @@ def crossing(
         status=status,
         low=ends[0] if ends else nan,
         high=ends[1] if ends else nan,
-        at_low=along.state_at(ends[0]) if ends else None,
-        at_high=along.state_at(ends[1]) if ends else None,
+        at_low=along.state_if(ends[0]) if ends else None,
+        at_high=along.state_if(ends[1]) if ends else None,
         target=float(target),
         of=of,
         crossings=tuple(changes),

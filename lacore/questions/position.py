@@ -38,7 +38,7 @@ class WorstPosition(Shown):
         position: of the load; NaN where none is certified.
         load_factor: there: -inf where the dead loads alone collapse the structure, inf where every
             position is locked; NaN where none is certified.
-        state: there; None where none is certified.
+        state: there; None where none is certified, or supports take the load everywhere.
         spacing: of the positions of the scan.
         table: a row a position that was asked, in order; see `Critical.table`.
         solve_time: s, wall clock.
@@ -59,7 +59,7 @@ class WorstPosition(Shown):
     @property
     def message(self) -> str:
         """What is certified, and what is not."""
-        if self.state is None:
+        if np.isnan(self.load_factor):
             return "no position has a certified load factor"
         said = (
             f"the least of {len(self.table)} positions, certified; that none between those asked,"
@@ -156,7 +156,7 @@ def worst_position(
     return WorstPosition(
         position=place,
         load_factor=value,
-        state=along.state_at(place) if len(least) else None,
+        state=along.state_if(place) if len(least) else None,
         spacing=float(places[1] - places[0]),
         table=table,
         solve_time=time.perf_counter() - begin,

@@ -169,6 +169,13 @@ def test_worst_position_of_a_wheel_on_a_beam():
     assert "not proven" in found.message
 
 
+def test_above_a_support_a_wheel_is_carried_whatever_its_weight():
+    found = la.worst_position(beam, (3.0, 5.0), scan=3, tolerance=0.1)
+    row = found.table.set_index("parameter").loc[4.0]
+    assert (row["status"], row["load_factor"]) == ("locked", np.inf)
+    assert found.load_factor < np.inf
+
+
 def test_a_position_at_which_all_falls_is_the_worst():
     stone, calls = wall(), []
 
