@@ -69,7 +69,8 @@ def _opened(problem: Problem) -> Discretisation:
     if not stated.program.contact.count:
         return stated
     area = float(stated.full.contact.weights.sum())
-    pressure = float(np.abs(stated.full.dead_load).sum()) / area
+    weight = stated.full.dead_load - stated.full.held_shut
+    pressure = float(np.abs(weight).sum()) / area
     program, full = (_opening(own, pressure) for own in (stated.program, stated.full))
     natural = replace(stated.natural, velocity=1 / float(np.abs(full.reference_load).sum()))
     return replace(stated, program=program, full=full, natural=natural)
