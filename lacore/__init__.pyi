@@ -29,6 +29,8 @@ from .conditions.loads import Traction as Traction
 from .conditions.water import PorePressure as PorePressure
 from .conditions.water import StandingWater as StandingWater
 from .conditions.water import WaterTable as WaterTable
+from .conditions.within import Along as Along
+from .conditions.within import Within as Within
 from .contact.interfaces import Interface as Interface
 from .contact.obstacles import RigidObstacle as RigidObstacle
 from .coupling.interval import Interval as Interval
@@ -36,6 +38,7 @@ from .errors import CapabilityError as CapabilityError
 from .errors import InputError as InputError
 from .errors import LacoreError as LacoreError
 from .errors import SolveError as SolveError
+from .files.problem.reading import read_problem as read_problem
 from .limit.solve import solve as solve
 from .limit.stability import Stability as Stability
 from .limit.stability import Standing as Standing

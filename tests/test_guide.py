@@ -170,7 +170,8 @@ def test_slopes_of_the_sweep_that_stands_above_them(somewhere):
 def shell(page):
     """Commands of a page, a line each, without their comments."""
     texts = [text for _, kind, text in BLOCKS[page] if kind == "sh"]
-    return [line.partition("  #")[0].strip() for text in texts for line in text.splitlines()]
+    lines = [line.partition("  #")[0] for text in texts for line in text.splitlines()]
+    return [line.partition(" > ")[0].strip() for line in lines]
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if shell(page)])

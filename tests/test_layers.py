@@ -46,8 +46,8 @@ LACORE = (
 """Files and folders of lacore: each imports from those before it, and from its own."""
 VERIFICATION = (
     *("defaults", "case", "cases", "catalogue", "runs", "verdicts", "evidence", "store", "fuzz"),
-    *("perform", "campaigns", "progress", "analysis", "verify", "report", "conformance"),
-    *("commands", "__main__", "test_catalogue"),
+    *("perform", "campaigns", "progress", "analysis", "verify", "report", "problems"),
+    *("conformance", "commands", "__main__", "test_catalogue"),
 )
 """Those of verification, alike."""
 HOUSES = {"lacore": LACORE, "verification": VERIFICATION}

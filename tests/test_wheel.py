@@ -10,7 +10,7 @@ import pytest
 from tests.conftest import ROOT
 
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
-KINDS = (".py", ".pyi", ".typed", ".j2")
+KINDS = (".py", ".pyi", ".typed", ".j2", ".toml", ".json")
 SOURCES = ("pyproject.toml", "README.md", "LICENSE")
 
 

@@ -21,8 +21,9 @@ def where_name(where: Where) -> str:
         return where
     if isinstance(where, tuple):
         return "+".join(map(str, where))
+    told: str = getattr(where, "told", "")  # what is given by numbers says them
     name = getattr(where, "__name__", "")
-    return name if name.isidentifier() else "part"
+    return told or (name if name.isidentifier() else "part")
 
 
 def edges_inside(

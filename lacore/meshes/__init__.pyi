@@ -2,7 +2,10 @@
 
 from .checks import quality as quality
 from .curved import isoparametric as isoparametric
+from .naming import named as named
 from .outline import remeshed as remeshed
+from .patches import Patch as Patch
+from .patches import patches as patches
 from .reading import read as read
 from .structured import fan as fan
 from .structured import graded as graded

@@ -17,8 +17,10 @@ from verification.case import KINDS
 from verification.catalogue.catalogue import Catalogue, tagged
 from verification.commands.compare import compare
 from verification.commands.fuzz import fuzz
+from verification.commands.new import new
 from verification.commands.options import cases_option, json_option, name_list, print_json
 from verification.commands.report import manual, report
+from verification.commands.solve import solve
 from verification.commands.sweep import sweep
 from verification.commands.verify import verify
 
@@ -169,6 +171,8 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 main.add_command(compare)
 main.add_command(fuzz)
 main.add_command(manual)
+main.add_command(new)
 main.add_command(report)
+main.add_command(solve)
 main.add_command(sweep)
 main.add_command(verify)

@@ -1,0 +1,120 @@
+"""Places by numbers: boxes, lines, half-planes. Predicates that can be written to a file."""
+
+from dataclasses import dataclass
+from math import hypot, inf
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats
+from lacore.errors import InputError, is_number, is_plane_vector, require_place
+from lacore.showing import Compact
+
+Extent = float | tuple[float, float] | None
+_NEAR = 1e-9  # of the extent of what is asked about: coordinates in double precision agree to this
+
+
+@dataclass(frozen=True, repr=False)
+class Within(Compact):
+    """Places in a box: ``la.Within(x=(0, 1), y=0)`` is the line y = 0 from x = 0 to 1.
+
+    Its sides belong to it, and what is off by 1e-9 of the size of the body does, too.
+
+    Attributes:
+        x, y: a number, or the least and the greatest one (which may be infinite), m; None: any.
+
+    Raises:
+        InputError: neither x nor y, no numbers, an interval from its greater end.
+    """
+
+    x: Extent = None
+    y: Extent = None
+
+    def __post_init__(self) -> None:
+        if self.x is None and self.y is None:
+            raise InputError("Within", None, "neither x nor y", "give one of them, or both")
+        for name in ("x", "y"):
+            given = getattr(self, name)
+            if given is not None:
+                object.__setattr__(self, name, _extent(f"Within.{name}", given))
+
+    @property
+    def told(self) -> str:
+        """In a few words: ``(x = 0 to 1, y = 0)``."""
+        own = [
+            f"{name} = {_said(at)}" for name, at in (("x", self.x), ("y", self.y)) if at is not None
+        ]
+        return f"({', '.join(own)})"
+
+    def __call__(self, places: Floats) -> Bools:
+        """Which of the places of shape (2, n) lie in it, shape (n,)."""
+        slack = _slack(places)
+        inside = np.ones(places.shape[1], dtype=bool)
+        for own, values in zip((self.x, self.y), places, strict=True):
+            if own is not None:
+                low, high = own if isinstance(own, tuple) else (own, own)
+                inside &= (values >= low - slack) & (values <= high + slack)
+        return inside
+
+
+@dataclass(frozen=True, repr=False)
+class Along(Compact):
+    """Places on a straight line between two points, up to 1e-9 of the size of the body.
+
+    Attributes:
+        start, end: m.
+
+    Raises:
+        InputError: no points, or one point twice.
+    """
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            given = getattr(self, name)
+            if not is_plane_vector(given):
+                raise InputError(f"Along.{name}", given, "not a point", "give (x, y)")
+            require_place(f"Along.{name}", given)
+            object.__setattr__(self, name, tuple(map(float, given)))
+        if self.start == self.end:
+            raise InputError("Along.end", self.end, "where it starts", "give another point")
+
+    @property
+    def told(self) -> str:
+        """In a few words: ``(from 0, 0 to 1, 2)``."""
+        (x, y), (u, v) = self.start, self.end
+        return f"(from {x:.4g}, {y:.4g} to {u:.4g}, {v:.4g})"
+
+    def __call__(self, places: Floats) -> Bools:
+        """Which of the places of shape (2, n) lie on it, shape (n,)."""
+        slack = _slack(places)
+        (x, y), (u, v) = self.start, (b - a for a, b in zip(self.start, self.end, strict=True))
+        length = hypot(u, v)
+        along = ((places[0] - x) * u + (places[1] - y) * v) / length
+        off = ((places[1] - y) * u - (places[0] - x) * v) / length
+        return np.asarray((np.abs(off) <= slack) & (along >= -slack) & (along <= length + slack))
+
+
+def _said(extent: Extent) -> str:
+    if isinstance(extent, tuple):
+        return f"{extent[0]:.4g} to {extent[1]:.4g}"
+    return f"{extent:.4g}"
+
+
+def _slack(places: Floats) -> float:
+    return _NEAR * float(np.abs(places).max(initial=0.0))
+
+
+def _extent(field: str, given: object) -> float | tuple[float, float]:
+    if is_number(given):
+        require_place(field, given)
+        return float(given)  # type: ignore[arg-type]
+    ends = given if isinstance(given, tuple | list) else ()
+    if len(ends) != 2 or not all(is_number(end) or end in (inf, -inf) for end in ends):
+        raise InputError(field, given, "no extent", "give a number, or (least, greatest)")
+    low, high = (float(end) for end in ends)
+    if not low < high:
+        raise InputError(field, given, "its ends are not in order", "give (least, greatest)")
+    require_place(field, [end for end in (low, high) if abs(end) < inf])
+    return low, high

@@ -1,0 +1,1 @@
+"""Problems as TOML: read without running anything, written, and told as Python."""

@@ -1,0 +1,107 @@
+"""Whether a file says what problem files say: keys, kinds of values, units."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from lacore.errors import InputError, suggest
+from lacore.files.problem.places import Path
+from lacore.files.problem.reading import Source, has
+from lacore.files.problem.schema.document import ProblemFile
+from lacore.files.problem.schema.meshes import FOLDER
+from lacore.files.problem.schema.values import FORCES
+
+TAGS = ("kind", "shape", "criterion", "load")
+"""Keys whose values tell the kinds of tables."""
+_LIST = ("not a list", "write it as [ ... ]")
+_TABLE = ("not a table", "write it as [table] or { key = value }")
+_BOOL = ("neither true nor false", "write true or false, without quotes")
+_SAID: Mapping[str, tuple[str, str]] = {
+    "tuple_type": _LIST,
+    "list_type": _LIST,
+    "missing": ("too few values", "add the next one"),  # of lists: keys are checked before
+    "too_long": ("too many values", "leave out the rest"),
+    "dict_type": _TABLE,
+    "model_type": _TABLE,
+    "model_attributes_type": _TABLE,
+    "string_type": ("not a text", "write it in quotes"),
+    "bool_type": _BOOL,
+    "bool_parsing": _BOOL,
+}
+
+
+def checked(source: Source) -> ProblemFile:
+    """What a file says.
+
+    Raises:
+        InputError: the first thing in it that no problem file says.
+    """
+    context = {FOLDER: source.file.parent, FORCES: _whole(source.data)}
+    try:
+        return ProblemFile.model_validate(source.data, context=context)
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False)
+        told = [_told(source, one) for one in found]
+        first = min(told, key=lambda one: one[0])
+        more = f" ({len(told) - 1} more after it)" if len(told) > 1 else ""
+        wrong = first[1]
+        raise InputError(wrong.field, wrong.value, wrong.why, wrong.mend + more) from None
+
+
+def _whole(data: Mapping[str, Any]) -> frozenset[str]:
+    """Bodies whose forces are not per thickness: frames, and bodies of revolution."""
+    bodies = data.get("bodies")
+    if not isinstance(bodies, dict):
+        return frozenset()
+    kinds = {"kind": "frame", "kinematics": "axisymmetric"}
+    return frozenset(
+        name
+        for name, body in bodies.items()
+        if isinstance(body, dict) and any(body.get(key) == own for key, own in kinds.items())
+    )
+
+
+def _told(source: Source, one: Any) -> tuple[int, InputError]:
+    """The line of an error, and the error."""
+    path, context = _path(source.data, one["loc"]), one.get("ctx", {})
+    kind = one["type"]
+    if kind == "refused":
+        path, why, mend = (*path, *context["more"]), context["why"], context["mend"]
+        value = None
+    elif kind in ("union_tag_invalid", "union_tag_not_found"):
+        key = context["discriminator"].strip("'")
+        path = (*path, key)
+        known = [name.strip(" '") for name in context.get("expected_tags", "").split(",")]
+        value = context.get("tag")
+        why, mend = "unknown", suggest(str(value), known)
+        if kind == "union_tag_not_found":
+            value, why, mend = None, "missing", f"add {key}"
+    elif kind == "literal_error":
+        known = context["expected"].replace(" or ", ", ").replace("'", "").split(", ")
+        value = _at(source.data, path)
+        why, mend = "unknown", suggest(str(value), known)
+    else:
+        value = _at(source.data, path)
+        why, mend = _SAID.get(kind, (str(one["msg"]), "`lacore new` shows how it is written"))
+    error = source.error(path, value, why, mend)
+    return source.line(path), error
+
+
+def _path(data: Any, loc: tuple[str | int, ...]) -> Path:
+    """A place of pydantic's without the kinds that it puts between keys."""
+    path: list[str | int] = []
+    own, tag = data, False
+    for key in loc:
+        tag = not tag and isinstance(own, dict) and key in map(own.get, TAGS)
+        if not tag and has(own, key):  # what is a tag may be a key, too, but after it
+            own = own[key]
+            path.append(key)
+    return tuple(path)
+
+
+def _at(data: Any, path: Path) -> Any:
+    own = data
+    for key in path:
+        own = own[key]
+    return own

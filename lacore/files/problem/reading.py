@@ -1,0 +1,172 @@
+"""`read_problem`: from a TOML file to the problem that it states, without running any of it."""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from os import PathLike, fspath
+from pathlib import Path as File
+from typing import TYPE_CHECKING, Any
+
+from lacore.errors import InputError
+from lacore.files.problem.calls import Call, MisfitError, made, parts
+from lacore.files.problem.places import Path, lines
+from lacore.problem.problem import Problem
+
+if TYPE_CHECKING:
+    from lacore.files.problem.schema.document import Asked
+
+_LARGEST = 10_000_000  # bytes
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What a problem file states.
+
+    Attributes:
+        source: of the file, to say where something stands.
+        problem: the problem.
+        call: what makes it.
+        title: of it; the name of the file, if it gives none.
+        asked: what is to be found.
+    """
+
+    source: "Source"
+    problem: Problem
+    call: Call
+    title: str
+    asked: "Asked"
+
+
+def read_problem(path: str | PathLike[str]) -> Problem:
+    """The problem that a TOML file states.
+
+    Nothing in the file is run: it has numbers, names and units. Meshes that it names are found from
+    its folder. See docs/guide/problem-file.md, and ``lacore new`` for files to begin with.
+
+    Raises:
+        InputError: no such file, no TOML, keys, values, units or names that cannot be right; it
+            says the file, the line, the field, the value, and what to do.
+    """
+    return read(path).problem
+
+
+def read(path: str | PathLike[str]) -> Stated:
+    """As `read_problem`, with what else is in the file."""
+    from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
+
+    source = Source.of(File(fspath(path)))
+    stated = checked(source)
+    call = stated.call(())
+    with source.locating():
+        problem = made(call)
+    title = stated.title or source.file.stem
+    return Stated(source, problem, call, title, stated.solve)
+
+
+@dataclass(frozen=True)
+class Source:
+    """A problem file as it is written.
+
+    Attributes:
+        file: its path.
+        data: its tables.
+        lines: of all that is in it, see `lacore.files.problem.places.lines`.
+    """
+
+    file: File
+    data: Mapping[str, Any]
+    lines: Mapping[Path, int]
+
+    @classmethod
+    def of(cls, file: File) -> "Source":
+        """Read a file.
+
+        Raises:
+            InputError: it cannot be read, or is no TOML.
+        """
+        shown = str(file)
+        try:
+            raw = file.read_bytes() if file.stat().st_size <= _LARGEST else None
+        except (OSError, ValueError) as error:  # ValueError: a name that no file has
+            why = getattr(error, "strerror", None) or str(error)
+            mend = "give the path of a problem file; `lacore new` writes some to begin with"
+            raise InputError("path", shown, f"cannot be read ({why})", mend) from error
+        if raw is None:
+            raise InputError("path", shown, "is no problem file: too large", "name another one")
+        try:
+            text = raw.decode()
+            data = tomllib.loads(text)
+        except UnicodeDecodeError as error:
+            line = raw.count(b"\n", 0, error.start) + 1
+            mend = "save it as UTF-8"
+            raise InputError(f"{shown}:{line}", None, "is no text in UTF-8", mend) from error
+        except tomllib.TOMLDecodeError as error:
+            raise _no_toml(shown, text, error) from error
+        except RecursionError as error:
+            raise InputError(shown, None, "brackets in brackets without end", "mend it") from error
+        return cls(file, data, lines(text))
+
+    @contextmanager
+    def locating(self) -> Iterator[None]:
+        """Say of what lacore refuses where it stands in the file."""
+        try:
+            yield
+        except MisfitError as misfit:
+            error = misfit.error
+            raise self.error(misfit.at, error.value, error.why, error.mend) from error
+        except InputError as error:
+            path = parts(error.field)
+            if path[:1] != ("Problem",):
+                raise
+            raise self.error(path[1:], error.value, error.why, error.mend) from error
+
+    def error(self, path: Path, value: object, why: str, mend: str) -> InputError:
+        """An error of what is at a path, or of the nearest thing around it that is there."""
+        there, own = self._nearest(path)
+        if own is not None and not isinstance(own, dict | list):
+            value = own
+        value = None if value == [] else value
+        field = _written(there if there else path[:1])
+        return InputError(f"{self.file}:{self.line(path)}: {field}".rstrip(": "), value, why, mend)
+
+    def line(self, path: Path) -> int:
+        """Where a path, or the nearest thing around it that is there, is written."""
+        known = (path[:n] for n in range(len(path), 0, -1) if path[:n] in self.lines)
+        return next((self.lines[own] for own in known), 1)
+
+    def _nearest(self, path: Path) -> tuple[Path, Any]:
+        own: Any = self.data
+        for place, key in enumerate(path):
+            if not has(own, key):
+                return path[:place], own
+            own = own[key]
+        return path, own
+
+
+def has(table: Any, key: str | int) -> bool:
+    """Whether a table, or a list, of a file has a key."""
+    listed = isinstance(table, list) and isinstance(key, int) and key < len(table)
+    return listed or (isinstance(table, dict) and key in table)
+
+
+def _written(path: Path) -> str:
+    text = ""
+    for key in path:
+        if isinstance(key, int):
+            text += f"[{key}]"
+        else:
+            plain = key.replace("_", "a").replace("-", "a").isalnum()
+            text += f".{key}" if plain else f".{key!r}"
+    return text.lstrip(".")
+
+
+def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputError:
+    """With the line at the front, as all others."""
+    why, _, rest = str(error).partition(" (at ")
+    numbers = [int(word) for word in rest.rstrip(")").replace(",", "").split() if word.isdigit()]
+    line = numbers[0] if numbers else text.count("\n") + 1
+    found = text.splitlines()[line - 1 : line]
+    value = found[0].strip() if found else None
+    mend = "write key = value, texts in quotes, tables as [name], each key once"
+    return InputError(f"{shown}:{line}", value, f"is no TOML: {why[:1].lower()}{why[1:]}", mend)

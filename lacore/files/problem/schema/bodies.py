@@ -1,0 +1,208 @@
+"""Bodies: continua, rigid blocks, frames."""
+
+from math import radians
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from lacore.files.problem.calls import Call
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry, node
+from lacore.files.problem.schema.materials import Friction, Material
+from lacore.files.problem.schema.meshes import Mesh
+from lacore.files.problem.schema.places import Place
+from lacore.files.problem.schema.values import (
+    Angle,
+    Count,
+    Length,
+    Moment,
+    Number,
+    Point,
+    Whole,
+    refused,
+)
+
+_MOST = 20_000  # blocks of a wall
+_Few = Annotated[int, Whole(most=_MOST)]
+_From0 = Annotated[int, Whole(0)]
+
+
+class Continuum(Entry):
+    """A deformable body of a mesh and a material."""
+
+    maker: ClassVar[str] = "la.Body"
+    tag: ClassVar[str] = "kind"
+    kind: Literal["continuum"]
+    mesh: Mesh
+    material: Material
+    kinematics: str | None = None
+    """Plane_strain, plane_stress or axisymmetric."""
+    space: str | None = None
+    """Velocity space; p2-vertex gives strict bounds."""
+    geometry: str | None = None
+    """Exact, or approximated where curves are not."""
+    boundaries: dict[str, Place] | None = None
+    """Names for parts of the boundary."""
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        given = self.arguments(at)
+        mesh, criterion = given.pop("mesh"), given.pop("material")
+        if named := given.pop("boundaries", None):
+            places = {"mesh": (*at, "mesh"), "boundaries": (*at, "boundaries")}
+            named = {"mesh": mesh, "boundaries": named}
+            mesh = Call("la.meshes.named", named, (*at, "boundaries"), places)
+        arguments = {"mesh": mesh, "criterion": criterion, **given}
+        return Call(self.maker, arguments, at, {"criterion": (*at, "material")})
+
+
+class JointFriction(Entry):
+    """Friction of the joint between two blocks, where it is another one."""
+
+    between: tuple[str, str]
+    friction: Friction
+
+
+class _Blocks(Entry):
+    tag: ClassVar[str] = "kind"
+    friction: Friction
+    joints: tuple[JointFriction, ...] = ()
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        given = self.arguments(at)
+        if given.pop("joints", None):
+            given["joint_friction"] = {
+                one.between: node(one.friction, (*at, "joints", place, "friction"))
+                for place, one in enumerate(self.joints)
+            }
+        return Call(self.maker, given, at, {"joint_friction": (*at, "joints")})
+
+
+class Block(Entry):
+    """One rigid block, called "block"."""
+
+    maker: ClassVar[str] = "la.RigidBlock"
+    tag: ClassVar[str] = "kind"
+    kind: Literal["block"]
+    outline: tuple[Point, ...]
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        outline = {"vertices": list(self.outline)}
+        place = (*at, "outline")
+        return Call(self.maker, outline, place, dict.fromkeys(("vertices", "blocks"), place))
+
+
+class Blocks(_Blocks):
+    """Rigid blocks by their polygons."""
+
+    maker: ClassVar[str] = "la.BlockAssembly"
+    kind: Literal["blocks"]
+    blocks: dict[str, tuple[Point, ...]]
+    tolerance: Length | None = None
+
+
+class Opening(Entry):
+    """A hole in a wall: `left` and `width` in blocks, `sill` and `height` in courses."""
+
+    maker: ClassVar[str] = "la.masonry.Opening"
+    left: Number
+    width: Number
+    sill: _From0
+    height: Count
+
+
+class Wall(_Blocks):
+    """A wall in running bond on a base, its lower left corner at the origin."""
+
+    maker: ClassVar[str] = "la.masonry.running_bond"
+    kind: Literal["wall"]
+    wide: _Few | None = None
+    """Blocks in a course."""
+    courses: _Few | None = None
+    first: str | None = None
+    """The lowest course: full, or halves at both ends."""
+    openings: tuple[Opening, ...] = ()
+    rows: tuple[tuple[Number, ...], ...] | None = None
+    """In place of wide and courses: widths, openings below 0."""
+    block: Point | None = None
+    """Width and height of a block."""
+    base: bool | None = None
+
+    @model_validator(mode="after")
+    def _either(self) -> "Wall":
+        regular = [self.wide, self.courses]
+        if self.rows is not None and (any(regular) or self.openings or self.first):
+            raise refused("wide and courses are there, too", "give one of the two", "rows")
+        if self.rows is None and None in regular:
+            raise refused("says not how large it is", "add wide and courses, or rows")
+        if self.wide and self.courses and self.wide * self.courses > _MOST:
+            many = f"these are {self.wide * self.courses} blocks"
+            raise refused(many, f"give at most {_MOST}", "courses")
+        return self
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        made = super().call(at)
+        given = dict(made.arguments)
+        bond = {
+            name: given.pop(name)
+            for name in ("wide", "courses", "openings", "first")
+            if name in given
+        }
+        if bond:
+            if "openings" in bond:
+                bond["openings"] = list(bond["openings"])
+            given = {"rows": Call("la.masonry.regular_bond", bond, at), **given}
+        return Call(self.maker, given, at, made.places)
+
+
+class Stack(_Blocks):
+    """Blocks on top of each other, on a base."""
+
+    maker: ClassVar[str] = "la.masonry.stack"
+    kind: Literal["stack"]
+    sizes: tuple[Point, ...]
+
+
+class Arch(_Blocks):
+    """A circular arch between springings "left" and "right", about x = 0."""
+
+    maker: ClassVar[str] = "la.masonry.arch"
+    kind: Literal["arch"]
+    voussoirs: _Few
+    inner_radius: Length
+    thickness: Length
+    embrace: Angle | None = None
+    """Angle at the centre; 180 degrees if left out."""
+
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """See `Entry.arguments`."""
+        given = super().arguments(at)
+        if self.embrace is not None:
+            given["embrace"] = float(f"{radians(self.embrace):.16g}")
+        return given
+
+
+class Frame(Entry):
+    """Rigid bars with plastic hinges; forces and moments are those of the whole frame."""
+
+    maker: ClassVar[str] = "la.Frame"
+    tag: ClassVar[str] = "kind"
+    kind: Literal["frame"]
+    nodes: dict[str, Point]
+    members: dict[str, tuple[str, str]]
+    plastic_moment: Annotated[
+        Annotated[Moment, Tag("~one")] | Annotated[dict[str, Moment], Tag("~each")],
+        Discriminator(lambda given: "~each" if isinstance(given, dict) else "~one"),
+    ]
+    """M_p of all members, or of each by its name."""
+    releases: tuple[tuple[str, str], ...] = ()
+    """[member, node] without moment."""
+    tolerance: Length | None = None
+
+
+Body = Annotated[
+    Continuum | Block | Blocks | Wall | Stack | Arch | Frame, Field(discriminator="kind")
+]

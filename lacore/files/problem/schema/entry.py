@@ -1,0 +1,66 @@
+"""What all entries of a problem file share: keys that are known, and what becomes of them."""
+
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, model_validator
+
+from lacore.errors import suggest
+from lacore.files.problem.calls import Call
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.values import refused
+
+
+class Entry(BaseModel):
+    """A table of a problem file.
+
+    Attributes:
+        maker: what of lacore it becomes, see `lacore.files.problem.calls.MAKERS`.
+        tag: the key that tells its kind from others; no argument.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, hide_input_in_errors=True, use_attribute_docstrings=True
+    )
+    maker: ClassVar[str] = ""
+    tag: ClassVar[str] = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys(cls, given: Any) -> Any:
+        """Say of unknown and missing keys which ones there are."""
+        if not isinstance(given, dict):
+            raise refused("not a table", "give its keys, as { key = value }")
+        known = {entry.alias or name: entry for name, entry in cls.model_fields.items()}
+        for key in given:
+            if key not in known:
+                raise refused("unknown key", suggest(str(key), set(known) - set(given)), str(key))
+        missing = [key for key, entry in known.items() if entry.is_required() and key not in given]
+        if missing:
+            needed = ", ".join(missing)
+            raise refused("missing", f"add {needed}", missing[0])
+        return given
+
+    def call(self, at: Path) -> Any:
+        """What it makes, said at a place of the file."""
+        return Call(self.maker, self.arguments(at), at)
+
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """Keys that were given, as arguments."""
+        fields = type(self).model_fields
+        given = {name: getattr(self, name) for name in fields if name in self.model_fields_set}
+        return {
+            name: node(own, (*at, fields[name].alias or name))
+            for name, own in given.items()
+            if name != self.tag and own is not None
+        }
+
+
+def node(value: Any, at: Path) -> Any:
+    """A value of the file as part of calls."""
+    if isinstance(value, Entry):
+        return value.call(at)
+    if isinstance(value, tuple | list):
+        return type(value)(node(own, (*at, place)) for place, own in enumerate(value))
+    if isinstance(value, dict):
+        return {name: node(own, (*at, name)) for name, own in value.items()}
+    return value

@@ -1,0 +1,136 @@
+"""Yield criteria and friction."""
+
+from math import radians, tan
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+
+from lacore.files.problem.calls import Call, Name
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.values import Angle, Number, Stress, refused
+
+
+class VonMises(Entry):
+    """Metal, undrained clay: yields at a shear stress; or by its yield stress in tension."""
+
+    maker: ClassVar[str] = "la.VonMises"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["von-mises"]
+    shear_strength: Stress | None = None
+    yield_stress: Stress | None = None
+
+
+class MohrCoulomb(Entry):
+    """Soil, rock, concrete: cohesion and friction."""
+
+    maker: ClassVar[str] = "la.MohrCoulomb"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["mohr-coulomb"]
+    cohesion: Stress
+    friction_angle: Angle
+    tension_cutoff: Stress | None = None
+    crushing: Stress | None = None
+    dilation_angle: Angle | None = None
+
+
+class DruckerPrager(Entry):
+    """A cone around the hydrostatic axis."""
+
+    maker: ClassVar[str] = "la.DruckerPrager"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["drucker-prager"]
+    cohesion: Stress
+    friction_angle: Angle
+    match: str = "plane_strain"
+    dilation_angle: Angle | None = None
+
+
+class Rankine(Entry):
+    """Limits of the principal stresses: plain concrete, masonry."""
+
+    maker: ClassVar[str] = "la.Rankine"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["rankine"]
+    tensile_strength: Stress
+    compressive_strength: Stress | None = None
+
+
+class NoTension(Entry):
+    """Masonry as a continuum."""
+
+    maker: ClassVar[str] = "la.NoTension"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["no-tension"]
+    compressive_strength: Stress | None = None
+
+
+class MaximumShear(Entry):
+    """Tresca's criterion."""
+
+    maker: ClassVar[str] = "la.MaximumShear"
+    tag: ClassVar[str] = "criterion"
+    criterion: Literal["maximum-shear"]
+    shear_strength: Stress
+
+
+Material = Annotated[
+    VonMises | MohrCoulomb | DruckerPrager | Rankine | NoTension | MaximumShear,
+    Field(discriminator="criterion"),
+]
+
+
+class FrictionLaw(Entry):
+    """Friction by exactly one of mu, angle and limit."""
+
+    mu: Number | None = None
+    """Coefficient of Coulomb friction."""
+    angle: Angle | None = None
+    """Of Coulomb friction."""
+    limit: Stress | None = None
+    """Shear stress that slips at any pressure."""
+    associated: bool = False
+    """Whether sliding dilates, as bounds assume."""
+
+    @model_validator(mode="after")
+    def _one(self) -> "FrictionLaw":
+        given = [name for name in ("mu", "angle", "limit") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise refused(
+                "needs exactly one of mu, angle and limit", "give friction = { mu = 0.5 }"
+            )
+        if self.associated and self.limit is not None:
+            raise refused("is of Coulomb friction only", "leave it out", "associated")
+        if self.angle is not None and not 0 <= self.angle < 90:
+            raise refused("no angle of friction", "give 0 to less than 90 degrees", "angle")
+        return self
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        if self.limit is not None:
+            return Call("la.Tresca", {"limit": self.limit}, at)
+        if self.angle is not None:
+            value, key = tan(radians(self.angle)), "angle"
+        else:
+            value, key = self.mu or 0.0, "mu"
+        law: dict[str, Any] = {"mu": value} | ({"associated": True} if self.associated else {})
+        return Call("la.Coulomb", law, at, {"mu": (*at, key)})
+
+
+def _kind(given: Any) -> str:
+    if isinstance(given, dict):
+        return "~law"
+    return "~word" if isinstance(given, str) else "~number"
+
+
+def _named(word: str) -> Name:
+    return Name(f"la.{word.upper()}")
+
+
+Friction = Annotated[
+    Annotated[Number, Tag("~number")]
+    | Annotated[Literal["smooth", "stick"], AfterValidator(_named), Tag("~word")]
+    | Annotated[FrictionLaw, Tag("~law")],
+    Discriminator(_kind),
+]
+"""A coefficient, a law by its name, or one with numbers."""

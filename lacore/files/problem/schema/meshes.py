@@ -1,0 +1,162 @@
+"""Meshes: of a file, or of a shape."""
+
+from pathlib import Path as File
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+
+from lacore.files.problem.calls import Call
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.values import (
+    Count,
+    Interval,
+    Length,
+    Number,
+    Point,
+    Whole,
+    refused,
+)
+
+FOLDER = "folder"
+"""Of the context of a validation: where the problem file is."""
+_CELLS = 100_000
+
+
+class MeshFile(Entry):
+    """A mesh of gmsh, or of another program, by its path from the problem file."""
+
+    maker: ClassVar[str] = "la.meshes.read"
+    file: str
+    surface: str | None = None
+    """The physical group whose triangles are taken."""
+    merge: Number | None = None
+
+    @field_validator("file")
+    @classmethod
+    def _there(cls, given: str, info: ValidationInfo) -> str:
+        # What lacks a name, or has bytes that no name has, is refused where it is read.
+        folder = (info.context or {}).get(FOLDER, File())
+        return str(folder / given)
+
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """See `Entry.arguments`."""
+        given = super().arguments(at)
+        del given["file"]
+        return {"path": File(self.file), **given}
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        return Call(self.maker, self.arguments(at), at, {"path": (*at, "file")})
+
+
+class _Shape(Entry):
+    tag: ClassVar[str] = "shape"
+    cells: ClassVar[tuple[str, str]] = ("nx", "ny")
+
+    @model_validator(mode="after")
+    def _few(self) -> "_Shape":
+        first, second = (getattr(self, name) for name in self.cells)
+        if first * second > _CELLS:
+            raise refused(
+                f"with {self.cells[1]} = {second} these are {first * second} cells",
+                f"give at most {_CELLS} in all: a bracket refines where it is needed",
+                self.cells[0],
+            )
+        return self
+
+
+class Rectangle(_Shape):
+    """Triangles in an upright rectangle; boundaries left, right, bottom, top."""
+
+    maker: ClassVar[str] = "la.meshes.rectangle"
+    shape: Literal["rectangle"]
+    x: Interval
+    y: Interval
+    nx: Count
+    ny: Count
+    crossed: bool | None = None
+    grade_x: tuple[Length, Number] | None = None
+    """[at, largest per smallest]."""
+    grade_y: tuple[Length, Number] | None = None
+    """[at, largest per smallest]."""
+
+
+class Quadrilaterals(_Shape):
+    """Quadrilaterals in an upright rectangle, for the space q2."""
+
+    maker: ClassVar[str] = "la.meshes.quadrilaterals"
+    shape: Literal["quadrilaterals"]
+    x: Interval
+    y: Interval
+    nx: Count
+    ny: Count
+    grade_x: tuple[Length, Number] | None = None
+    grade_y: tuple[Length, Number] | None = None
+
+
+class Fan(_Shape):
+    """A rectangle of triangles that turn around a point, such as the edge of a footing."""
+
+    maker: ClassVar[str] = "la.meshes.fan"
+    cells: ClassVar[tuple[str, str]] = ("sectors", "rings")
+    shape: Literal["fan"]
+    x: Interval
+    y: Interval
+    at: Point
+    sectors: Annotated[int, Whole(4)]
+    rings: Count
+    grade: Number | None = None
+    crossed: bool | None = None
+
+
+class QuarterRing(_Shape):
+    """A quarter of a ring; boundaries bore, outside, x_axis, y_axis."""
+
+    maker: ClassVar[str] = "la.meshes.quarter_ring"
+    cells: ClassVar[tuple[str, str]] = ("n_radial", "n_angular")
+    shape: Literal["quarter-ring"]
+    inner: Length
+    outer: Length
+    n_radial: Count
+    n_angular: Count
+    crossed: bool | None = None
+    grade: Number | None = None
+
+
+class Patch(_Shape):
+    """A quadrangle of `corners` anticlockwise, with `nx` cells along its first side."""
+
+    maker: ClassVar[str] = "la.meshes.Patch"
+    tag: ClassVar[str] = ""
+    corners: tuple[Point, Point, Point, Point]
+    nx: Count
+    ny: Count
+    grade_x: tuple[Number, Number] | None = None
+    """[At which share of the side, largest cell per smallest]."""
+    grade_y: tuple[Number, Number] | None = None
+    name: str | None = None
+    """Of the region that it is."""
+
+
+class Patches(Entry):
+    """Quadrangles that share whole sides: slopes, layers; boundaries left, right, bottom, top."""
+
+    maker: ClassVar[str] = "la.meshes.patches"
+    tag: ClassVar[str] = "shape"
+    shape: Literal["patches"]
+    parts: tuple[Patch, ...]
+    crossed: bool | None = None
+
+
+def _kind(given: Any) -> str:
+    return "~file" if isinstance(given, dict) and "file" in given else "~shape"
+
+
+Shape = Annotated[
+    Rectangle | Quadrilaterals | Fan | QuarterRing | Patches, Field(discriminator="shape")
+]
+Mesh = Annotated[
+    Annotated[MeshFile, Tag("~file")] | Annotated[Shape, Tag("~shape")], Discriminator(_kind)
+]
+"""``{ file = "soil.msh" }``, or a shape with its numbers."""

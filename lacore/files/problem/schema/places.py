@@ -1,0 +1,67 @@
+"""Parts of boundaries, by name or by numbers."""
+
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Discriminator, Field, Tag
+
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.values import End, Length, Point
+
+
+def _extent(given: Any) -> str:
+    return "~interval" if isinstance(given, list | tuple) else "~number"
+
+
+Extent = Annotated[
+    Annotated[Length, Tag("~number")] | Annotated[tuple[End, End], Tag("~interval")],
+    Discriminator(_extent),
+]
+
+
+class Box(Entry):
+    """Places in a box, or on an upright or level line."""
+
+    maker: ClassVar[str] = "la.Within"
+    x: Extent | None = None
+    """A number, or [least, greatest], which may be inf."""
+    y: Extent | None = None
+    """A number, or [least, greatest], which may be inf."""
+
+
+class Line(Entry):
+    """Places on a straight line between two points."""
+
+    maker: ClassVar[str] = "la.Along"
+    start: Point = Field(alias="from")
+    end: Point = Field(alias="to")
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        made = super().call(at)
+        return type(made)(
+            made.maker,
+            made.arguments,
+            at,
+            {"start": (*at, "from"), "end": (*at, "to")},
+        )
+
+
+def _kind(given: Any) -> str:
+    if isinstance(given, dict):
+        return "~line" if {"from", "to"} & set(given) else "~box"
+    return "~names" if isinstance(given, list | tuple) else "~name"
+
+
+Place = Annotated[
+    Annotated[Box, Tag("~box")] | Annotated[Line, Tag("~line")],
+    Discriminator(_kind),
+]
+Where = Annotated[
+    Annotated[str, Tag("~name")]
+    | Annotated[tuple[str, ...], Tag("~names")]
+    | Annotated[Box, Tag("~box")]
+    | Annotated[Line, Tag("~line")],
+    Discriminator(_kind),
+]
+"""A boundary by its name, blocks or nodes by their names, or places by numbers."""

@@ -1,0 +1,118 @@
+"""Numbers of a problem file: with their units, finite, and never a text that looks like one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite, isinf
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from lacore.errors import is_number
+from lacore.files.problem.units import DEGREES, WrongUnitError, in_units
+
+FORCES = "forces"
+"""Of the context of a validation: the unit of forces on each body that is no plane one."""
+_MOST = 1_000_000
+
+
+def refused(why: str, mend: str, *more: str) -> PydanticCustomError:
+    """An error of a value: what is wrong with it, what to do, and what of it that is about."""
+    # In words alone: braces in it would be taken for places.
+    return PydanticCustomError("refused", "refused", {"why": why, "mend": mend, "more": more})
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A number in a unit; a text is one with its own, and is converted.
+
+    Attributes:
+        unit: that numbers are in; empty: they have none.
+        whole: of bodies that are meant as they stand, not per thickness: frames.
+        endless: whether it may be infinite.
+    """
+
+    unit: str = ""
+    whole: str = ""
+    endless: bool = False
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """How it is read."""
+        return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """How the schema tells it."""
+        if not self.unit:
+            return {"type": "number"}
+        said = f"in {self.unit}, or a text with its unit"
+        return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": said}
+
+    def read(self, given: object, info: ValidationInfo) -> float:
+        """The number in the unit of the field."""
+        accepted = self._accepted(info)
+        if isinstance(given, str):
+            try:
+                return in_units(given, accepted)
+            except WrongUnitError as error:
+                raise refused(error.why, error.mend) from error
+        if self.endless and isinstance(given, float) and isinf(given):
+            return given
+        if not is_number(given):
+            least = isinstance(given, float) and not isfinite(given)
+            unit = f" in {' or '.join(accepted)}" if accepted else ""
+            raise refused("not finite" if least else "not a number", f"give a finite number{unit}")
+        return float(given)  # type: ignore[arg-type]  # a real number
+
+    def _accepted(self, info: ValidationInfo) -> tuple[str, ...]:
+        if self.whole:
+            context: Mapping[str, Any] = info.context or {}
+            body = (info.data or {}).get("body")
+            if isinstance(body, str) and body in context.get(FORCES, ()):
+                return tuple(dict.fromkeys((self.whole, self.unit)))
+        return (self.unit,) if self.unit else ()
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A whole number from `least` on."""
+
+    least: int = 1
+    most: int = _MOST
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """How it is read."""
+        return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """How the schema tells it."""
+        return {"type": "integer", "minimum": self.least, "maximum": self.most}
+
+    def read(self, given: object, info: ValidationInfo) -> int:
+        """The number."""
+        if isinstance(given, bool) or not isinstance(given, int):
+            raise refused("not a whole number", f"give a whole number from {self.least} on")
+        if not self.least <= given <= self.most:
+            raise refused("out of range", f"give a whole number from {self.least} to {self.most}")
+        return given
+
+
+Number = Annotated[float, Measure()]
+Length = Annotated[float, Measure("m")]
+End = Annotated[float, Measure("m", endless=True)]
+Angle = Annotated[float, Measure(DEGREES)]
+Stress = Annotated[float, Measure("Pa")]
+UnitWeight = Annotated[float, Measure("N/m^3")]
+Force = Annotated[float, Measure("N/m", whole="N")]
+LineLoad = Annotated[float, Measure("Pa", whole="N/m")]
+Moment = Annotated[float, Measure("N m")]
+Count = Annotated[int, Whole()]
+Point = tuple[Length, Length]
+Interval = tuple[Length, Length]

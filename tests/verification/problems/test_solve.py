@@ -1,0 +1,134 @@
+"""`lacore solve` and `lacore new`, as a user meets them."""
+
+import json
+import subprocess
+import sys
+import tomllib
+
+import jsonschema
+import pytest
+
+import lacore as la
+from docs import problem_schema
+from tests.conftest import ROOT
+from tests.lacore.files.problem import footing
+from tests.verification.command_line import lacore
+from verification.problems import starters
+
+STARTERS = starters.titles()
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("solve")
+    file = folder / "footing.toml"
+    file.write_text(footing.TEXT, encoding="utf-8")
+    return file, folder / "out", lacore("solve", file, "--out", folder / "out")
+
+
+def test_an_answer_is_ten_lines(solved):
+    _, out, result = solved
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    lines = result.stdout.splitlines()
+    assert len(lines) <= 10
+    assert lines[0] == "Footing"
+    names = ("load factor", "mechanism", "dead loads", "residual", "solved by", "page")
+    assert all(any(line.strip().startswith(name) for line in lines) for name in names)
+    assert f"{la.solve(footing.problem()).load_factor:.6g}, strict upper bound" in lines[1]
+    assert str(out / "index.html") in lines[-1]
+
+
+def test_a_page_pictures_tables_and_paraview_come_with_it(solved):
+    _, out, _ = solved
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert {"state.vtu", "problem.py", "pictures", "tables"} <= {own.name for own in out.iterdir()}
+    for text in ("pictures/mechanism.png", "pictures/problem.png", "state.vtu", "equilibrium"):
+        assert text in page
+
+
+def test_the_script_finds_the_same_number(solved):
+    _, out, result = solved
+    again = subprocess.run(
+        [sys.executable, out / "problem.py"], capture_output=True, text=True, cwd=out, check=True
+    )
+    assert again.stdout.split(" (")[0].strip() in " ".join(result.stdout.split())
+
+
+def test_json_is_one_document(solved, tmp_path):
+    file, _, _ = solved
+    result = lacore("solve", file, "--out", tmp_path, "--json")
+    found = json.loads(result.stdout)
+    assert found["rigor"] == "upper"
+    assert found["load_factor"] == pytest.approx(la.solve(footing.problem()).load_factor)
+    assert found["certificate"]["gap"] < found["tolerance"]
+
+
+def test_a_folder_that_cannot_be_written_is_said_before_anything_is_solved(tmp_path, monkeypatch):
+    monkeypatch.setattr(la, "solve", None)
+    file, taken = tmp_path / "footing.toml", tmp_path / "taken"
+    file.write_text(footing.TEXT, encoding="utf-8")
+    taken.write_text("")
+    result = lacore("solve", file, "--out", taken)
+    assert result.exit_code == 2
+    assert "--out" in result.stderr
+
+
+def test_bad_input_is_a_sentence_and_exit_code_2(tmp_path):
+    file = tmp_path / "footing.toml"
+    file.write_text(footing.TEXT.replace("left", "lft"), encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "footing.toml:11: supports[0].where = 'lft'" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_collapses_by_itself_is_exit_code_1(tmp_path):
+    """Clay that weighs 100 times more than it can bear has no load factor; it is a page, too."""
+    file = tmp_path / "heavy.toml"
+    heavy = footing.TEXT.replace("{ x = 3 }", '"bottom"').replace("18 kN/m3", "8 MN/m3")
+    file.write_text(heavy, encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path / "out")
+    assert result.exit_code == 1
+    assert "unsafe" in result.stdout
+    assert (tmp_path / "out" / "index.html").is_file()
+
+
+def test_what_there_is_to_begin_with_is_listed():
+    listed = lacore("new").stdout
+    assert all(name in listed and title in listed for name, title in STARTERS.items())
+    assert len(STARTERS) >= 8
+    assert json.loads(lacore("new", "--json").stdout) == STARTERS
+    assert lacore("new", "fotting").exit_code == 2
+    assert "did you mean 'footing'?" in lacore("new", "fotting").stderr
+
+
+@pytest.mark.parametrize("name", STARTERS)
+def test_starters_are_what_the_schema_says(name):
+    schema = json.loads(lacore("new", "--schema").stdout)
+    jsonschema.validate(tomllib.loads(lacore("new", name).stdout), schema)
+
+
+def test_the_schema_is_that_of_the_code():
+    """Written anew by docs/problem_schema.py."""
+    file = ROOT / "lacore" / "files" / "problem" / "schema.json"
+    assert file.read_text(encoding="utf-8") == problem_schema.schema()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", STARTERS)
+def test_starters_are_solved(name, tmp_path):
+    file = tmp_path / f"{name}.toml"
+    file.write_text(lacore("new", name).stdout, encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    script = subprocess.run(
+        [sys.executable, "-W", "error", tmp_path / "out" / "problem.py"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    said = script.stdout.split("load factor ")[1].split(" ")[0]
+    assert f"load factor {said}" in " ".join(result.stdout.split())

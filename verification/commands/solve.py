@@ -1,0 +1,85 @@
+"""The command ``lacore solve``."""
+
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
+from pathlib import Path
+
+import click
+
+from verification.commands.options import json_option, print_json
+
+_STOPPED = 130
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.toml")
+@click.option(
+    "--bracket",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="WIDTH",
+    help="Prove bounds from both sides until they are this near, per their mean: 0.02.",
+)
+@click.option(
+    "--range",
+    "whole_range",
+    is_flag=True,
+    help="Search for the lowest and the highest load factor, where friction leaves a choice.",
+)
+@click.option("--safety", is_flag=True, help="Prove the factor of safety on strength.")
+@click.option("--backend", metavar="NAME", help="In place of that of the file, or clarabel.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the page, tables, VTU and script; default: reports/FILE.",
+)
+@json_option
+@click.pass_context
+def solve(
+    ctx: click.Context,
+    file: Path,
+    bracket: float | None,
+    whole_range: bool,
+    safety: bool,
+    backend: str | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Solve a problem of your own: its load factor, what that is worth, how it falls.
+
+    FILE.toml states bodies, materials, supports, contact and loads; `lacore new` writes files to
+    begin with. Nothing in it is run. Beside the answer come a page with pictures, tables, a file
+    for ParaView, and the same problem as Python.
+
+    Exit codes: 0 a load factor is certified, and all else that is asked for; 1 it is not, or there
+    is none; 2 bad input.
+
+    \b
+    Examples:
+      lacore new footing > footing.toml
+      lacore solve footing.toml
+      lacore solve footing.toml --bracket 0.05 --out answer
+    """  # noqa: D301  # click reads the backspace
+    from lacore.files.problem.reading import read
+    from verification import progress
+    from verification.problems import answers, records, words, writing
+
+    folder = out or Path("reports") / file.stem
+    try:
+        stated = read(file)
+        question = answers.asked(stated, backend, bracket=bracket, range=whole_range, safety=safety)
+        writing.require_writable(folder)
+        with stated.source.locating():
+            answer = answers.answered(stated.problem, question, progress.status)
+        page = writing.written(stated, question, answer, folder, progress.status)
+    except KeyboardInterrupt:
+        click.echo("stopped: there is no answer yet", err=True)
+        ctx.exit(_STOPPED)
+    if as_json:
+        print_json(records.document(stated, answer, page))
+    else:
+        click.echo(stated.title)
+        for name, text in words.lines(answer).items():
+            click.echo(f"  {name:<12}{text}")
+        click.echo(f"  {'page':<12}{page}")
+    ctx.exit(0 if answer.good else 1)

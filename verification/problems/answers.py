@@ -1,0 +1,129 @@
+"""What is asked of a problem, and what came out."""
+
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any
+
+import lacore as la
+from lacore.bounds.enclosing import has_coulomb
+from lacore.errors import InputError
+from lacore.files.problem.reading import Stated
+
+_NARROW = 1e-3  # of a range: below it its ends are one
+
+Status = Callable[[str], AbstractContextManager[None]]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of a problem, beside its load factor.
+
+    Attributes:
+        backend, coupling: that solve it.
+        bracket: width of a bracket; None: none is asked for.
+        range: whether all load factors are searched.
+        safety: whether the factor of safety is asked for.
+    """
+
+    backend: str
+    coupling: str | None
+    bracket: float | None
+    range: bool
+    safety: bool
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came out.
+
+    Attributes:
+        state: the limit state.
+        interval: load factors that its mechanism carries; None where there is no choice.
+        stability: of the dead loads; None without any.
+        bracket, range, safety: as asked for.
+        seconds: of all of it.
+    """
+
+    state: la.LimitState
+    interval: la.Interval | None
+    stability: la.Stability | None
+    bracket: la.Bracket | None
+    range: la.CoulombRange | la.SoilRange | None
+    safety: la.SafetyFactor | None
+    seconds: float
+
+    @property
+    def good(self) -> bool:
+        """Whether all that was asked for is certified."""
+        proven = [self.state.status is la.Status.SOLVED]
+        if self.bracket is not None:
+            proven.append(self.bracket.lower > -float("inf") and self.bracket.upper < float("inf"))
+        if self.range is not None:
+            proven.append(self.range.lowest is not None)
+        if self.safety is not None:
+            proven.append(self.safety.lower == self.safety.lower)
+        return all(proven)
+
+
+def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
+    """What the file asks for, and the command line beside it.
+
+    Args:
+        stated: the file.
+        backend: in place of that of the file.
+        more: `bracket`, `range`, `safety`, where they are asked for.
+    """
+    own = stated.asked
+    return Question(
+        backend=backend or own.backend,
+        coupling=own.coupling,
+        bracket=more.get("bracket") or own.bracket,
+        range=bool(more.get("range") or own.range),
+        safety=bool(more.get("safety") or own.safety),
+    )
+
+
+def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
+    """Answer a question.
+
+    Args:
+        problem: of whom.
+        question: what is asked.
+        doing: says on the terminal what is being done.
+
+    Raises:
+        InputError, CapabilityError: what cannot be asked of it, as far as that shows.
+    """
+    begin = time.perf_counter()
+    engine = la.find_backend(question.backend)
+    if (question.range or question.safety) and engine.capabilities.regularised:
+        raise InputError(
+            "--backend", question.backend, "is regularised: it proves no range", "take 'clarabel'"
+        )
+    with doing("solving"):
+        state = la.solve(problem, question.backend, question.coupling)
+        interval = stability = None
+        if state.status is la.Status.SOLVED and has_coulomb(problem):
+            interval = None if engine.capabilities.regularised else state.interval
+        if problem.dead_loads:
+            stability = state.stability
+    bracket = found = safety = None
+    if question.bracket is not None:
+        with doing("closing in from both sides"):
+            bracket = la.bracket(problem, question.bracket, backend=question.backend)
+    if question.range:
+        with doing("searching for other load factors"):
+            found = _range(problem, question.backend)
+    if question.safety:
+        with doing("dividing the strength"):
+            safety = la.safety_factor(problem, backend=question.backend)
+    seconds = time.perf_counter() - begin
+    return Answer(state, interval, stability, bracket, found, safety, seconds)
+
+
+def _range(problem: la.Problem, backend: str) -> la.CoulombRange | la.SoilRange:
+    if la.discretise(problem).program.frictional:
+        return la.soil_range(problem, backend)
+    return la.coulomb_range(problem, backend)

@@ -1,0 +1,59 @@
+"""An answer as a document for other programs."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import lacore as la
+from lacore.files.problem.reading import Stated
+from verification.problems.answers import Answer
+from verification.problems.words import mechanism
+
+
+def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
+    """All numbers of an answer, and where its files are."""
+    state = answer.state
+    found: dict[str, Any] = {
+        "title": stated.title,
+        "file": str(stated.source.file),
+        "status": state.status.label,
+        "load_factor": state.load_factor,
+        "rigor": state.rigor.label,
+        "message": state.message,
+        "mechanism": None if state.point is None else mechanism(state),
+        "backend": state.backend,
+        "coupling": state.coupling,
+        "tolerance": state.tolerance,
+        "certificate": None if state.certificate is None else asdict(state.certificate),
+        "elements": state.discretisation.n_elements,
+        "seconds": answer.seconds,
+        "page": str(page),
+    }
+    if answer.interval is not None:
+        found["interval"] = _ends(answer.interval)
+    if answer.stability is not None:
+        own = answer.stability
+        found["dead_loads"] = {"standing": own.standing.label, "low": own.low, "high": own.high}
+    if answer.bracket is not None:
+        found["bracket"] = {
+            "lower": answer.bracket.lower,
+            "upper": answer.bracket.upper,
+            "width": answer.bracket.width,
+            "strict": answer.bracket.strict,
+            "status": answer.bracket.status.label,
+            "failure": answer.bracket.failure,
+        }
+    if answer.range is not None:
+        found["range"] = {
+            "low": answer.range.low,
+            "high": answer.range.high,
+            "proven": list(answer.range.bracket),
+            "status": answer.range.status.label,
+        }
+    if answer.safety is not None:
+        found["safety"] = {"lower": answer.safety.lower, "upper": answer.safety.upper}
+    return found
+
+
+def _ends(interval: la.Interval) -> dict[str, Any]:
+    return {"low": interval.low, "high": interval.high, "exact": interval.exact}

@@ -1,0 +1,121 @@
+"""An answer in a few lines: the number, what it is worth, how it falls."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+import lacore as la
+from lacore.showing import counted, listed
+from verification.problems.answers import Answer
+
+_MOVES = 1e-6  # of the largest velocity: below it a thing is at rest
+_TURNS = 1e-3  # of the largest velocity: below it a block slides
+_MOST = 0.9  # of the power of a body: where it flows
+
+
+def lines(answer: Answer) -> dict[str, str]:
+    """What to say of an answer, by name."""
+    state = answer.state
+    told = {"load factor": f"{state.load_factor:.6g}, {worth(state)}"}
+    loads = state.discretisation.problem.reference_loads
+    told["times"] = "; ".join(load.told for load in loads)
+    if state.status is not la.Status.SOLVED:
+        told["status"] = state.status.said(state.message)
+    if answer.interval is not None:
+        told["interval"] = f"{answer.interval} is what this mechanism carries"
+    if answer.bracket is not None:
+        told["bracket"] = answer.bracket.facts().title.partition(": ")[2]
+    if answer.range is not None:
+        told["range"] = answer.range.facts().title.partition(": ")[2]
+    if answer.safety is not None:
+        told["safety"] = answer.safety.facts().title.partition(": ")[2]
+    if state.point is not None:
+        told["mechanism"] = mechanism(state)
+    if answer.stability is not None:
+        told["dead loads"] = str(answer.stability)
+    if state.certificate is not None:
+        told["residual"] = f"{state.certificate.summary}; {state.tolerance:g} is asked for"
+    told["solved by"] = (
+        f"{state.backend}, {state.coupling} coupling:"
+        f" {counted(state.outer_iterations, 'solve')}, {answer.seconds:.3g} s in all"
+    )
+    told["size"] = state.discretisation.contents
+    return told
+
+
+def worth(state: la.LimitState) -> str:
+    """What a load factor proves."""
+    if state.rigor is la.Rigor.DISCRETE:
+        deforms = bool(state.discretisation.bodies)
+        own = "an estimate: certified on this mesh, no bound" if deforms else "certified"
+        return own if state.status is la.Status.SOLVED else state.rigor.phrase
+    return state.rigor.phrase
+
+
+def mechanism(state: la.LimitState) -> str:
+    """What moves, flows, slips and turns."""
+    said = [*_flowing(state), *_moving(state), *_turning(state), *_slipping(state)]
+    return "; ".join(said) or "nothing moves"
+
+
+def _flowing(state: la.LimitState) -> Iterator[str]:
+    for name, power in state.dissipation.items():
+        dofs = state.discretisation.bodies[name]
+        shares = power * dofs.volumes
+        if not shares.sum() > 0:
+            yield f"{name} is at rest, or rigid"
+            continue
+        order = np.argsort(-shares)
+        few = order[: int(np.searchsorted(np.cumsum(shares[order]), _MOST * shares.sum())) + 1]
+        area = dofs.volumes[few].sum() / dofs.volumes.sum()
+        x, y = (dofs.body.mesh.p[:, dofs.body.mesh.t[:, order[0]]].mean(axis=1)).tolist()
+        yield (
+            f"{name} flows: {_MOST:.0%} of its power in {area:.0%} of it,"
+            f" most at ({x:.3g}, {y:.3g})"
+        )
+
+
+def _moving(state: la.LimitState) -> Iterator[str]:
+    for name, dofs in state.discretisation.assemblies.items():
+        motion = state.velocity[name]
+        turn = np.abs(motion[2]) * dofs.body.radius
+        size = np.hypot(motion[0], motion[1]) + turn
+        largest = max(float(np.abs(own).max(initial=0.0)) for own in state.velocity.values())
+        moves = size > _MOVES * largest
+        if not moves.any():
+            yield f"{name} is at rest"
+            continue
+        turns = int(np.count_nonzero(turn > _TURNS * size.max()))
+        if size.size == 1:
+            yield f"{name} {'turns' if turns else 'slides'}"
+            continue
+        yield (
+            f"{int(moves.sum())} of {counted(size.size, 'block')} of {name} move, {turns} of them"
+            " turn"
+        )
+
+
+def _turning(state: la.LimitState) -> Iterator[str]:
+    table = state.hinges
+    if not len(table):
+        return
+    turned = table[table["state"] == "turns"]
+    places = dict.fromkeys(
+        f"({x:.3g}, {y:.3g})" for x, y in zip(turned["x"], turned["y"], strict=True)
+    )
+    yield f"hinges turn at {listed(list(places))}" if places else "no hinge turns"
+
+
+def _slipping(state: la.LimitState) -> Iterator[str]:
+    table = state.reactions
+    # Joints of an assembly are told together: there may be hundreds.
+    where = table["interface"].map(lambda name: _joints(str(name)))
+    for name, own in table.groupby(where, sort=False):
+        count = own["state"].value_counts()
+        found = [f"{count[kind]} {kind}" for kind in ("slip", "open", "stick") if kind in count]
+        yield f"of {counted(len(own), 'point')} of {name} {', '.join(found)}"
+
+
+def _joints(interface: str) -> str:
+    body, between, _ = interface.partition(": ")
+    return f"joints of {body}" if between else interface

@@ -1,0 +1,72 @@
+"""The files of an answer: page, tables, VTU, and the problem as Python."""
+
+from pathlib import Path
+from tempfile import TemporaryFile
+
+import lacore as la
+from lacore.errors import InputError
+from lacore.files.problem.reading import Stated
+from lacore.files.problem.script import told
+from verification.problems.answers import Answer, Question, Status
+from verification.problems.page import page
+from verification.problems.words import lines
+from verification.report.files import write
+from verification.store.provenance import describe
+
+SCRIPT, STATE = "problem.py", "state.vtu"
+
+
+def require_writable(folder: Path) -> None:
+    """Raise `InputError` where files cannot be written: before anything is solved."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        why = f"cannot write there ({error.strerror or error})"
+        raise InputError("--out", str(folder), why, "name another folder") from error
+
+
+def written(
+    stated: Stated, question: Question, answer: Answer, folder: Path, doing: Status
+) -> Path:
+    """Write all files of an answer; returns the path of its page."""
+    files = {SCRIPT: "the same problem as Python"}
+    script = as_python(stated, question, folder)
+    _write(folder / SCRIPT, script)
+    if answer.state.point is not None:
+        answer.state.to_vtu(folder / STATE)
+        files[STATE] = "velocities and stresses for ParaView"
+    with doing("drawing"):
+        text = stated.source.file.read_text(encoding="utf-8")
+        machine = describe([question.backend])
+        told_ = lines(answer)
+        return write(page(stated.title, answer, told_, files, text, machine), folder)
+
+
+def as_python(stated: Stated, question: Question, folder: Path) -> str:
+    """The problem and what is asked of it, as a script in a folder."""
+    problem = told(stated.call, folder)
+    paths = "from pathlib import Path\n\n" if "Path(__file__)" in problem else ""
+    given = [f'backend="{question.backend}"']
+    given += [f'coupling="{question.coupling}"'] if question.coupling else []
+    ends = ["", f"state = la.solve(problem, {', '.join(given)})", "print(state)"]
+    if question.bracket is not None:
+        width = f'target_width={question.bracket!r}, backend="{question.backend}"'
+        ends.append(f"print(la.bracket(problem, {width}))")
+    if question.range:
+        soil = "soil_range" if la.discretise(stated.problem).program.frictional else "coulomb_range"
+        ends.append(f'print(la.{soil}(problem, backend="{question.backend}"))')
+    if question.safety:
+        ends.append(f'print(la.safety_factor(problem, backend="{question.backend}"))')
+    title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
+    head = f'"""{title}: as {stated.source.file.name} states it."""\n\n'
+    return f"{head}{paths}import lacore as la\n\nproblem = {problem}\n" + "\n".join(ends) + "\n"
+
+
+def _write(file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        why = f"cannot write there ({error.strerror or error})"
+        raise InputError("--out", str(file), why, "name another folder") from error
