@@ -8,6 +8,7 @@ import pandas as pd
 from lacore.arrays import Bools
 from verification.analysis.columns import SOLVED, SOLVER, groups, numbers, says, table
 from verification.analysis.effort import efforts
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.verdicts.words import FAIL, SKIPPED
 
@@ -15,7 +16,7 @@ from verification.verdicts.words import FAIL, SKIPPED
 def couplings(results: pd.DataFrame) -> pd.DataFrame:
     """Each coupling with each backend, over all variants that have a load factor.
 
-    That is known, or some coupling has found one. Brackets are no couplings.
+    That is known, or some coupling has found one. Brackets and ranges are no couplings.
 
     Args:
         results: one row a run; skipped ones do not count.
@@ -28,7 +29,7 @@ def couplings(results: pd.DataFrame) -> pd.DataFrame:
     Raises:
         InputError: no such column.
     """
-    looped = results[~says(results, "coupling", BRACKET)]
+    looped = results[~says(results, "coupling", BRACKET, RANGE)]
     ran = looped[~says(looped, "verdict", SKIPPED)]
     having = set(_variants(looped[_has_load(looped)]))
     finite = [variant in having for variant in _variants(ran)]

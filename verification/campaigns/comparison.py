@@ -9,6 +9,7 @@ from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
 from lacore.limit.solve import coupling_for
 from verification.case import Case, Variant
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.defaults import RAW
@@ -64,7 +65,7 @@ def check_names(
         with suppress(la.CapabilityError):
             load_backend(name)
     for name in couplings:
-        require_known("coupling", name, [*COUPLINGS, *RAW, BRACKET])
+        require_known("coupling", name, [*COUPLINGS, *RAW, BRACKET, RANGE])
 
 
 def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Variant]]]:

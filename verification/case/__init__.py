@@ -4,6 +4,7 @@ Files of cases import all names from here.
 """
 
 from verification.case.band import EXACT, SOLVER, Band, Convergence, Order, exact_patch, rigid
+from verification.case.beside import RANGE, Beside
 from verification.case.bracketing import BRACKET, Bracketing
 from verification.case.case import BLOCKS, CLAMPED, JAM, KINDS, Case, Variant, is_of_lacore
 from verification.case.following import Following
@@ -16,10 +17,12 @@ __all__ = [
     "EXACT",
     "JAM",
     "KINDS",
+    "RANGE",
     "SOLVER",
     "UNKNOWN",
     "UNKNOWN_KINDS",
     "Band",
+    "Beside",
     "Bracketing",
     "Case",
     "Convergence",

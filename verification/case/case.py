@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import lacore as la
 from lacore.errors import require_known
 from verification.case.band import Band, Order
+from verification.case.beside import Beside
 from verification.case.bracketing import Bracketing
 from verification.case.following import Following
 from verification.case.guard import guarded
@@ -76,6 +77,7 @@ class Case:
         path: how a variant is followed through large deformation, from its parameters, which are
             then to have those of `verification.case.following.STEPPING`; None: one limit problem.
             `reference` and `band` are those of the last load, the band of all others, too.
+        beside: what others say of a variant, from its parameters; shown beside what is found.
         sketch: draws onto a sketch of the problem (`lacore.Problem.plot`) what it does not show,
             lines of a mechanism, say; called with the axes and the problem.
     """
@@ -98,6 +100,7 @@ class Case:
     order: Callable[..., Order | None] | None = None
     bracket: Bracketing | None = field(default_factory=Bracketing)
     path: Callable[..., Following] | None = None
+    beside: Callable[..., Sequence[Beside]] | None = None
     sketch: Callable[[Axes, la.Problem], None] | None = None
 
     @property
@@ -153,6 +156,10 @@ class Case:
         """How a variant of a path is followed."""
         assert self.path is not None
         return self.path(**variant.parameters)
+
+    def beside_of(self, variant: Variant) -> Sequence[Beside]:
+        """What others say of a variant."""
+        return () if self.beside is None else self.beside(**variant.parameters)
 
     def order_of(self, variant: Variant) -> Order | None:
         """What refinement must show of a variant; None where nothing is expected."""

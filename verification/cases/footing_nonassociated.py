@@ -25,14 +25,9 @@ from math import atan, cos, degrees, exp, pi, radians, sin, tan
 
 import lacore as la
 from lacore.bodies.any_body import of_kind
-from verification.case import Band, Case, Reference, Variant
+from verification.case import Band, Beside, Case, Reference, Variant
 from verification.cases import strip_footing
 from verification.cases.shared.friction_inside import UNFIT
-
-_PUBLISHED = {
-    (30.0, 20.0): "Loukidis and Salgado's fit to finite elements says 29.89",
-    (30.0, 0.0): "Loukidis and Salgado's fit to finite elements says 26.02",
-}
 
 
 def build(nx: int, ny: int, ratio: float, angle: float, dilation: float) -> la.Problem:
@@ -59,13 +54,36 @@ def _davis(angle: float, dilation: float) -> float:
     return beta * _n_c(degrees(atan(beta * tan(phi))))
 
 
+def _fitted(angle: float, dilation: float) -> float:
+    """N_c by the fit of Loukidis and Salgado."""
+    phi, psi = radians(angle), radians(dilation)
+    less = 1 - tan(phi) * tan(0.8 * (phi - psi)) ** 2.5
+    n_q = exp(less * pi * tan(phi)) * (1 + sin(phi)) / (1 - sin(phi))
+    return (n_q - 1) / tan(phi)
+
+
+def beside(angle: float, dilation: float) -> tuple[Beside, ...]:
+    """What is published, and what Davis's strength carries."""
+    return (
+        Beside(
+            "Loukidis and Salgado 2009",
+            _fitted(angle, dilation),
+            "fit to elasto-plastic finite elements: N_q = exp(F pi tan(phi)) tan(45 + phi/2)^2,"
+            " F = 1 - tan(phi) tan(0.8 (phi - psi))^2.5, N_c = (N_q - 1) cot(phi)",
+        ),
+        Beside(
+            "Davis's strength", _davis(angle, dilation), "Davis 1968 (T55), in Prandtl's formula"
+        ),
+        Beside("associated flow", _n_c(angle), "Prandtl 1920, above all (T54)"),
+    )
+
+
 def reference(angle: float, dilation: float) -> Reference:
     """Between what Davis's strength carries and what associated flow does."""
     return Reference(
         _davis(angle, dilation),
         "from N_c with Davis's strength (T55) to N_c of associated flow",
-        "Davis 1968, no bound, but below all that is published; Prandtl 1920, above all (T54). "
-        + _PUBLISHED.get((angle, dilation), ""),
+        "Davis 1968, no bound, but below all that is published; Prandtl 1920, above all (T54)",
         "interval",
         up_to=_n_c(angle),
         associated=_n_c(angle),
@@ -100,6 +118,7 @@ Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30):  20.081
     build=build,
     reference=reference,
     band=band,
+    beside=beside,
     surfaces=True,
     bracket=None,
     variants=(

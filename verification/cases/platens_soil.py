@@ -17,7 +17,7 @@ and what is certified depends on where one starts.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Beside, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.cases.shared.friction_inside import UNFIT
 
@@ -64,6 +64,20 @@ def reference(dilation: float) -> Reference:
     )
 
 
+def beside(dilation: float) -> tuple[Beside, ...]:
+    """What Davis's strength carries of the continuum, and associated flow."""
+    low, high = _ASSOCIATED
+    if dilation == ANGLE:
+        return ()
+    source = "strict lower bound of the continuum by `lacore.bracket`"
+    proven = f"Davis 1968 (T55): {source}"
+    return (
+        Beside("Davis's strength, at least", _DAVIS[dilation], proven),
+        Beside("associated flow, at least", low, source),
+        Beside("associated flow, at most", high, "upper bound beside it; above all (T54)"),
+    )
+
+
 def band(elements: int, dilation: float) -> Band:
     """Strict upper bound; of other flow never above the associated load of the mesh."""
     return _ERROR.strict(elements)
@@ -92,6 +106,7 @@ Davis:       psi = 20: c* = 0.981674 c, phi* = 29.543 degrees,
     build=build,
     reference=reference,
     band=band,
+    beside=beside,
     surfaces=True,
     bracket=Bracketing(target_width=0.15),
     variants=(

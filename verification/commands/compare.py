@@ -10,6 +10,7 @@ import click
 
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import InputError, require_positive
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
@@ -45,7 +46,8 @@ from verification.defaults import RAW, cores
 @names_option(
     "--couplings",
     f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
-    f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound; default: that of each backend."
+    f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound, {RANGE!r} for the lowest"
+    " and the highest load factor of a soil that dilates less; default: that of each backend."
     " Where they are named, a table says how many runs each certified.",
 )
 @out_option("reports/compare", "Folder for the results, and the pages: open index.html.")

@@ -7,11 +7,13 @@ from math import nan
 from typing import Any
 
 import lacore as la
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.fuzz.run import run_random
 from verification.perform.bracket import run_bracket
 from verification.perform.limit_state import run_limit_state
 from verification.perform.path import run_path
+from verification.perform.ranging import run_range
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
@@ -85,6 +87,8 @@ def outcome_of(
             return _skipped(run, names, run.skip)
         if run.coupling == BRACKET:
             return run_bracket(run, names, discretisation.problem, time_limit, memory)
+        if run.coupling == RANGE:
+            return run_range(run, names, discretisation, reference, band, memory)
         if run.case.path is not None:
             return run_path(run, names, discretisation, reference, band, time_limit, memory)
         return run_limit_state(
@@ -93,6 +97,8 @@ def outcome_of(
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))
     except la.InputError as error:
+        if run.coupling == RANGE and error.field == "problem":
+            return _skipped(run, names, f"no range: {error}")
         if run.coupling == BRACKET and error.field.startswith("Problem"):
             return _skipped(run, names, f"no bracket can be stated: {error}")
         return Outcome(run, _failed(names, error))

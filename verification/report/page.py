@@ -8,6 +8,7 @@ import pandas as pd
 
 from verification.analysis import couplings
 from verification.case import EXACT, SOLVER, Case
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.report import document
 from verification.report.blocks import (
@@ -40,6 +41,7 @@ from verification.report.files import INDEX, case_files
 from verification.report.limit_state import results_table
 from verification.report.overview import answers, cards, first_picture
 from verification.report.path import path_chart, paths_table
+from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.sections import solvers, studies
 from verification.report.tables import RUN, certificates_table, reasons_table
 from verification.runs.outcome import Outcome
@@ -244,12 +246,15 @@ def results_of(
     case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame, drawn: Drawn
 ) -> list[Block]:
     """What came out of one case: runs, reasons, certificates, charts and mechanisms."""
-    proven = results["coupling"] == BRACKET
+    proven, ranges = results["coupling"] == BRACKET, results["coupling"] == RANGE
     blocks: list[Block] = []
     if proven.any():
         blocks.append(brackets_table(results[proven]))
-    if not proven.all():
-        blocks.append(results_table(results[~proven]))
+    if ranges.any():
+        blocks.append(ranges_table(results[ranges]))
+    blocks += beside_table(case, outcomes)
+    if not (proven | ranges).all():
+        blocks.append(results_table(results[~(proven | ranges)]))
     if case.path is not None:
         blocks.append(paths_table(results))
     blocks.append(Details("Why each verdict", [reasons_table(results)]))

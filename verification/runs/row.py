@@ -33,6 +33,9 @@ class Row:
             ``undecided``; empty where it is not asked: of regularised backends, brackets and paths.
         side: on which side of the load factor loads are carried: ``below``, ``above``, ``both``.
         carried_low, carried_high: ends of the load factors that are proven to be carried.
+        lowest, highest: load factors that a range of a soil found; `lower` and `upper` are proven
+            of all on its mesh.
+        davis: load factor with Davis's strength, of a range; it bounds nothing.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
@@ -91,6 +94,9 @@ class Row:
     side: str = ""
     carried_low: float = nan
     carried_high: float = nan
+    lowest: float = nan
+    highest: float = nan
+    davis: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -19,7 +19,8 @@ class Run:
     Attributes:
         case, variant, mesh, backend: names and things.
         coupling: a name of `la.solve` or `verification.defaults.RAW`; None is the default of the
-            backend; `BRACKET` stands for a lower and an upper bound.
+            backend; `BRACKET` stands for a lower and an upper bound, `RANGE` for the lowest and
+            the highest load factor of a soil.
         insist: whether to end without a result is a failure; not of regularised backends.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.

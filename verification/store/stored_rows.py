@@ -19,6 +19,7 @@ from lacore.adaptive.bracket import Step
 from lacore.certificate import Certificate
 from lacore.paths.ending import Ending
 from lacore.paths.path import PathStep
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.runs.row import Row
 from verification.runs.run import FUZZ
@@ -46,6 +47,7 @@ _IDENTITY: Mapping[str, type] = {
 }
 _OF_LOOPS = {"inner_status", "inner_iterations", "solve_time", "peak_memory"}
 _OF_BRACKETS = {entry.name for entry in fields(Step)}
+_OF_RANGES = {"status", "load_factor", "gap", "solves"}
 _OF_PATHS = {*(entry.name for entry in fields(PathStep)), "exact"}
 
 
@@ -229,6 +231,9 @@ def _check_together(
     if row.coupling == BRACKET:
         _check_history(history, _OF_BRACKETS)
         _check_bracket(row, history)
+    elif row.coupling == RANGE:
+        _check_history(history, _OF_RANGES)
+        _check_range(row, history)
     elif row.ending:
         _check_history(history, _OF_PATHS)
         _check_path(row, history)
@@ -248,8 +253,8 @@ def _check_history(history: Sequence[Mapping[str, Any]], needed: set[str]) -> No
 def _check_solved(row: Row, residuals: Mapping[str, float], arrays: bytes) -> None:
     if not residuals or not arrays:
         raise WrongFieldError("row.status", f"is {_SOLVED!r}, without anything that proves it")
-    numbers = ("lower", "upper") if row.coupling == BRACKET else ("load_factor",)
-    for name in (*numbers, "n_elements"):
+    ends = {BRACKET: ("lower", "upper"), RANGE: ("lowest", "highest")}
+    for name in (*ends.get(row.coupling, ("load_factor",)), "n_elements"):
         if not isfinite(getattr(row, name)):
             raise WrongFieldError(f"row.{name}", f"is missing, and the status is {_SOLVED!r}")
 
@@ -270,6 +275,14 @@ def _check_bracket(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
     _require_same("row.outer_iterations", row.outer_iterations, len(history))
     for name in ("lower", "upper", "width") if history else ():
         _require_same(f"row.{name}", getattr(row, name), history[-1][name])
+
+
+def _check_range(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
+    _require_same("row.outer_iterations", row.outer_iterations, _total(history, "solves"))
+    found = [step["load_factor"] for step in history if step["status"] == "certified"]
+    if found:
+        _require_same("row.lowest", row.lowest, min(found))
+        _require_same("row.highest", row.highest, max(found))
 
 
 def _check_path(row: Row, history: Sequence[Mapping[str, Any]]) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import lacore as la
 from verification.case import Band, Reference
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.verdicts.allowed import (
     Allowed,
@@ -30,7 +31,7 @@ BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": low
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
 APART = "davis"
 """The coupling that answers another problem and bounds nothing (T55)."""
-FINDS_NONE = (*BOUNDS, APART, BRACKET)
+FINDS_NONE = (*BOUNDS, APART, BRACKET, RANGE)
 """What stands for a coupling in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
 """What statuses say of the load factor: they are claims, right or wrong, like a number."""

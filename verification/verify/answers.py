@@ -18,6 +18,7 @@ from verification.verify.limit_state import lambda_below_exact, upper_from_above
 from verification.verify.order import order
 from verification.verify.path import path, steps
 from verification.verify.questions import Question
+from verification.verify.ranging import ranged
 from verification.verify.residuals import Rechecked, residuals
 
 SOLVED = la.Status.SOLVED.label
@@ -123,5 +124,6 @@ _BY_CHECK: Mapping[str, _Check] = {
     "path": lambda _, outcomes, __: path(outcomes),
     "steps": lambda question, outcomes, _: steps(question, outcomes),
     "bracket": lambda question, outcomes, _: bracket(outcomes, question.reference),
+    "range": lambda question, outcomes, _: ranged(outcomes, question.reference),
     "gap": lambda _, outcomes, __: gap(outcomes),
 }

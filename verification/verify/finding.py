@@ -44,7 +44,7 @@ class Finding:
         measured, allowed: of the answer: ``value`` relative error and band, ``side`` relative
             distance from the bound, ``residuals`` the largest and its bar, ``order`` p of
             ``error ~ elements**-p`` and what is expected, ``bracket`` width and target, ``gap``
-            what is missing from the sum of shares, per gap, and its bar.
+            what is missing from the sum of shares, per gap, and its bar, ``range`` its width.
         verdict, why: of the answer.
     """
 

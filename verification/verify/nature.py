@@ -18,11 +18,13 @@ class Nature:
         strict: whether the dissipation is an upper bound.
         normal: whether all flow is associated, that of soils and of contact.
         bounded: whether that of soils is, so that bounds enclose every load factor.
+        ranged: whether that of soils is not, so that there may be many.
     """
 
     strict: bool = False
     normal: bool = False
     bounded: bool = False
+    ranged: bool = False
 
 
 class Worker:
@@ -33,7 +35,7 @@ class Worker:
         found = la.discretise(case.problem(variant, mesh))
         bounded = not found.full.frictional
         normal = bounded and not found.full.contact.coulomb.any()
-        return Nature(strict_bound(found), normal, bounded)
+        return Nature(strict_bound(found), normal, bounded, not bounded)
 
 
 def nature_of(case: Case, variant: Variant, mesh: str) -> Nature:

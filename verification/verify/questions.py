@@ -7,6 +7,7 @@ import lacore as la
 from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.campaigns.overview import shown_first
 from verification.case import Case, Reference, Variant
+from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
 from verification.runs.run import Run
@@ -20,6 +21,7 @@ CHECKS: Mapping[str, str] = {
     "residuals": "the residuals, computed afresh from the stored state, prove it",
     "order": "the error falls under refinement as the case says",
     "bracket": "a proven lower and a proven upper bound enclose the reference, closely enough",
+    "range": "the lowest and the highest load factor found are where they may be, both certified",
     "path": "a path ends as it must, and all of its loads lie in the band of the exact ones",
     "steps": "the error of a path falls with its steps as the scheme says",
     "gap": "shares of elements add up to the gap between both bounds, and none is below 0",
@@ -165,7 +167,7 @@ def runs_of(questions: Sequence[Question]) -> list[Run]:
 
 def _dear(run: Run) -> bool:
     """Whether a run takes tens of solves, or is of a backend of which one takes seconds."""
-    several = run.coupling == BRACKET or run.case.path is not None
+    several = run.coupling in (BRACKET, RANGE) or run.case.path is not None
     return several or capabilities(run.backend).dense
 
 
@@ -200,6 +202,8 @@ def _of_variant(runs: Sequence[Run], each: bool) -> Iterator[Question]:
         first = bool(exact) and backend == exact[0].backend
         if coupling is None and first and nature.bounded:
             yield from _bracket(group[0], not nature.normal)
+        if coupling is None and first and nature.ranged:
+            yield Question("range", (replace(group[0], coupling=RANGE),))
         if coupling is None and (first or (each and not is_regularised(backend))):
             yield from _ladder(group[0])
 

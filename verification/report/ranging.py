@@ -1,0 +1,81 @@
+"""Ranges of load factors on a page: what was found, and what others say beside it."""
+
+from collections.abc import Iterator, Sequence
+from math import isfinite, nan
+from typing import Any
+
+import pandas as pd
+
+from verification.case import Case, Variant
+from verification.case.beside import RANGE
+from verification.report.blocks import Block, Column, Table
+from verification.report.tables import CERTIFICATE, HOW, RUN, VERDICTS, with_certificates
+from verification.runs.outcome import Outcome
+from verification.runs.row import Row
+
+
+def ranges_table(results: pd.DataFrame) -> Table:
+    """The lowest and the highest load factor that are certified, beside what is proven of all."""
+    columns = (
+        Column("verdict", moods=VERDICTS, hover="why"),
+        Column("variant"),
+        Column("backend"),
+        Column("lowest", "lowest found", ".6f", link=CERTIFICATE),
+        Column("highest", "highest found", ".6f"),
+        Column("upper", "none above", ".6f"),
+        Column("gap", "gap at most", ".1e"),
+        HOW[0],
+        Column("n_elements", "elements", ".0f"),
+        Column("outer_iterations", "solves", ".0f"),
+        Column("solve_time", "solve s", ".2f"),
+    )
+    caption = "Found by searches from several starts; that none is lower or higher is not proven"
+    return Table(columns, with_certificates(results), anchor=RUN, caption=caption)
+
+
+def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
+    """What others say of each variant, with what is certified on one mesh; empty where nothing.
+
+    Coarse meshes carry more, whatever the flow: what tells is the part of the associated load.
+    """
+    ranges = {o.run.variant.name: o.row for o in outcomes if o.row.coupling == RANGE}
+    ran = {outcome.run.variant.name for outcome in outcomes}
+    rows = [
+        {"variant": variant.name, **row}
+        for variant in case.variants
+        if variant.name in ran
+        for row in (*_of_mesh(ranges.get(variant.name)), *_of_others(case, variant))
+    ]
+    if not rows:
+        return []
+    columns = (
+        Column("variant"),
+        Column("what", "load factor of"),
+        Column("value", "load factor", ".5g"),
+        Column("share", "of associated %", ".1f", scale=100),
+        Column("source", long=True),
+    )
+    return [Table(columns, pd.DataFrame(rows), caption="Beside what others say", sortable=False)]
+
+
+def _of_mesh(row: Row | None) -> Iterator[dict[str, Any]]:
+    """What a range says, on its mesh."""
+    if row is None or not (isfinite(row.lowest) and isfinite(row.highest)):
+        return
+    found = (
+        ("the lowest state found", row.lowest, "certified"),
+        ("the highest state found", row.highest, "certified"),
+        ("associated flow, same mesh", row.upper, "no state of this mesh is above (T54)"),
+        ("Davis's strength, same mesh", row.davis, "bounds nothing (T55)"),
+    )
+    for what, value, worth in found:
+        if isfinite(value):
+            source = f"{worth}; {row.mesh} mesh, {row.n_elements:g} elements"
+            yield {"what": what, "value": value, "share": value / row.upper, "source": source}
+
+
+def _of_others(case: Case, variant: Variant) -> Iterator[dict[str, Any]]:
+    whole = case.reference_of(variant).associated
+    for one in case.beside_of(variant):
+        share = nan if whole is None else one.value / whole
+        yield {"what": one.name, "value": one.value, "share": share, "source": one.source}
