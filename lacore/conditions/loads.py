@@ -6,6 +6,7 @@ are those of the whole circumference, in N.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from math import hypot
 from typing import ClassVar
 
@@ -30,16 +31,12 @@ COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
 def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
     if not is_plane_vector(vector):
         raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
-    if not np.any(vector):
-        raise InputError(field, vector, "is zero: a load without power", "give a vector != 0")
     require_range(field, vector)
 
 
 def _check_size(field: str, value: float, unit: str) -> None:
-    if not (is_number(value) and value):
-        raise InputError(
-            field, value, "not a number other than zero", f"give a finite value != 0 in {unit}"
-        )
+    if not is_number(value):
+        raise InputError(field, value, "not a number", f"give a finite value in {unit}")
     require_range(field, value)
 
 
@@ -230,6 +227,14 @@ class RigidFooting(Compact):
     def __post_init__(self) -> None:
         _check_vector("RigidFooting.direction", self.direction, "any unit")
         _check_size("RigidFooting.pressure", self.pressure, "Pa")
+        for name, given in (("direction", self.direction), ("pressure", self.pressure)):
+            if not np.any(given):
+                raise InputError(
+                    f"RigidFooting.{name}",
+                    given,
+                    "is zero: a footing is driven by its load, and held by a Fix",
+                    f"give a {name} != 0",
+                )
         # Footings are told apart by value, so a direction given as a list has to be hashable.
         length = hypot(*self.direction)
         object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
@@ -260,3 +265,21 @@ Load = Traction | Pressure | BodyForce | PointForce | RigidFooting | PorePressur
 def footings(loads: Iterable[Load]) -> tuple[RigidFooting, ...]:
     """The rigid footings among loads, which hold what they load."""
     return tuple(load for load in loads if isinstance(load, RigidFooting))
+
+
+@singledispatch
+def acts(load: Load) -> bool:
+    """Whether a load is any: of zero there is none, which as a dead load does no harm."""
+    return True
+
+
+@acts.register(Traction)
+@acts.register(BodyForce)
+@acts.register(PointForce)
+def _along(load: Traction | BodyForce | PointForce) -> bool:
+    return bool(np.any(load.vector))
+
+
+@acts.register(Pressure)
+def _against(load: Pressure) -> bool:
+    return bool(load.value)

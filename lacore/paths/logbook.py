@@ -1,6 +1,6 @@
 """What a path leaves behind, as it comes: rows, events, snapshots."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
@@ -149,23 +149,20 @@ class Log:
                     what = f"{obstacle.name}: {count} of {after.size} points"
                     self.event(kind, there.step, there.travel, what)
 
+    @property
+    def on_these_meshes(self) -> list[PathStep]:
+        """Steps since the last new meshes: a load that jumps from mesh to mesh has no peak there.
+
+        So one that is passed within two steps of them is not seen.
+        """
+        first = self.made[-1].step if self.made else 0
+        return [row for row in self.rows if row.step >= first]
+
     def _peak(self, kind: str, column: str) -> None:
-        """A load passed a maximum: that of the polynomial through the last three or four."""
-        last = self.rows[-4:]
-        if len(last) < 3:
-            return
-        x = np.array([row.travel for row in last])
-        y = np.array([getattr(row, column) for row in last])
-        before, high, after = y[-3:]
-        rises = high - min(before, after) > _RISES * abs(high)
-        if high > before and high >= after and rises:
-            curve = np.polynomial.Polynomial.fit(x, y, len(last) - 1)
-            flat = curve.deriv().roots()
-            between = np.real(flat[np.isreal(flat)])
-            between = between[(between > x[-3]) & (between < x[-1])]
-            top = float(between[np.argmax(curve(between))])
-            what = f"{column.replace('_', ' ')} {float(curve(top)):.9g}"
-            self.event(kind, self.rows[-2].step, top, what)
+        found = peak(self.on_these_meshes, column)
+        if found is not None:
+            step, travel, value = found
+            self.event(kind, step, travel, f"{column.replace('_', ' ')} {value:.9g}")
 
     def path(self, ending: Ending, message: str, settings: Mapping[str, Any]) -> Path:
         """The end; settings are those of each solve."""
@@ -185,3 +182,25 @@ class Log:
         if self.last is None and self.rows:  # of a path that was all kept
             return replace(path, last=path.state())
         return path
+
+
+def peak(rows: Sequence[PathStep], column: str) -> tuple[int, float, float] | None:
+    """Step, travel and value of a maximum that was passed in the last step; None of none.
+
+    That of the polynomial through the last three or four.
+    """
+    last = rows[-4:]
+    if len(last) < 3:
+        return None
+    x = np.array([row.travel for row in last])
+    y = np.array([getattr(row, column) for row in last])
+    before, high, after = y[-3:]
+    rises = high - min(before, after) > _RISES * abs(high)
+    if not (high > before and high >= after and rises):
+        return None
+    curve = np.polynomial.Polynomial.fit(x, y, len(last) - 1)
+    flat = curve.deriv().roots()
+    between = np.real(flat[np.isreal(flat)])
+    between = between[(between > x[-3]) & (between < x[-1])]
+    top = float(between[np.argmax(curve(between))])
+    return last[-2].step, top, float(curve(top))

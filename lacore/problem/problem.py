@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lacore import views
 from lacore.bodies.any_body import KINDS, AnyBody
-from lacore.conditions.loads import Fix, Load
+from lacore.conditions.loads import Fix, Load, acts
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments, interface_segments
 from lacore.errors import InputError, suggest
@@ -117,6 +117,13 @@ class Problem(Shown):
         for where, load in self.loads.items():
             if not isinstance(load, Load):
                 raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
+        if not any(map(acts, self.reference_loads)):
+            raise InputError(
+                "Problem.reference_loads",
+                self.reference_loads[0].told,
+                "is zero, so nothing that the load factor could multiply",
+                "give at least one load that is not",
+            )
         self._split_frames()
         for where, load in self.loads.items():
             self._body(load.body, where).check_load(load, where)

@@ -19,7 +19,15 @@ from lacore.bodies.continuum.water import in_pores
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.loaded import line_load
 from lacore.bodies.touching import Edges
-from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.loads import (
+    BodyForce,
+    Load,
+    PointForce,
+    Pressure,
+    RigidFooting,
+    Traction,
+    acts,
+)
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
@@ -40,7 +48,9 @@ _STEP, _TRIES = 4.0, 10  # points: rows give way to what is there
 
 
 def draw_load(sheet: Sheet, load: Load, body: AnyBody, live: bool, gid: str) -> None:
-    """One load; the label is its size, of a body force that of the resultant."""
+    """One load, if it is any; the label is its size, of a body force that of the resultant."""
+    if not acts(load):
+        return
     _legend(sheet, live)
     _draw(load, body, sheet, LIVE if live else DEAD, live, gid)
 

@@ -3,7 +3,7 @@
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -15,7 +15,9 @@ from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves
 from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
-from lacore.paths.remeshing import carried, restaged
+from lacore.paths.logbook import Log, peak
+from lacore.paths.path import PathStep
+from lacore.paths.remeshing import NewMeshes, carried, restaged
 from lacore.paths.stage import staged
 from lacore.paths.transfer import transferred
 from tests.lacore.paths.path_billets import billet, pressed, quad_billet
@@ -201,6 +203,29 @@ def _sticky(n):
     problem, approaching = billet(n)
     stick = [replace(own, friction=0.5) for own in (*problem.interfaces, *approaching)]
     return replace(problem, interfaces=stick[:1]), stick[1:]
+
+
+def test_a_jump_from_mesh_to_mesh_is_no_peak():
+    """Of a load that rises all the way, and is less on finer meshes; a true peak is seen again."""
+    stage = staged(billet()[0], [])
+    log = Log(stage, lambda _d, _u: 1.0, 1)
+    still = dict.fromkeys([own.name for own in fields(PathStep)], 0.0)
+
+    def seen(loads):
+        """Steps at which a peak was found, while these loads came."""
+        for load in loads:
+            step = len(log.rows) + 1
+            log.rows.append(
+                PathStep(**{**still, "step": step, "travel": step, "load_factor": load})
+            )
+            yield peak(log.on_these_meshes, "load_factor")
+
+    assert not any(seen([1.0, 1.1, 1.2, 1.3]))
+    log.enter(stage, log.gauge, NewMeshes(5, {}, {}))
+    assert not any(seen([1.25, 1.35, 1.45]))
+    (found,) = filter(None, seen([1.5, 1.45]))
+    assert found[0] == 8
+    assert found[2] == pytest.approx(1.5, abs=0.01)  # of a cubic through four points
 
 
 @pytest.mark.slow
