@@ -7,6 +7,7 @@ structure stands, where a strict upper bound is below 1 it does not: the two end
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import exp, inf, isnan, log, nan
 
 import numpy as np
@@ -35,7 +36,8 @@ class SafetyFactor(Shown):
     Attributes:
         lower: the structure stands with strengths divided by this factor; nan where not proven.
         upper: with strengths divided by this one it collapses; nan where not proven.
-        history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads, ``proves``.
+        history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
+            bound that failed), ``proves``.
         problem: as stated.
     """
 
@@ -56,6 +58,12 @@ class SafetyFactor(Shown):
             return True
         return False if self.upper <= 1 else None
 
+    @property
+    def _failed(self) -> str:
+        """How many bounds there were none of, for its text."""
+        number = int(self.history["load_factor"].isna().sum())
+        return f", of which {number} failed and prove{'s' * (number == 1)} nothing" * bool(number)
+
     def facts(self) -> Facts:
         """Both ends, and what they took."""
         missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
@@ -63,7 +71,7 @@ class SafetyFactor(Shown):
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
             "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
-            "solved by": f"{len(self.history)} bounds",
+            "solved by": f"{len(self.history)} bounds" + self._failed,
         }
         return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
 
@@ -105,18 +113,18 @@ def safety_factor(
         _check(name, body)
     rows: list[dict[str, object]] = []
 
-    def below(factor: float) -> float:
+    def below(factor: float) -> float | None:
         weaker = _weakened(given, factor, interfaces)
         if weaker is None:
-            return nan
+            return None
         bound = lower_bound(weaker, backend)
         value = bound.load_factor if bound.rigor is Rigor.LOWER else nan
         return inf if bound.status is Status.LOCKED else value
 
-    def above(factor: float) -> float:
+    def above(factor: float) -> float | None:
         weaker = _weakened(given, factor, interfaces)
         if weaker is None:
-            return nan
+            return None
         bound = upper_bound(weaker, backend)
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
@@ -128,33 +136,65 @@ def safety_factor(
 
 def _end(
     end: str,
-    load_factor: Callable[[float], float],
+    load_factor: Callable[[float], float | None],
     start: float,
     tolerance: float,
     rows: list[dict[str, object]],
 ) -> float:
-    """The last factor that is proven of one end; nan where none is."""
+    """The last factor that is proven of one end; nan where none is.
+
+    A bound that failed (nan) says nothing of either side: it is looked for beside it.
+    """
     stands, falls = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
     low, high = -inf, inf
-    factor, best = start, nan
+    failed: list[float] = []
+    factor, best, least = start, nan, log(1 + tolerance)
     for _ in range(_MOST):
-        value = load_factor(factor)
-        proves = value >= 1 if end == "lower" else value < 1
-        rows.append({"end": end, "factor": factor, "load_factor": value, "proves": proves})
+        value, here = load_factor(factor), log(factor)
+        known = nan if value is None else value
+        proves = known >= 1 if end == "lower" else known < 1
+        rows.append({"end": end, "factor": factor, "load_factor": known, "proves": proves})
         if proves and not isnan(best):
             best = max(best, factor) if end == "lower" else min(best, factor)
         elif proves:
             best = factor
-        size = log(value) if value > 0 else -inf
-        # What is not proven is taken for the other side: the end is never beyond what is.
-        if (proves and end == "lower") or (not proves and end == "upper"):
-            low, stands = log(factor), (log(factor), size)
+        size = log(known) if known > 0 else -inf
+        if value is None:  # nothing is as weak, or as strong, and the problem itself is neither
+            low, high = (low, here) if here > 0 else (here, high)
+        elif isnan(known):
+            failed.append(here)
+        elif known >= 1:
+            low, stands = here, (here, size)
         else:
-            high, falls = log(factor), (log(factor), size)
-        if high - low <= log(1 + tolerance):
+            high, falls = here, (here, size)
+        if high - low <= least:
             break
-        factor = exp(_next(low, high, stands, falls, size))
+        bounded = low > -inf or high < inf
+        wanted = _next(low, high, stands, falls, size) if bounded else failed[-1]
+        clear = _clear(wanted, low, high, failed, end == "lower", least)
+        if clear is None:
+            break
+        factor = exp(clear)
     return best
+
+
+def _clear(
+    wanted: float, low: float, high: float, failed: list[float], down: bool, least: float
+) -> float | None:
+    """What is wanted, unless a bound failed there: then the middle of the widest gap; logarithms.
+
+    On the side where the end is proven, of two that are as wide. None where all are too narrow.
+    """
+    if all(abs(wanted - one) > least for one in failed):
+        return wanted
+    marks = sorted([low, *(one for one in failed if low < one < high), high])
+    gaps = list(pairwise(marks))
+    begin, end = max(gaps if down else gaps[::-1], key=lambda gap: gap[1] - gap[0])
+    if end - begin <= 2 * least:
+        return None
+    if begin == -inf:
+        return end - log(_FARTHEST)
+    return begin + log(_FARTHEST) if end == inf else (begin + end) / 2
 
 
 def _next(

@@ -1,11 +1,12 @@
 """Factors of safety by strength reduction, against load factors and rotational mechanisms."""
 
 from dataclasses import replace
-from math import isnan, radians, tan
+from math import isnan, nan, radians, tan
 
 import pytest
 
 import lacore as la
+from lacore.ranges import safety
 
 
 def cut(weight, criterion, cells=4):
@@ -52,6 +53,43 @@ def test_dead_loads_count_like_others():
     split = replace(problem, reference_loads=half, dead_loads=half)
     one, other = la.safety_factor(problem), la.safety_factor(split)
     assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-6)
+
+
+@pytest.mark.parametrize("wrong", [1, 4])
+@pytest.mark.parametrize("end", ["lower", "upper"])
+def test_bounds_that_fail_prove_nothing(monkeypatch, end, wrong):
+    """Neither that the structure falls nor that it stands: the end is found beside them.
+
+    F is 2 here. The first bounds of one side fail, wherever they are.
+    """
+    problem = cut(1.0, la.VonMises(2.0), cells=2)
+    sound = la.safety_factor(problem, tolerance=0.01)
+    bound, asked = getattr(safety, f"{end}_bound"), []
+
+    def failing(*arguments):
+        asked.append(bound(*arguments))
+        lost = {"rigor": la.Rigor.NOT_CERTIFIED, "load_factor": nan}
+        return replace(asked[-1], **lost) if len(asked) <= wrong else asked[-1]
+
+    monkeypatch.setattr(safety, f"{end}_bound", failing)
+    found = la.safety_factor(problem, tolerance=0.01)
+    assert (found.lower, found.upper) == pytest.approx((sound.lower, sound.upper), rel=0.01)
+    row = found.history[found.history.end == end]
+    assert row.load_factor.isna().sum() == wrong
+    assert not row.proves[row.load_factor.isna()].any()
+    assert f"{wrong} failed and prove" in repr(found)
+
+
+@pytest.mark.parametrize("end", ["lower", "upper"])
+def test_no_bound_no_end(monkeypatch, end):
+    """Where all bounds of a side fail that end is nan, and the other one is as it was."""
+    problem = cut(1.0, la.VonMises(2.0), cells=2)
+    bound = getattr(safety, f"{end}_bound")
+    lost = {"rigor": la.Rigor.NOT_CERTIFIED, "load_factor": nan}
+    monkeypatch.setattr(safety, f"{end}_bound", lambda *given: replace(bound(*given), **lost))
+    found = la.safety_factor(problem, tolerance=0.05)
+    assert isnan(getattr(found, end))
+    assert not isnan(found.lower if end == "upper" else found.upper)
 
 
 def test_what_no_angle_is_left_for_is_not_proven():
