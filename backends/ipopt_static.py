@@ -22,6 +22,10 @@ from lacore.state import ProgramState, out_of_balance
 from lacore.status import Status
 
 _EVIDENCE = 1e-5  # of the loads, or of the velocity: what proofs of no solution may miss
+_STALLS = (
+    "IPOPT stalls at the apex of cones, where the corners of footings on soil are: more iterations"
+    " rarely help, 'clarabel' does"
+)
 _MISSING = 1e-6  # share of the dead load that must be missing where it collapses the structure
 
 
@@ -100,6 +104,8 @@ class IpoptStaticSolver:
             iterations += carried.iterations
             if self._collapses(contact, static.velocity(carried)):
                 status, message = Status.UNSAFE, "a mechanism of the dead load proves it"
+        if status is Status.ITERATION_LIMIT and self._program.presses:
+            message = _STALLS
         return InnerSolution(
             status=status,
             native_status=found.native,

@@ -13,7 +13,7 @@ import pandas as pd
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.sticking import opening
-from lacore.backend import Backend, check_capable, find_backend, read_options
+from lacore.backend import find_backend, read_options
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
 from lacore.claims.judged import CLAIMED, judged_claim
@@ -31,12 +31,12 @@ from lacore.coupling.fixed_point import (
 )
 from lacore.coupling.names import COUPLINGS
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate
-from lacore.errors import InputError, SolveError, require_known
+from lacore.errors import SolveError
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.inner.rescaling import good_for
-from lacore.limit.checking import program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
+from lacore.limit.engines import engine_for, stated
 from lacore.limit.hinging import ROUNDS, excess, hinged
 from lacore.limit.reached import reached_supports
 from lacore.limit.stability import warning
@@ -48,7 +48,6 @@ from lacore.program import (
     KinematicProgram,
     Scales,
     associated_contact,
-    dimensionless,
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
@@ -65,8 +64,6 @@ _LOOPS: tuple[Coupling, ...] = (
     davis,
 )
 _LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
-_ALTERNATING = ("certified", "shift", "kappa")
-"""Couplings whose states are read off programs with shifts, exactly or not at all."""
 TOLERANCE = 1e-6
 ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
 _UPPER = ("associated", "stick")
@@ -159,16 +156,16 @@ def _solved(
     process: SolverProcess | None,
 ) -> LimitState:
     """The state with hinges at the nodes that there are."""
+    asked = coupling
     engine, coupling, engine_options = engine_for(backend, coupling, options or {})
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
-    program = _stated(problem, backend, coupling)
+    program = stated(problem, engine, coupling, asked)
     if not program.frictional:
         coupling_options = replace(coupling_options, accepted=None)
     built = time.perf_counter()
     build_time = built - begin
-    check_capable(engine, program)
     regularised = engine.capabilities.regularised
     with ExitStack() as stack:
         if process is None and engine.capabilities.isolated:
@@ -215,24 +212,6 @@ def _solved(
     return replace(state, solve_time=time.perf_counter() - built)
 
 
-def _stated(problem: Discretisation, backend: str, coupling: str) -> KinematicProgram:
-    """The program that a coupling answers, dimensionless.
-
-    Raises:
-        InputError: a loop on contact reactions alone, beside soils whose flow is not associated.
-    """
-    program = program_of(coupling, dimensionless(problem.program, problem.natural))
-    if program.frictional and coupling != "certified":
-        raise InputError(
-            "coupling",
-            coupling,
-            "iterates on contact reactions, and a soil here dilates less than its friction",
-            "take 'certified' and an exact backend such as 'clarabel', or 'associated' or 'davis'"
-            " for a single solve",
-        )
-    return program
-
-
 def _falling(state: LimitState) -> LimitState:
     """An unsafe state with the mechanism that falls, unless it drives corners together."""
     state = replace(state, point=state.stability.point)
@@ -242,39 +221,6 @@ def _falling(state: LimitState) -> LimitState:
         return state
     status = Status.NOT_CERTIFIED
     return replace(state, status=status, message=f"{status.label}: {state.message}; but {corners}")
-
-
-def engine_for(
-    backend: str, coupling: str | None, options: Mapping[str, Any]
-) -> tuple[Backend, str, Any]:
-    """A backend, the coupling that it is asked for or its default, and its options.
-
-    Raises:
-        InputError: an unknown name, an option out of range, or a coupling that it cannot do.
-        CapabilityError: it is missing.
-    """
-    if coupling is not None:
-        require_known("coupling", coupling, COUPLINGS)
-    engine = find_backend(backend)
-    return engine, coupling_for(engine, coupling), read_options(engine, options)
-
-
-def coupling_for(backend: Backend, coupling: str | None) -> str:
-    """The coupling asked for, or the default of a backend.
-
-    Raises:
-        InputError: the backend is regularised, and the coupling needs exact multipliers.
-    """
-    if not backend.capabilities.regularised:
-        return coupling or "certified"
-    if coupling in _ALTERNATING:
-        raise InputError(
-            "coupling",
-            coupling,
-            f"needs exact solves, and backend {backend.name!r} is regularised",
-            "take 'reaction', or an exact backend such as 'clarabel'",
-        )
-    return coupling or "reaction"
 
 
 def limit_state(

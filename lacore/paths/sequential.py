@@ -8,7 +8,7 @@ from typing import Any
 
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, require_count, require_known, require_positive
-from lacore.limit.solve import engine_for
+from lacore.limit.engines import engine_for
 from lacore.paths import drift
 from lacore.paths.control import Control, FootingTravel, gauge_of
 from lacore.paths.ending import Ending

@@ -334,3 +334,27 @@ def test_what_ends_early_keeps_its_point(native):
     """The residuals judge it, not IPOPT."""
     assert STATUS_MAP[native].has_point
     assert STATUS_MAP[native] is not Status.SOLVED
+
+
+@pytest.mark.parametrize("dilation", [None, 0])
+def test_soil_that_stalls_has_a_name_and_no_number(dilation):
+    """The corner of a footing on sand is an apex; of associated flow and of frozen flow alike.
+
+    A tenth of the iterations that it takes to say so otherwise; the load that it is at is wrong.
+    """
+    soil = la.MohrCoulomb(1.0, 30, dilation_angle=dilation)
+    mesh = la.meshes.rectangle((0, 4), (-2, 0), 4, 2)
+    problem = la.Problem(
+        {"soil": la.Body(mesh, soil)},
+        [la.RigidFooting("soil", lambda x: (x[1] == 0) & (x[0] <= 1), (0, -1), rough=False)],
+        supports=[
+            *(la.Fix("soil", side) for side in ("bottom", "right")),
+            la.Fix("soil", "left", "x"),
+        ],
+    )
+    state = la.solve(problem, "ipopt-static", options={"max_iterations": 50})
+    assert state.status is la.Status.ITERATION_LIMIT
+    assert np.isnan(state.load_factor)
+    assert state.rigor is la.Rigor.NOT_CERTIFIED
+    assert "'clarabel' does" in state.message
+    assert not state.certificate.holds(1e-3)

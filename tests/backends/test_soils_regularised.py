@@ -15,9 +15,12 @@ NAMES = ["clarabel-regularised"]
 GAP = 1e-10  # that Clarabel leaves, relative
 
 
-def block(**more):
+SOIL = la.MohrCoulomb(1.0, 30)
+
+
+def block(criterion=SOIL, **more):
     """A unit block of soil of 30 degrees."""
-    soil = la.Body(la.meshes.rectangle((0, 1), (0, 1), 2, 2), la.MohrCoulomb(1.0, 30))
+    soil = la.Body(la.meshes.rectangle((0, 1), (0, 1), 2, 2), criterion)
     return la.Problem(bodies={"block": soil}, **more)
 
 
@@ -133,3 +136,20 @@ def test_the_others_refuse(name):
     )
     with pytest.raises(la.CapabilityError, match=r"pressure.*'clarabel-regularised'"):
         la.solve(problem, name)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_flow_that_is_not_associated_is_refused_by_what_was_said(name):
+    """Nobody who names a backend alone has heard of couplings; what was chosen is told, and why."""
+    problem = block(
+        criterion=la.MohrCoulomb(1.0, 30, dilation_angle=0),
+        supports=[la.Fix("block", "bottom", "y")],
+        reference_loads=[la.Pressure("block", "top")],
+    )
+    with pytest.raises(la.InputError, match=r"coupling='reaction' was chosen") as caught:
+        la.solve(problem, name)
+    assert str(caught.value).startswith(f"backend = {name!r}: is regularised")
+    assert "'clarabel', or coupling='associated' or 'davis'" in str(caught.value)
+    with pytest.raises(la.InputError, match=r"coupling = 'reaction': iterates"):
+        la.solve(problem, name, "reaction")
+    assert la.solve(problem, name, "associated").status is la.Status.SOLVED

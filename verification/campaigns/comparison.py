@@ -7,7 +7,7 @@ import lacore as la
 from lacore.backend import Capabilities, load_backend
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
-from lacore.limit.solve import coupling_for
+from lacore.limit.engines import coupling_for
 from verification.case import Case, Variant
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET

@@ -1,0 +1,78 @@
+"""Which backend answers which coupling, and what is refused before anything is solved."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from lacore.assembly.discretisation import Discretisation
+from lacore.backend import Backend, check_capable, find_backend, read_options
+from lacore.coupling.names import COUPLINGS
+from lacore.errors import InputError, require_known
+from lacore.limit.checking import program_of
+from lacore.program import KinematicProgram, dimensionless
+
+_ALTERNATING = ("certified", "shift", "kappa")
+"""Couplings whose states are read off programs with shifts, exactly or not at all."""
+
+
+def engine_for(
+    backend: str, coupling: str | None, options: Mapping[str, Any]
+) -> tuple[Backend, str, Any]:
+    """A backend, the coupling that it is asked for or its default, and its options.
+
+    Raises:
+        InputError: an unknown name, an option out of range, or a coupling that it cannot do.
+        CapabilityError: it is missing.
+    """
+    if coupling is not None:
+        require_known("coupling", coupling, COUPLINGS)
+    engine = find_backend(backend)
+    return engine, coupling_for(engine, coupling), read_options(engine, options)
+
+
+def coupling_for(backend: Backend, coupling: str | None) -> str:
+    """The coupling asked for, or the default of a backend.
+
+    Raises:
+        InputError: the backend is regularised, and the coupling needs exact multipliers.
+    """
+    if not backend.capabilities.regularised:
+        return coupling or "certified"
+    if coupling in _ALTERNATING:
+        raise InputError(
+            "coupling",
+            coupling,
+            f"needs exact solves, and backend {backend.name!r} is regularised",
+            "take 'reaction', of contact alone, or an exact backend such as 'clarabel'",
+        )
+    return coupling or "reaction"
+
+
+def stated(
+    problem: Discretisation, engine: Backend, coupling: str, asked: str | None
+) -> KinematicProgram:
+    """The program that a coupling answers, dimensionless; `asked`: None, where it is the default.
+
+    Raises:
+        InputError: a loop on contact reactions alone, beside soils whose flow is not associated;
+            numbers that are none.
+        CapabilityError: the backend cannot take it.
+    """
+    program = program_of(coupling, dimensionless(problem.program, problem.natural))
+    check_capable(engine, program)
+    if not program.frictional or coupling == "certified":
+        return program
+    why = "iterates on contact reactions, and a soil here dilates less than its friction"
+    single = "'associated' or 'davis' for a single solve"
+    if asked is None:
+        raise InputError(
+            "backend",
+            engine.name,
+            f"is regularised, so that coupling={coupling!r} was chosen, which {why}",
+            f"take an exact backend such as 'clarabel', or coupling={single}",
+        )
+    raise InputError(
+        "coupling",
+        coupling,
+        why,
+        f"take 'certified' and an exact backend such as 'clarabel', or {single}",
+    )
