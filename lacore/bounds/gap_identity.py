@@ -234,5 +234,6 @@ def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
                 "lower",
                 name,
                 "its mesh is not that of the upper bound",
-                "solve both on the same mesh",
+                "solve both on the same mesh; of bodies whose edges do not match where they touch,"
+                " `lacore.matching(problem)` has those of a lower bound",
             )

@@ -29,6 +29,7 @@ from lacore.conditions.loads import Fix, RigidFooting
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
+from lacore.problem.matching import matching
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
 from lacore.program import KinematicProgram, Scales
@@ -100,6 +101,8 @@ def static_model(problem: Problem) -> StaticModel:
             "not a problem",
             "give a lacore.Problem; that of a state is state.discretisation.problem",
         )
+    _continua(problem)
+    problem = matching(problem)
     bodies = numbered(_continua(problem), EquilibriumDofs.at)
     _check_statable(problem)
     first = sum(dofs.count for dofs in bodies.values())

@@ -8,7 +8,7 @@ import numpy as np
 from skfem import MeshTri
 
 from lacore.arrays import Floats
-from lacore.meshes.refinement import facets_between
+from lacore.meshes.refinement import facets_between, with_named_elements
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
 _SHRINK = (0.55, 0.7)  # radius of a ring of a fan, per next larger one: elements about as long as
@@ -16,7 +16,7 @@ _LATER = 0.8  # wide, while sectors are halved from ring to ring
 
 
 def fanned(mesh: MeshTri, vertices: Sequence[int], sectors: int) -> MeshTri:
-    """The mesh with the elements at vertices divided into fans; boundaries keep their names.
+    """The mesh with the elements at vertices divided into fans; all names are kept.
 
     Args:
         mesh: any; vertices keep their numbers.
@@ -40,7 +40,7 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
         return mesh
     shrink = [1.0, *_SHRINK, *[_LATER] * rings][: rings + 1]
     radius = np.cumprod(shrink)
-    points, triangles = list(mesh.p.T), []
+    points, triangles, parts = list(mesh.p.T), [], []
     on_spoke: dict[tuple[int, int], int] = {}
     for end in np.unique(corners).tolist():
         for ring in range(1, rings + 1):
@@ -59,6 +59,7 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
                 triangles += [(a, y, x), (a, b, y), (b, z, y)]
         last = rows[-1]
         triangles += [(centre, a, b) for a, b in pairwise(last)]
+        parts.append(len(triangles) - sum(parts))
     if _turn(np.transpose(points)[:, np.transpose(triangles)]).min() <= 0:
         return mesh  # elements too flat to be turned around
     finer = MeshTri(
@@ -67,6 +68,8 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
             np.concatenate([np.delete(mesh.t, around, axis=1), np.transpose(triangles)], axis=1)
         ),
     )
+    kept = np.delete(np.arange(mesh.nelements), around)
+    finer = with_named_elements(finer, mesh, np.concatenate([kept, np.repeat(around, parts)]))
     names = {}
     for name, facets in (mesh.boundaries or {}).items():
         ends = []

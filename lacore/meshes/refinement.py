@@ -37,7 +37,7 @@ def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:
     """The mesh with elements divided in two across their longest edge, and the parents of all.
 
     Neighbours are divided too, so that no node hangs, across their longest edge first; angles stay
-    above half of the smallest one. Named boundaries are carried over; named elements are not.
+    above half of the smallest one. Boundaries and elements keep their names.
 
     Source: Rivara, Algorithms for refining triangular grids suitable for adaptive and multigrid
         techniques, IJNME 20, 1984; where all three edges are divided, into four similar triangles.
@@ -62,7 +62,20 @@ def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:
             ends += [np.stack([end, middle[halved]]) for end in mesh.facets[:, halved]]
             names[name] = facets_between(finer, np.concatenate(ends, axis=1))
         finer = finer.with_boundaries(names)
-    return finer, parents
+    return with_named_elements(finer, mesh, parents), parents
+
+
+def with_named_elements(finer: MeshTri, mesh: MeshTri, parents: Ints) -> MeshTri:
+    """The finer mesh with the named elements of a mesh, by the parents of its own."""
+    if not mesh.subdomains:
+        return finer
+    named: MeshTri = finer.with_subdomains(
+        {
+            name: np.flatnonzero(np.isin(parents, np.asarray(own, dtype=np.int64)))
+            for name, own in mesh.subdomains.items()
+        }
+    )
+    return named
 
 
 def facets_between(mesh: MeshTri, ends: Ints) -> Ints:

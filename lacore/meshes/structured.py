@@ -14,6 +14,7 @@ from skfem import MeshQuad, MeshTri
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_range
 from lacore.meshes.polygonal import geometry_of, labelled
+from lacore.meshes.refinement import with_named_elements
 
 
 def graded(
@@ -266,7 +267,7 @@ def quarter_ring(
 
 
 def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
-    """The mesh with elements split in three about their centroids; boundaries keep their names.
+    """The mesh with elements split in three about their centroids; all names are kept.
 
     For corners that one element fills, where linear stresses cannot follow tractions on both sides
     (`lacore.lower_bound`).
@@ -290,6 +291,8 @@ def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
             for name, facets in (mesh.boundaries or {}).items()
         }
     )
+    kept = np.delete(np.arange(mesh.nelements), chosen)
+    named = with_named_elements(named, mesh, np.concatenate([kept, np.tile(chosen, 3)]))
     return labelled(named, geometry_of(mesh))
 
 
