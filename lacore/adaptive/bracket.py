@@ -93,6 +93,8 @@ class Bracket(Shown):
             failed; or how far bounds cross; else empty.
         coulomb: whether the problem has Coulomb friction: the lower bound is then one of the
             problem without it, the upper one of that with associated friction (T14).
+        stopped: which side stopped at how many elements, and why; empty where the target is
+            reached.
     """
 
     status: Ending
@@ -102,6 +104,7 @@ class Bracket(Shown):
     history: pd.DataFrame
     failure: str
     coulomb: bool = False
+    stopped: str = ""
 
     @property
     def lower(self) -> float:
@@ -153,7 +156,8 @@ class Bracket(Shown):
         upper = self.upper_bound
         moved = upper.velocity if upper.status is Status.SOLVED else None
         reached = reached_supports(upper.discretisation, moved)
-        return "; ".join(filter(None, (self.status.value, proven_of, self.failure, reached)))
+        told = (self.status.value, self.stopped, proven_of, self.failure, reached)
+        return "; ".join(filter(None, told))
 
     @cached_property
     def gaps(self) -> GapIdentity:
@@ -179,10 +183,12 @@ class Bracket(Shown):
         """Whether both bounds were found on the same mesh, and of the same problem."""
         if self.coulomb:
             return False
-        (above,) = self.upper_bound.discretisation.bodies.values()
-        (below,) = self.lower_bound.model.bodies.values()
-        one, other = above.body.mesh, below.body.mesh
-        return np.array_equal(one.t, other.t) and np.array_equal(one.p, other.p)
+        above, below = self.upper_bound.discretisation.bodies, self.lower_bound.model.bodies
+        meshes = [(above[name].body.mesh, below[name].body.mesh) for name in above]
+        return all(
+            np.array_equal(one.t, other.t) and np.array_equal(one.p, other.p)
+            for one, other in meshes
+        )
 
     def facts(self) -> Facts:
         """What is proven, and how it came about."""

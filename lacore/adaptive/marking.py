@@ -69,14 +69,15 @@ def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int
     return np.asarray(strength * (whole - np.linalg.norm(weighted.sum(axis=1), axis=1)))
 
 
-def shared_shares(upper: UpperBound, lower: LowerBound, body: str) -> Floats:
-    """Shares in the gap (T26), with those of the lower bound itself: parts, shape (elements,).
+def shared_shares(upper: UpperBound, lower: LowerBound) -> Floats:
+    """Shares in the gap (T26), with those of the lower bound itself: parts, of all bodies.
 
     Where the velocity of the upper bound has no strain the gap has no share, whatever stresses lack
     there; the multipliers of the lower bound move there.
     """
-    gap = np.maximum(gap_identity(upper, lower).elements[body], 0.0)
-    own = lower_shares(lower, body)
+    gap = np.concatenate(list(gap_identity(upper, lower).elements.values()))
+    own = np.concatenate([lower_shares(lower, name) for name in lower.model.bodies])
+    gap = np.maximum(gap, 0.0)
     return np.asarray(_parts(gap) + _LOWER * _parts(own))
 
 

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import partial
 from math import ceil, log
 from typing import Any
 
@@ -12,9 +13,10 @@ from skfem import MeshTri
 
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
-from lacore.adaptive.starts import mesh_of, on_mesh, only_body, starts
+from lacore.adaptive.starts import starts
+from lacore.adaptive.whole import continua, mesh_of, of_all, on_mesh
 from lacore.arrays import Floats
-from lacore.backend import find_backend
+from lacore.backend import find_backend, read_options
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
@@ -48,6 +50,7 @@ def bracket(
     time_limit: float = 600.0,
     backend: str = "clarabel",
     *,
+    options: Mapping[str, Any] | None = None,
     meshes: str | None = None,
     lower_mesh: MeshTri | None = None,
     on_step: Callable[[Step], None] | None = None,
@@ -65,12 +68,16 @@ def bracket(
     Elements at corners that a lower bound cannot state are split first.
 
     Args:
-        problem: one deformable body in its velocity space ``p2-vertex``, whatever it says itself,
-            and any rigid blocks in contact with it: vertices of its mesh lie where they end.
+        problem: deformable bodies in their velocity space ``p2-vertex``, whatever they say
+            themselves, and any rigid blocks in contact with them: vertices of meshes lie where they
+            end. Where two bodies touch, and their edges do not match, elements are divided first
+            (`lacore.matching`); then both sides are refined alike.
         target_width: of ``(upper - lower)/mean`` to stop at.
         max_elements: of each mesh.
         time_limit: s, wall clock; no solve starts that is expected to end after it.
         backend: name of an exact backend.
+        options: of the backend; a tolerance that is given here is that of all solves, else it
+            follows the width.
         meshes: ``shared`` or ``separate``. None: separate where `lower_mesh` is given, with Coulomb
             friction, and with friction in the body and singular points of it. Where the mesh of a
             problem knows nothing of its stresses, a shared one is the better choice.
@@ -80,8 +87,9 @@ def bracket(
         on_step: called after each solve, for progress.
 
     Raises:
-        InputError: a target or a limit that is not positive, limits below the start, several
-            bodies, slivers, a `lower_mesh` of another domain; what a lower bound cannot state.
+        InputError: a target or a limit that is not positive, limits below the start, slivers, a
+            `lower_mesh` of another domain or of one of several bodies, options that the backend has
+            not; what a lower bound cannot state.
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
     """
     begin = time.perf_counter()
@@ -91,9 +99,11 @@ def bracket(
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     require_associated_flow(of_kind(problem.bodies, Body))
+    read_options(find_backend(backend), options or {})
     run = _Run(
-        only_body(problem)[0],
+        list(continua(problem)),
         backend,
+        dict(options or {}),
         target_width,
         begin,
         begin + time_limit,
@@ -111,6 +121,7 @@ def bracket(
         if finer is None:
             tracks[number] = replace(tracks[number], too_fine=True)
         elif run.too_late(tracks[number], finer):
+            tracks[number] = replace(tracks[number], late=mesh_of(finer).nelements)
             ending = Ending.TIME_LIMIT
             break
         else:
@@ -134,6 +145,7 @@ def bracket(
         history=pd.DataFrame(run.rows),
         failure="; ".join(failed),
         coulomb=run.coulomb,
+        stopped="" if run.width <= target_width else run.stopped(tracks),
     )
 
 
@@ -149,6 +161,7 @@ class _Track:
         rests: what they leave to gain, if errors fall as elements rise.
         seconds: of the last solves.
         too_fine: whether the next mesh has too many elements.
+        late: elements of the next mesh, of which a solve would end too late; else 0.
     """
 
     kinds: tuple[str, ...]
@@ -158,6 +171,7 @@ class _Track:
     rests: tuple[float, ...] = ()
     seconds: float = 0.0
     too_fine: bool = False
+    late: int = 0
 
     @property
     def mesh(self) -> MeshTri:
@@ -185,8 +199,9 @@ def _next(open_: Sequence[int], tracks: Sequence[_Track]) -> int:
 class _Run:
     """What was asked for, and what is proven so far."""
 
-    body: str
+    bodies: list[str]
     backend: str
+    options: Mapping[str, Any]
     target: float
     begin: float
     deadline: float
@@ -292,6 +307,9 @@ class _Run:
         known = {field.name for field in fields(find_backend(self.backend).Options)}
         left = max(self.deadline - time.perf_counter(), 1.0)
         given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}
+        given |= self.options
+        if "time_limit" in given:
+            given["time_limit"] = min(given["time_limit"], left)
         if kind == "lower":
             return lower_bound(problem, self.backend, options=given)
         state = solve(problem, self.backend, "associated", tolerance=_JUDGED, options=given)
@@ -345,6 +363,19 @@ class _Run:
         spent = len(last) == _PATIENCE and max(last) <= least
         return Ending.NO_PROGRESS if spent else None
 
+    def stopped(self, tracks: Sequence[_Track]) -> str:
+        """In words which side stopped, where, and why."""
+        told = []
+        for track in tracks:
+            closed = self.closed(track)
+            why = "it would have gone on" if closed is None else closed.label
+            if track.late:
+                why = f"a solve of {track.late} would end after the time limit"
+            kinds = " and ".join(track.kinds)
+            bounds = "bounds" if len(track.kinds) > 1 else "bound"
+            told.append(f"{kinds} {bounds} stopped at {track.elements} elements: {why}")
+        return ", ".join(told)
+
     def refined(self, track: _Track) -> Problem | None:
         """The problem on the next mesh, if that may be."""
         finer = grown(track.mesh, self.shares(track), self.growth, self.max_elements)
@@ -356,11 +387,11 @@ class _Run:
         if proven(lower, np.nan) <= proven(upper, np.nan):
             assert isinstance(lower, LowerBound)
             assert isinstance(upper, UpperBound)
-            return shared_shares(upper, lower, self.body)
+            return shared_shares(upper, lower)
         if isinstance(upper, UpperBound) and np.all(np.isfinite(upper.velocity)):
-            return upper_shares(upper, self.body)
+            return of_all(self.bodies, partial(upper_shares, upper))
         if isinstance(lower, LowerBound) and lower.point is not None:
-            return lower_shares(lower, self.body)
+            return of_all(self.bodies, partial(lower_shares, lower))
         return np.ones(track.elements)
 
     def too_late(self, track: _Track, finer: Problem) -> bool:

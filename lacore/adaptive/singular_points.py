@@ -6,11 +6,14 @@ from math import ceil, hypot, pi, sqrt
 import numpy as np
 from skfem import MeshTri
 
-from lacore.arrays import Floats
+from lacore.adaptive.whole import continua, whole
+from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
 from lacore.conditions.loads import BodyForce, Load
+from lacore.meshes.joined import Joined
+from lacore.meshes.refinement import facets_between
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
@@ -20,41 +23,73 @@ _LOOSE = 1e-3  # of weight per size of a body, what a soil carries that is as go
 
 
 def singular_points(problem: Problem, name: str) -> list[int]:
+    """Vertices of a body where strain rates may be unbounded, see `singular_vertices`."""
+    own = whole(problem)
+    number = {vertex: place for place, vertex in enumerate(own.vertices[name].tolist())}
+    return sorted(number[v] for v in singular_vertices(problem) if v in number)
+
+
+def singular_vertices(problem: Problem) -> list[int]:
     """Vertices where strain rates may be unbounded: re-entrant corners, and ends of loads.
 
-    On the boundary of the body: where the interior angle is above 180 degrees, or where loads,
-    supports or interfaces end along a straight line. Not at the end of a free edge of a heavy soil
-    without cohesion: stresses vanish there, and turn as much at any distance.
+    Of `whole`, on the boundaries of bodies, of what is bonded as of one: where the interior angle
+    is above 180 degrees, or where loads, supports or interfaces end along a straight line. Not at
+    the end of a free edge of a heavy soil without cohesion: stresses vanish there, and turn as much
+    at any distance.
     """
-    body = of_kind(problem.bodies, Body)[name]
-    mesh = body.mesh
+    bonded = whole(problem, bonded=True)
+    mesh = bonded.mesh
     alike = [
-        boundary_facets(body, part.boundary, "where")
-        for part in (*problem.supports, *problem.loads.values())
-        if part.boundary is not None and part.body == name
+        np.concatenate([_facets(problem, bonded, name, facets) for name, facets in parts])
+        for parts in _conditions(problem)
     ]
-    for pair, segments in zip(problem.interfaces, problem.segments, strict=True):
-        for (own, _), facets in zip(pair.sides, segments.edges, strict=False):
-            if own == name:
-                alike.append(facets)
     boundary = mesh.boundary_facets()
     conditions = np.zeros((mesh.nfacets, len(alike)), dtype=bool)
     for column, facets in enumerate(alike):
         conditions[facets, column] = True
+    loose = np.zeros(mesh.nfacets, dtype=bool)
+    for name, body in continua(problem).items():
+        if _loose(problem, name):
+            loose[_facets(problem, bonded, name, body.mesh.boundary_facets())] = True
     angle = _angles(mesh)
     sides: dict[int, list[int]] = {}
     for facet in boundary.tolist():
         for vertex in mesh.facets[:, facet].tolist():
             sides.setdefault(vertex, []).append(facet)
     found = []
-    loose = _loose(problem, name)
     for vertex, (one, *others) in sorted(sides.items()):
-        if loose and not all(conditions[side].any() for side in (one, *others)):
+        if any(loose[side] and not conditions[side].any() for side in (one, *others)):
             continue
         changes = any(np.any(conditions[one] != conditions[other]) for other in others)
         if angle[vertex] > pi + _STRAIGHT or (changes and angle[vertex] > pi - _STRAIGHT):
             found.append(vertex)
-    return found
+    number = np.zeros(mesh.p.shape[1], dtype=np.int64)
+    for name, vertices in whole(problem).vertices.items():
+        number[bonded.vertices[name]] = vertices
+    return np.unique(number[found]).tolist() if found else []
+
+
+def _conditions(problem: Problem) -> list[list[tuple[str, Ints]]]:
+    """Facets of bodies that have something in common: a support, a load, an interface."""
+    bodies = continua(problem)
+    alike: dict[object, list[tuple[str, Ints]]] = {}
+    # What holds the same components is one support, whichever of bonded bodies it holds.
+    parts = [(own.components, own) for own in problem.supports]
+    for key, part in (*parts, *enumerate(problem.loads.values())):
+        if part.boundary is not None and part.body in bodies:
+            facets = boundary_facets(bodies[part.body], part.boundary, "where")
+            alike.setdefault(key, []).append((part.body, facets))
+    for pair, segments in zip(problem.interfaces, problem.segments, strict=True):
+        for (name, _), facets in zip(pair.sides, segments.edges, strict=False):
+            if name in bodies:
+                alike[pair.name, name] = [(name, np.asarray(facets))]
+    return list(alike.values())
+
+
+def _facets(problem: Problem, joined: Joined, name: str, facets: Ints) -> Ints:
+    """Facets of a body as those of the joined mesh."""
+    ends = continua(problem)[name].mesh.facets[:, facets]
+    return facets_between(joined.mesh, joined.vertices[name][ends])
 
 
 def sectors_for(target_width: float, friction: float = 0.0) -> int:

@@ -1,26 +1,22 @@
 """What a bracket starts from: which problems, on which meshes (T26d)."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from skfem import MeshTri
 
-from lacore.adaptive.kept_water import differs, kept
+from lacore.adaptive.kept_water import differs
 from lacore.adaptive.same_domain import difference
-from lacore.adaptive.singular_points import friction_of, sectors_for, singular_points
-from lacore.bodies.any_body import of_kind
-from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.spaces import BOUNDING
+from lacore.adaptive.singular_points import friction_of, sectors_for, singular_vertices
+from lacore.adaptive.whole import continua, elements, mesh_of, on_mesh, with_kept_water
 from lacore.bounds.enclosing import associated, frictionless, has_coulomb
 from lacore.bounds.static_corners import CornerError
 from lacore.bounds.static_model import static_model
-from lacore.conditions.loads import Load
 from lacore.errors import InputError, require_known
 from lacore.meshes.checks import quality
 from lacore.meshes.fans import fanned
 from lacore.meshes.structured import split
+from lacore.problem.matching import matching
 from lacore.problem.problem import Problem
 
 MESHES = ("separate", "shared")
@@ -58,12 +54,14 @@ def starts(
             " associated friction, two problems whose errors lie elsewhere",
             "leave it out",
         )
+    bodies = continua(problem)
+    problem = matching(with_kept_water(problem))
+    problem = on_mesh(problem, mesh_of(problem))
+    rubbed = max(friction_of(body) for body in bodies.values())
     if meshes is None:
-        name, body = only_body(problem)
-        fans = friction_of(body) > 0 and bool(singular_points(problem, name))
+        fans = rubbed > 0 and bool(singular_vertices(problem))
         apart = coulomb or lower_mesh is not None or fans
         meshes = "separate" if apart else "shared"
-    problem = with_kept_water(on_mesh(problem, mesh_of(problem)))
     if meshes == "shared":
         both = _statable(problem)
         _check("both bounds", mesh_of(both), max_elements)
@@ -71,81 +69,13 @@ def starts(
     above, below = associated(problem), frictionless(problem)
     _check("the upper bound", mesh_of(above), max_elements)
     if lower_mesh is None:
-        name, body = only_body(below)
-        sectors = sectors_for(target_width, friction_of(body))
-        below = on_mesh(below, fanned(mesh_of(below), singular_points(below, name), sectors))
+        sectors = sectors_for(target_width, rubbed)
+        below = on_mesh(below, fanned(mesh_of(below), singular_vertices(below), sectors))
     else:
         below = _given(below, lower_mesh)
     below = _statable(below)
     _check("the lower bound", mesh_of(below), max_elements)
     return [Start(("lower",), below), Start(("upper",), above)]
-
-
-def only_body(problem: Problem) -> tuple[str, Body]:
-    """Name of the body whose mesh is refined, and that body; rigid blocks have no mesh."""
-    rigid = of_kind(problem.bodies, BlockAssembly)
-    meshed = {name: body for name, body in problem.bodies.items() if name not in rigid}
-    if not meshed:
-        raise InputError(
-            "Problem.bodies",
-            list(problem.bodies),
-            "a bracket refines the mesh of one body, and rigid blocks have none",
-            "take lacore.solve or coulomb_range: of rigid blocks alone there is nothing to refine",
-        )
-    if len(meshed) > 1:
-        raise InputError(
-            "Problem.bodies",
-            list(meshed),
-            "a bracket refines the mesh of one body, and meshes must match where bodies meet",
-            "refine by hand, with lacore.lower_bound and lacore.upper_bound",
-        )
-    ((name, stated),) = meshed.items()
-    body = of_kind(meshed, Body).get(name)
-    if body is None or type(body.mesh) is not MeshTri:
-        raise InputError(
-            f"Problem.bodies[{name!r}]",
-            type(stated if body is None else body.mesh).__name__,
-            "a bracket takes a deformable body on straight-edged triangles",
-            "give a lacore.Body on a skfem.MeshTri",
-        )
-    if body.axisymmetric:
-        raise InputError(
-            f"Problem.bodies[{name!r}].kinematics",
-            body.kinematics,
-            "nothing is a strict bound of a body of revolution",
-            "take `solve`, whose value converges under refinement",
-        )
-    return name, body
-
-
-def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
-    """The problem with its body on another mesh, in the velocity space of upper bounds.
-
-    What is projected from ``p2-gauss`` is a little closer, and astray where mechanisms are not
-    unique.
-    """
-    name, body = only_body(problem)
-    finer = replace(body, mesh=mesh, space=BOUNDING)
-    return replace(problem, bodies={**problem.bodies, name: finer})
-
-
-def with_kept_water(problem: Problem) -> Problem:
-    """The problem with the water that it has on its mesh, whatever mesh comes next."""
-    name, body = only_body(problem)
-
-    def held(loads: Sequence[Load]) -> list[Load]:
-        return [kept(load, body) if load.body == name else load for load in loads]
-
-    return replace(
-        problem,
-        reference_loads=held(problem.reference_loads),
-        dead_loads=held(problem.dead_loads),
-    )
-
-
-def mesh_of(problem: Problem) -> MeshTri:
-    """The mesh that is refined."""
-    return only_body(problem)[1].mesh
 
 
 def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
@@ -157,8 +87,17 @@ def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
             "not a mesh of straight-edged triangles",
             "give a skfem.MeshTri, such as a lacore.meshes.fan",
         )
+    name, *others = continua(problem)
+    if others:
+        raise InputError(
+            "lower_mesh",
+            f"mesh of {lower_mesh.nelements} elements",
+            f"one mesh, and the problem has the bodies {[name, *others]}",
+            "leave it out; meshes='separate' puts fans at singular points",
+        )
     below = on_mesh(problem, lower_mesh)
-    why = difference(only_body(problem)[1], only_body(below)[1])
+    body, other = continua(problem)[name], continua(below)[name]
+    why = difference(body, other)
     if why:
         raise InputError(
             "lower_mesh",
@@ -166,7 +105,6 @@ def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
             f"covers another domain: {why}; a lower bound there is none of this problem",
             "mesh the same outline, with the same names of its parts",
         )
-    (name, body), (_, other) = only_body(problem), only_body(below)
     for field, load in problem.loads.items():
         if load.body == name and differs(load, body, other):
             raise InputError(
@@ -180,10 +118,15 @@ def _given(problem: Problem, lower_mesh: MeshTri) -> Problem:
 
 def _statable(problem: Problem) -> Problem:
     """With elements split at whose corners loads ask for two shear stresses in one place."""
-    try:
-        static_model(problem)
-    except CornerError as error:
-        return on_mesh(problem, split(mesh_of(problem), error.elements))
+    for _ in continua(problem):
+        try:
+            static_model(problem)
+        except CornerError as error:
+            mesh = mesh_of(problem)
+            wrong = elements(problem, mesh, error.body)[error.elements]
+            problem = on_mesh(problem, split(mesh, wrong.tolist()))
+        else:
+            break
     return problem
 
 

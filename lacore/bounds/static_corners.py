@@ -22,12 +22,12 @@ _ROUND_OFF = 1e-9  # of the load on the facets at a vertex
 
 
 class CornerError(InputError):
-    """Loads that linear stresses cannot meet on this mesh, by the elements at fault."""
+    """Loads that linear stresses cannot meet on this mesh, by the elements of a body at fault."""
 
-    def __init__(self, field: str, elements: list[int]) -> None:
-        self.elements = elements
+    def __init__(self, body: str, elements: list[int]) -> None:
+        self.body, self.elements = body, elements
         super().__init__(
-            field,
+            f"Problem.bodies[{body!r}].mesh",
             elements,
             "the loads at a corner of these elements ask for two shear stresses in one place",
             "split them, `lacore.meshes.split(mesh, elements)`, or take a crossed mesh",
@@ -35,7 +35,7 @@ class CornerError(InputError):
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments."""
-        return CornerError, (self.field, self.elements)
+        return CornerError, (self.body, self.elements)
 
 
 def check_corners(
@@ -60,7 +60,7 @@ def check_corners(
             if power > _ROUND_OFF * float(loaded @ np.abs(mode)):
                 wrong += np.flatnonzero((mesh.t == vertex).any(axis=0)).tolist()
         if wrong:
-            raise CornerError(f"Problem.bodies[{name!r}].mesh", sorted(set(wrong)))
+            raise CornerError(name, sorted(set(wrong)))
 
 
 def _loaded_vertices(dofs: EquilibriumDofs, loaded: Floats) -> Ints:

@@ -10,6 +10,7 @@ from skfem import MeshTri
 
 from lacore.adaptive.bracket import Bracket
 from lacore.adaptive.marking import lower_shares
+from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
 
 _PAGE = 9.0  # inches
@@ -23,13 +24,13 @@ def plot_bracket(bracket: Bracket) -> Figure:
 
     The shares of the lower bound's mesh are those that it was refined by (T26d), of their sum.
     """
-    (name,) = bracket.upper_bound.discretisation.bodies
+    above, below = bracket.upper_bound.discretisation, bracket.lower_bound
     return plot_shares(
         bracket.heading,
-        bracket.upper_bound.discretisation.bodies[name].body.mesh,
-        bracket.gaps.elements[name],
-        bracket.lower_bound.model.bodies[name].body.mesh,
-        lower_shares(bracket.lower_bound, name),
+        mesh_of(above.problem),
+        np.concatenate(list(bracket.gaps.elements.values())),
+        mesh_of(below.model.problem),
+        np.concatenate([lower_shares(below, name) for name in below.model.bodies]),
     )
 
 

@@ -6,11 +6,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from skfem import MeshTri
 
 import lacore as la
 from lacore.adaptive.marking import lower_shares
-from lacore.adaptive.starts import with_kept_water
+from lacore.adaptive.whole import continua, mesh_of, with_kept_water
 from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
 from verification.case.bracketing import Bracketing
@@ -103,10 +102,13 @@ def _residuals(found: la.Bracket) -> dict[str, float]:
 
 def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterator[Shares]:
     """On the mesh of the problem, on one without any order, and on those of both bounds."""
-    ((name, body),) = ((n, b) for n, b in problem.bodies.items() if isinstance(b, la.Body))
-    finer = replace(body, mesh=irregular(body.mesh))
+    problem = la.matching(problem)
+    finer = {
+        name: replace(body, mesh=irregular(body.mesh)) for name, body in continua(problem).items()
+    }
     # A water table would pass through its elements: its pressures are those of the other mesh.
-    disordered = replace(with_kept_water(problem), bodies={**problem.bodies, name: finer})
+    disordered = replace(with_kept_water(problem), bodies={**problem.bodies, **finer})
+    disordered = la.matching(disordered)
     for mesh, stated in (("uniform", problem), ("irregular", disordered)):
         lower = la.lower_bound(stated, backend)
         upper = la.upper_bound(stated, backend)
@@ -118,22 +120,20 @@ def _identities(problem: la.Problem, found: la.Bracket, backend: str) -> Iterato
     above, stated = found.upper_bound, below.model.problem
     if above.discretisation.problem is not stated:
         above = la.upper_bound(stated, backend)
-    marks = lower_shares(below, name)
+    marks = np.concatenate([lower_shares(below, name) for name in below.model.bodies])
     yield _shares("lower", above, la.gap_identity(above, below), marks)
 
 
 def _shares(
     mesh: str, upper: la.UpperBound, identity: la.GapIdentity, marks: Floats | None = None
 ) -> Shares:
-    ((name, dofs),) = upper.discretisation.bodies.items()
-    of = dofs.body.mesh
-    assert isinstance(of, MeshTri)
+    of = mesh_of(upper.discretisation.problem)
     power = sum(float(part.sum()) for part in upper.dissipation.values())
     return Shares(
         mesh=mesh,
         points=of.p,
         elements=of.t,
-        shares=identity.elements[name],
+        shares=np.concatenate([*identity.elements.values()]),
         interfaces=np.array([*identity.interfaces.values()], dtype=float),
         marks=np.zeros(0) if marks is None else marks,
         lower=identity.lower,

@@ -341,18 +341,11 @@ def test_domains_are_the_same_to_the_precision_of_coordinates(size, offset, seed
     assert "area" in difference(filled, one)
 
 
-def test_slivers_and_other_bodies_are_refused():
+def test_slivers_are_refused():
     flat = la.meshes.rectangle((0, 4), (-2, 0), 4, 400, crossed=False)
     stated = on(punch(), flat)
     with pytest.raises(la.InputError, match=r"^mesh of both bounds: .* sliver of shape"):
         la.bracket(stated)
-    two = la.Problem(
-        {"a": la.Body(flat, CRITERION), "b": la.Body(flat, CRITERION)},
-        [la.Traction("a", "right", (1, 0))],
-        [la.Fix("a", "left"), la.Fix("b", "left")],
-    )
-    with pytest.raises(la.InputError, match="one body"):
-        la.bracket(two)
 
 
 def test_doerfler():

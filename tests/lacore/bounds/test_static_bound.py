@@ -321,21 +321,6 @@ def test_what_cannot_be_stated_is_refused_with_the_mend(stated, words):
     assert wrong.value.mend
 
 
-def test_meshes_that_do_not_match_are_refused():
-    lower, upper = (
-        la.Body(la.meshes.rectangle((0, 1), y, n, 1), CRITERION)
-        for y, n in (((0, 1), 2), ((1, 2), 3))
-    )
-    stated = la.Problem(
-        {"lower": lower, "upper": upper},
-        [la.Traction("upper", "top", (0, -1))],
-        [la.Fix("lower", "bottom")],
-        [la.Interface(("upper", "bottom"), ("lower", "top"), la.SMOOTH)],
-    )
-    with pytest.raises(la.InputError, match="do not match"):
-        la.lower_bound(stated)
-
-
 def test_unknown_and_regularised_backends():
     with pytest.raises(la.InputError, match="clarabel"):
         la.lower_bound(punch(), "clarabell")

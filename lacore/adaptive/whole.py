@@ -1,0 +1,106 @@
+"""The bodies of a problem as one mesh, which is refined: along interfaces both sides alike.
+
+Its elements are those of the bodies, one body after the other.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from skfem import MeshTri
+
+from lacore.adaptive.kept_water import kept
+from lacore.arrays import Floats, Ints
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.spaces import BOUNDING
+from lacore.conditions.loads import Load
+from lacore.errors import InputError
+from lacore.meshes.joined import Joined, elements_of, joined, parted
+from lacore.problem.matching import glued
+from lacore.problem.problem import Problem
+
+
+def continua(problem: Problem) -> dict[str, Body]:
+    """The bodies whose meshes are refined; rigid blocks have none.
+
+    Raises:
+        InputError: there is none, or one that has no strict bounds.
+    """
+    rigid = of_kind(problem.bodies, BlockAssembly)
+    meshed = {name: body for name, body in problem.bodies.items() if name not in rigid}
+    if not meshed:
+        raise InputError(
+            "Problem.bodies",
+            list(problem.bodies),
+            "a bracket refines the meshes of deformable bodies, and rigid blocks have none",
+            "take lacore.solve or coulomb_range: of rigid blocks alone there is nothing to refine",
+        )
+    deforming = of_kind(meshed, Body)
+    for name, stated in meshed.items():
+        body = deforming.get(name)
+        if body is None or type(body.mesh) is not MeshTri:
+            raise InputError(
+                f"Problem.bodies[{name!r}]",
+                type(stated if body is None else body.mesh).__name__,
+                "a bracket takes deformable bodies on straight-edged triangles",
+                "give a lacore.Body on a skfem.MeshTri",
+            )
+        if body.axisymmetric:
+            raise InputError(
+                f"Problem.bodies[{name!r}].kinematics",
+                body.kinematics,
+                "nothing is a strict bound of a body of revolution",
+                "take `solve`, whose value converges under refinement",
+            )
+    return deforming
+
+
+def whole(problem: Problem, *, bonded: bool = False) -> Joined:
+    """The meshes of its bodies, matching, as one; `bonded`: apart where they are not bonded."""
+    meshes = {name: body.mesh for name, body in continua(problem).items()}
+    return joined(meshes, glued(problem, bonded))
+
+
+def mesh_of(problem: Problem) -> MeshTri:
+    """The mesh that is refined."""
+    return whole(problem).mesh
+
+
+def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
+    """The problem with its bodies on what became of `mesh_of`, in the space of upper bounds.
+
+    What is projected from ``p2-gauss`` is a little closer, and astray where mechanisms are not
+    unique.
+    """
+    known = continua(problem)
+    finer = {
+        name: replace(known[name], mesh=part, space=BOUNDING)
+        for name, part in parted(mesh, list(known)).items()
+    }
+    return replace(problem, bodies={**problem.bodies, **finer})
+
+
+def elements(problem: Problem, mesh: MeshTri, name: str) -> Ints:
+    """Numbers of the elements of a body in `mesh_of` its problem."""
+    return elements_of(mesh, name, single=len(continua(problem)) == 1)
+
+
+def of_all(names: list[str], values: Callable[[str], Floats]) -> Floats:
+    """Values of the elements of all bodies, in the order of `mesh_of`."""
+    return np.concatenate([values(name) for name in names])
+
+
+def with_kept_water(problem: Problem) -> Problem:
+    """The problem with the water that it has on its meshes, whatever mesh comes next."""
+    known = continua(problem)
+
+    def held(load: Load) -> Load:
+        return kept(load, known[load.body]) if load.body in known else load
+
+    return replace(
+        problem,
+        reference_loads=[held(load) for load in problem.reference_loads],
+        dead_loads=[held(load) for load in problem.dead_loads],
+    )

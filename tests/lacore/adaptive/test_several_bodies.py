@@ -1,0 +1,116 @@
+"""Brackets of several bodies: each mesh adapts, and both sides of an interface alike."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.adaptive.singular_points import singular_vertices
+from lacore.adaptive.whole import mesh_of, on_mesh
+from lacore.problem.matching import matching
+from tests.lacore.assembly.test_bonds import cut_flat, cut_upright, whole
+from tests.lacore.bounds.test_several_bodies import layers
+
+
+@pytest.mark.parametrize("cut", [cut_flat, cut_upright])
+def test_a_cut_body_has_the_bracket_of_the_uncut_one(cut):
+    """The same elements in another order: by its load factors the same bracket."""
+    one, other = (la.bracket(own, 0.1) for own in (whole(), cut()))
+    assert other.status is one.status is la.Ending.REACHED
+    assert other.strict
+    # Shares that are equal but for round-off may be refined in another order.
+    assert other.lower <= one.upper
+    assert one.lower <= other.upper
+    assert other.lower_bound.model.n_elements < 2 * one.lower_bound.model.n_elements
+
+
+@pytest.mark.parametrize(
+    "law", [la.SMOOTH, la.Tresca(0.3), la.Coulomb(0.3, associated=True), la.STICK, la.BOND], ids=str
+)
+def test_interfaces_of_any_law(law):
+    found = la.bracket(layers(law, (7, 2)), 0.2)
+    assert found.status is la.Ending.REACHED
+    assert found.strict
+    gaps = found.gaps
+    assert gaps.total == pytest.approx(found.upper_bound.load_factor - gaps.lower, rel=1e-6)
+    sides = found.upper_bound.discretisation.problem
+    assert matching(sides) is sides
+
+
+@pytest.mark.parametrize(
+    ("strengths", "depth", "exact"),
+    [((1.0, 2.0), 1.25, (5.2657, 5.2831)), ((1.0, 0.5), 2.5, (3.6882, 3.7012))],
+    ids=["soft on stiff", "stiff on soft"],
+)
+@pytest.mark.parametrize("meshes", ["shared", "separate"])
+def test_layered_clay(strengths, depth, exact, meshes):
+    """Strict brackets of REFERENCES_LAYERED; a box of 3.5 widths holds both mechanisms."""
+    top = la.Body(
+        la.meshes.rectangle((0, 3.5), (-0.5, 0), 21, 3), la.VonMises(shear_strength=strengths[0])
+    )
+    low = la.Body(
+        la.meshes.rectangle((0, 3.5), (-depth, -0.5), 19, round(6 * depth) - 3),
+        la.VonMises(shear_strength=strengths[1]),
+    )
+    bodies = {"top": top, "low": low}
+    problem = la.Problem(
+        bodies,
+        [la.RigidFooting("top", lambda x: (x[0] <= 0.5) & (x[1] > -1e-9), (0, -1))],
+        [
+            *(la.Fix(name, "left", "x") for name in bodies),
+            *(la.Fix(name, "right") for name in bodies),
+            la.Fix("low", "bottom"),
+        ],
+        [la.Interface(("top", "bottom"), ("low", "top"), la.BOND)],
+    )
+    found = la.bracket(problem, 0.02, meshes=meshes)
+    assert found.status is la.Ending.REACHED
+    assert found.lower <= exact[1]
+    assert exact[0] <= found.upper
+
+
+def test_singular_points_of_what_is_bonded_are_those_of_one_body():
+    """Where a footing ends at a bond, no angle is straight in either part."""
+    places = []
+    for problem in (whole(), cut_flat(), cut_upright()):
+        mesh = mesh_of(problem)
+        places.append(mesh.p[:, singular_vertices(problem)].T.tolist())
+    assert places[0] == places[1] == places[2] == [[0.5, 0.0]]
+
+
+def test_meshes_are_told_apart_as_they_were_joined():
+    problem = cut_upright()
+    again = on_mesh(problem, mesh_of(problem))
+    for name, body in problem.bodies.items():
+        other = again.bodies[name].mesh
+        order, its = (np.lexsort(mesh.p) for mesh in (body.mesh, other))
+        assert np.array_equal(body.mesh.p[:, order], other.p[:, its])
+        assert set(other.boundaries) == set(body.mesh.boundaries)
+        for side, facets in body.mesh.boundaries.items():
+            assert len(other.boundaries[side]) == len(facets)
+    uncut = la.solve(problem).load_factor
+    assert la.solve(again).load_factor == pytest.approx(uncut, rel=1e-8)
+
+
+def test_a_bracket_says_which_side_stopped_and_why():
+    found = la.bracket(cut_flat(), 1e-3, max_elements=200)
+    assert found.status is la.Ending.MAX_ELEMENTS
+    assert "lower and upper bounds stopped at" in found.message
+    assert "max elements" in found.message
+    late = la.bracket(cut_flat(), 1e-4, time_limit=1e-3, meshes="separate")
+    assert late.status is la.Ending.TIME_LIMIT
+    assert "would end after the time limit" in late.message
+    assert "lower bound stopped at" in late.message
+    assert "upper bound stopped at" in late.message
+
+
+def test_options_are_those_of_the_backend():
+    with pytest.raises(la.InputError, match="tolerance"):
+        la.bracket(cut_flat(), 0.1, options={"tolerence": 1.0})
+    found = la.bracket(cut_flat(), 0.1, options={"tolerance": 1e-7})
+    assert found.lower_bound.options["tolerance"] == 1e-7
+
+
+def test_one_mesh_for_several_bodies_is_refused():
+    mesh = la.meshes.rectangle((0, 2), (-1, 0), 4, 2)
+    with pytest.raises(la.InputError, match="has the bodies"):
+        la.bracket(cut_flat(), 0.1, lower_mesh=mesh)
