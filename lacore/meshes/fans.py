@@ -40,7 +40,8 @@ def _fan(mesh: MeshTri, centre: int, sectors: int) -> MeshTri:
         return mesh
     shrink = [1.0, *_SHRINK, *[_LATER] * rings][: rings + 1]
     radius = np.cumprod(shrink)
-    points, triangles, parts = list(mesh.p.T), [], []
+    points, triangles = list(mesh.p.T), []
+    parts: list[int] = []
     on_spoke: dict[tuple[int, int], int] = {}
     for end in np.unique(corners).tolist():
         for ring in range(1, rings + 1):

@@ -26,7 +26,8 @@ def with_vertices(mesh: MeshTri, facets: Ints, places: Floats) -> MeshTri:
     along = end - start
     share = np.sum((places - start) * along, axis=0) / np.sum(along**2, axis=0)
     order = np.lexsort((share, facets))
-    points, chains = list(mesh.p.T), {}
+    points: list[Floats] = list(mesh.p.T)
+    chains: dict[Ends, list[int]] = {}
     for facet, at in zip(facets[order].tolist(), share[order].tolist(), strict=True):
         a, b = mesh.facets[:, facet].tolist()
         chains.setdefault((a, b), []).append(len(points))

@@ -50,8 +50,8 @@ def joined(meshes: Mapping[str, MeshTri], glue: Sequence[Glued]) -> Joined:
     counts = [mesh.p.shape[1] for mesh in meshes.values()]
     start = dict(zip(meshes, np.cumsum([0, *counts[:-1]]).tolist(), strict=True))
     pairs = [np.zeros((2, 0), dtype=np.int64)]
-    first = [np.reshape([start[own.first], start[own.second]], (2, 1)) for own in glue]
-    pairs += [own.vertices + at for own, at in zip(glue, first, strict=True)]
+    behind = [np.reshape([start[own.first], start[own.second]], (2, 1)) for own in glue]
+    pairs += [own.vertices + at for own, at in zip(glue, behind, strict=True)]
     one, other = np.concatenate(pairs, axis=1)
     total = sum(counts)
     graph = csr_matrix((np.ones(one.size), (one, other)), shape=(total, total))
