@@ -12,6 +12,7 @@ from .bodies.blocks import masonry as masonry
 from .bodies.blocks.block_assembly import BlockAssembly as BlockAssembly
 from .bodies.blocks.block_assembly import RigidBlock as RigidBlock
 from .bodies.continuum.body import Body as Body
+from .bodies.frames import sections as sections
 from .bodies.frames.frame import Frame as Frame
 from .bounds.gap_identity import GapIdentity as GapIdentity
 from .bounds.gap_identity import gap_identity as gap_identity

@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
 
 import lacore as la
 
@@ -58,7 +59,8 @@ def static_load_factor(frame, live, dead, clamped):
     Unknown are alpha and, of each piece, its tension N and the moments M_i, M_j that act on its
     ends, all anticlockwise; each node that is not clamped is in balance.
 
-    live, dead: forces (N, 2) on nodes. clamped: (N,) bool.
+    live, dead: forces (N, 2) on nodes. clamped: (N,) bool. Sections with an axial limit are held by
+    inequalities, side by side of their polygons.
     """
     pieces, count = frame.pieces, len(frame.names)
     e = (frame.position[:, pieces.end] - frame.position[:, pieces.start]) / pieces.length
@@ -74,14 +76,35 @@ def static_load_factor(frame, live, dead, clamped):
             balance[node, :2, first] -= sign * across
             balance[node, :2, second] -= sign * across
             balance[node, 2, moment] -= 1
-    bounds = [(None, None)]
-    for m_p in pieces.plastic_moment:
+    bounds, within = [(None, None)], []
+    for k, m_p in enumerate(pieces.plastic_moment):
         bounds += [(None, None), (-m_p, m_p), (-m_p, m_p)]
+        section = frame.section_of[pieces.member[k]]
+        if not section.extends:
+            continue
+        corners = np.array(section.corners)
+        around = np.concatenate([corners, corners[::-1] * [1, -1]])
+        hull = (
+            ConvexHull(around[np.any(around != np.roll(around, 1, axis=0), axis=1)])
+            if m_p
+            else None
+        )
+        if hull is None:
+            bounds[-3] = (-section.squash_load, section.squash_load)
+            continue
+        for n, m, off in hull.equations:
+            for end in (2, 3):
+                row = np.zeros(columns + 1)
+                row[[1 + 3 * k, end + 3 * k, -1]] = n, m, -off
+                within.append(row)
     free = ~clamped
+    sides = np.array(within).reshape(-1, columns + 1)
     answer = linprog(
         -np.eye(columns)[0],
         A_eq=balance[free].reshape(-1, columns),
         b_eq=right[free].ravel(),
+        A_ub=sides[:, :-1],
+        b_ub=sides[:, -1],
         bounds=bounds,
     )
     assert answer.status == 0, answer.message

@@ -173,8 +173,8 @@ def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike])
             u[dofs] = _array(field, values, dofs.shape)
         else:
             part = rigid[name]
-            own = part.unknowns(_array(field, values, (3, part.count // 3)))
-            u[part.offset : part.offset + part.count] = own
+            own = part.unknowns(_array(field, values, part.motion(u).shape))
+            u[part.offset : part.offset + own.size] = own  # slides of frames stay
     if d.footings.size:  # their speeds follow from the nodes that they move
         shown = np.setdiff1d(np.arange(u.size), d.footings)
         basis = d.free_basis[shown]
@@ -215,12 +215,13 @@ def _with_stress(
 
 def _with_moments(d: Discretisation, point: ProgramState, hinges: Table) -> ProgramState:
     """The state with moments of hinges as `LimitState.hinges` shows them."""
-    mine = [number for number, group in enumerate(d.full.groups) if group.name in d.frames]
-    sizes = [d.full.groups[number].weights.size for number in mine]
+    mine = [n for n, group in enumerate(d.full.groups) if group.name in d.frames]
+    frames = [d.frames[d.full.groups[number].name] for number in mine]
+    sizes = [dofs.modes.ends[0].size for dofs in frames]
     moments = np.split(_column("hinges", hinges, "moment", sum(sizes)), np.cumsum(sizes)[:-1])
     stresses = list(point.stress)
-    for number, moment in zip(mine, moments, strict=True):
-        stresses[number] = (moment / d.full.groups[number].weights)[:, None]
+    for number, dofs, moment in zip(mine, frames, moments, strict=True):
+        stresses[number] = dofs.stress_of(stresses[number][:, 0], moment)[:, None]
     return replace(point, stress=tuple(stresses))
 
 

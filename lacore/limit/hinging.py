@@ -38,9 +38,9 @@ def hinged(state: LimitState, given: Problem, tolerance: float) -> Problem:
     assert state.point is not None
     for name, dofs in state.discretisation.frames.items():
         moments, frame = span_moments(state.discretisation, state.point, name), dofs.body
-        beyond = moments.inside > (1 + tolerance) * frame.pieces.plastic_moment
-        chosen = np.flatnonzero(beyond)
-        new = places_on(frame, chosen, moments.peaks[chosen])
+        used, share = moments.use(frame)
+        chosen = np.flatnonzero(used > 1 + tolerance)
+        new = places_on(frame, chosen, share[chosen])
         first = of_kind(given.bodies, Frame)[name]
         old = frame.position[:, ~np.isin(frame.names, first.names)]
         near = _APART * moments.length[chosen]

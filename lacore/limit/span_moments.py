@@ -11,6 +11,8 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
+from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.section import Section
 from lacore.state import ProgramState
 
 
@@ -20,11 +22,13 @@ class SpanMoments:
 
     Attributes:
         ends: at the start and the end, N, (P, 2).
+        axial: tension there, N/m, (P, 2); NaN where it has no limit.
         load: across the piece, to the left, N/m per m, (P,).
         length: m, (P,).
     """
 
     ends: Floats
+    axial: Floats
     load: Floats
     length: Floats
 
@@ -48,27 +52,57 @@ class SpanMoments:
         """Magnitudes at the peaks, 0 where there is none, N, (P,)."""
         return np.nan_to_num(np.abs(self.at(self.peaks[:, None])[:, 0]), nan=0.0)
 
+    def use(self, frame: Frame) -> tuple[Floats, Floats]:
+        """How far sections are used inside, at most, and where, as shares of the length: (P,) each.
+
+        The use is 1 where a section yields; 0, at NaN, where nothing peaks inside. Where N and M
+        interact it peaks beside the moment if N changes along the piece.
+        """
+        strength, place = frame.pieces.plastic_moment, self.peaks
+        bends = np.where(strength > 0, strength, np.inf)
+        used = self.inside / bends
+        for piece, member in enumerate(frame.pieces.member.tolist()):
+            section = frame.section_of[member]
+            if section.extends and section.bends and self.load[piece] != 0:
+                used[piece], place[piece] = self._interacting(piece, section)
+        return used, place
+
+    def _interacting(self, piece: int, section: Section) -> tuple[float, float]:
+        """Of a piece whose N and M interact: each side of its polygon peaks at one place."""
+        (start, end), (a, b) = self.ends[piece], self.axial[piece]
+        bow = self.load[piece] * self.length[piece] ** 2
+        normal = section.sides[0]
+        normal = normal[normal[:, 1] > 0]
+        lean = np.outer([-1.0, 1.0], normal[:, 0] / normal[:, 1]).ravel()
+        share = 0.5 + (end - start + lean * (b - a)) / bow
+        share = share[(share > 0) & (share < 1)]
+        if not share.size:
+            return 0.0, np.nan
+        moment = start * (1 - share) + end * share + bow * share * (1 - share) / 2
+        used = section.use(a * (1 - share) + b * share, moment)
+        most = int(np.argmax(used))
+        return float(used[most]), float(share[most])
+
 
 def span_moments(discretisation: Discretisation, point: ProgramState, name: str) -> SpanMoments:
     """Of a frame, from a state in SI units."""
     dofs, problem = discretisation.frames[name], discretisation.problem
     pieces = dofs.body.pieces
-    ends = np.zeros(pieces.stiff.shape)
+    ends, axial = np.zeros(pieces.stiff.shape), np.full(pieces.stiff.shape, np.nan)
     for group, stress in zip(discretisation.full.groups, point.stress, strict=True):
         if group.name == name and group.weights.size:
-            ends[pieces.stiff] = group.weights * stress[:, 0]
+            axial, ends = dofs.end_forces(stress[:, 0])
     # On the node, anticlockwise; tension is on the left where the start is turned anticlockwise by
     # its node, or the end clockwise.
-    ends *= np.array([-1.0, 1.0])
+    ends = ends * np.array([-1.0, 1.0])
     loads = (problem.reference_loads, problem.dead_loads)
     live, dead = (dofs.load_across([load for load in own if load.body == name]) for own in loads)
-    return SpanMoments(ends, point.load_factor * live + dead, pieces.length)
+    return SpanMoments(ends, axial, point.load_factor * live + dead, pieces.length)
 
 
 def span_excess(discretisation: Discretisation, point: ProgramState) -> float:
-    """How far moments inside members exceed the plastic moment, relative; at least 0."""
+    """How far members are beyond yield between their nodes, relative; at least 0."""
     ratios = [np.zeros(0)]
     for name, dofs in discretisation.frames.items():
-        inside = span_moments(discretisation, point, name).inside
-        ratios.append(inside / dofs.body.pieces.plastic_moment)
+        ratios.append(span_moments(discretisation, point, name).use(dofs.body)[0])
     return float(np.concatenate(ratios).max(initial=1.0)) - 1

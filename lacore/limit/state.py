@@ -182,8 +182,9 @@ class LimitState(Shown):
         One row an end of a rigid piece that carries moment, two where a member goes through a
         node. The moment is that of the member on its node, the rotation rate (at ``F0.u = 1``) that
         of the member against its node, both anticlockwise: a hinge dissipates their product. Where
-        equal members meet, any split of the rotation between their ends is as good. `state` is
-        ``turns`` or ``rests``.
+        equal members meet, any split of the rotation between their ends is as good. Of members
+        that yield to axial force that (N/m, tension positive), its limit and the rate of elongation
+        (m/s) stand there, too; bars have no node. `state`: ``turns``, ``stretches`` or ``rests``.
         """
         point, frames = self._point(), self.discretisation.frames
         rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
@@ -191,10 +192,7 @@ class LimitState(Shown):
         for group, stress in zip(self.discretisation.full.groups, point.stress, strict=True):
             if group.name in frames:
                 dofs = frames[group.name]
-                rate = group.cone_vectors(point.velocity)[:, 0]
-                table = dofs.hinges(rate, stress[:, 0])
-                turns = np.abs(rate) * dofs.body.size > rest
-                table["state"] = np.where(turns, "turns", "rests")
+                table = dofs.hinges(point.velocity, stress[:, 0], rest)
                 table.insert(0, "frame", group.name)
                 tables.append(table)
         return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()

@@ -254,7 +254,8 @@ def _loads(state: LimitState) -> Iterator[tuple[Floats, Floats, Floats]]:
     for name, frame in d.frames.items():
         loads = [own for own in stated if own.body == name]
         points = [frame.force(own) for own in loads if own.boundary is None]
-        nodal = np.sum([np.zeros(frame.count), *points], axis=0).reshape(-1, 3)[:, :2].T
+        every = np.sum([np.zeros(frame.count), *points], axis=0)
+        nodal = every[: frame.nodal].reshape(-1, 3)[:, :2].T
         force, place = _along_members(frame, frame.line_loads(loads))
         force = np.concatenate([nodal, force], axis=1)
         place = np.concatenate([frame.body.position, place], axis=1)

@@ -13,6 +13,7 @@ from matplotlib.path import Path
 from lacore.arrays import Floats
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.modes import WHOLE
 from lacore.limit.span_moments import SpanMoments, span_moments
 from lacore.limit.state import LimitState
 from lacore.pictures.contact import COLOURS, GROUND
@@ -105,11 +106,13 @@ def _hinges(state: LimitState, name: str, moved: Floats, least: float) -> tuple[
         moved: nodes after displacement, (2, N), m.
         least: rate of rotation that is still drawn, rad/s.
     """
-    frame = state.discretisation.frames[name].body
-    piece, side = np.nonzero(frame.pieces.stiff)
+    dofs = state.discretisation.frames[name]
+    frame, (piece, side) = dofs.body, dofs.modes.ends
     if not piece.size:
         return np.zeros((2, 0)), np.zeros(0)
     rate = _own_hinges(state, name)["rotation_rate"].to_numpy()
+    ends = side != WHOLE
+    piece, side, rate = piece[ends], side[ends], rate[ends]
     node = frame.pieces.nodes[piece, side]
     ends = np.bincount(node, minlength=len(frame.names))
     pair = ends[node] == 2

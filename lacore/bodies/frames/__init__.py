@@ -1,1 +1,5 @@
-"""Plane frames: members, plastic hinges, unknowns."""
+"""Plane frames: members, sections, plastic hinges, unknowns."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

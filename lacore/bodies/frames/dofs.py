@@ -1,13 +1,16 @@
 """Unknowns of frames: for each node u_x, u_y and w = phi r, with phi its rotation rate.
 
 r is the size of the frame, so that all unknowns are velocities, m/s, and all forces, moments over r
-included, are N/m. The ends of a rigid piece of length L have no velocity along it against each
-other, and it turns at ``n.(u_end - u_start)/L``; a plastic hinge turns at that rate less phi of
-its node, and dissipates ``M_p |theta|`` (T6).
+included, are N/m. A piece of length L turns at ``n.(u_end - u_start)/L``; a plastic hinge turns at
+that rate less phi of its node, and dissipates ``M_p |theta|`` (T6). The ends of a piece whose
+section has no limit to axial force have no velocity along it against each other; others yield along
+it, too, by modes of their own, and have a slide among the unknowns, m/s, behind those of all
+nodes: see `lacore.bodies.frames.modes`.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -18,6 +21,7 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.held import COMPONENTS
 from lacore.bodies.frames.loaded import line_load, nodal
+from lacore.bodies.frames.modes import WHOLE, Modes, modes_of, rate_rows
 from lacore.conditions.loads import Fix, Load
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
@@ -41,9 +45,19 @@ class FrameDofs(Compact):
     bent = axisymmetric = False
 
     @property
+    def nodal(self) -> int:
+        """Number of unknowns of nodes, which come first."""
+        return 3 * len(self.body.names)
+
+    @property
     def count(self) -> int:
         """Number of unknowns."""
-        return 3 * len(self.body.names)
+        return self.nodal + self.modes.slides.size
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Ways in which it yields."""
+        return modes_of(self.body)
 
     @property
     def strength(self) -> float:
@@ -84,71 +98,116 @@ class FrameDofs(Compact):
         return np.ones_like(places[0])
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """The hinges, weights size^2: ``weight * stress`` is a moment. None where all is pinned."""
-        body, pieces = self.body, self.body.pieces
-        piece, side = self._ends
-        if not piece.size:
+        """The modes, weights size^2: ``weight * stress`` is a moment. None where nothing yields."""
+        modes = self.modes
+        if not modes.piece.size:
             return ()
-        normal = np.stack([-pieces.along[1], pieces.along[0]]) / pieces.length
-        start, end = self.offset + 3 * pieces.start[piece], self.offset + 3 * pieces.end[piece]
-        turning = self.offset + 3 * pieces.nodes[piece, side] + 2
-        columns = np.stack([start, start + 1, end, end + 1, turning], axis=1)
-        x, y = normal[:, piece]
-        values = np.stack([-x, -y, x, y, np.full(piece.size, -1 / body.size)], axis=1)
-        first = 5 * np.arange(piece.size + 1)
-        rows = csr_matrix((values.ravel(), columns.ravel(), first), shape=(piece.size, n))
-        rows.eliminate_zeros()
-        weights = np.full(piece.size, body.size**2)
+        weights = np.full(modes.piece.size, self.body.size**2)
         return (
             DissipationGroup(
                 name=name,
-                rows=rows,
+                rows=rate_rows(self.body, modes, self.offset, n),
                 dim=1,
                 weights=weights,
-                bound=pieces.plastic_moment[piece] / weights,
-                volumetric=csr_matrix((piece.size, n)),
+                bound=modes.strength / weights,
+                volumetric=csr_matrix((modes.piece.size, n)),
                 volumetric_factor=0.0,
             ),
         )
 
-    @property
-    def _ends(self) -> tuple[Ints, Ints]:
-        """Pieces, and which of their ends, that carry moment: the potential hinges, in order."""
-        piece, side = np.nonzero(self.body.pieces.stiff)
-        return piece, side
-
     def motion(self, velocity: Floats) -> Floats:
         """u_x, u_y of the nodes, m/s, and rotation rates, rad/s, shape (3, nodes)."""
-        own = velocity[self.offset : self.offset + self.count].reshape(-1, 3).T.copy()
+        own = velocity[self.offset : self.offset + self.nodal].reshape(-1, 3).T.copy()
         own[2] /= self.body.size
         return own
 
     def unknowns(self, motion: Floats) -> Floats:
-        """The inverse of `motion`, shape (count,)."""
+        """The inverse of `motion`, shape (nodal,)."""
         own = motion.copy()
         own[2] *= self.body.size
         return np.asarray(own.T.ravel())
 
-    def hinges(self, rotation: Floats, stress: Floats) -> pd.DataFrame:
-        """Table of the potential hinges from cone vectors and stresses of their group, (H,)."""
-        body, pieces = self.body, self.body.pieces
-        piece, side = self._ends
-        node = pieces.nodes[piece, side]
-        return pd.DataFrame(
+    def end_forces(self, stress: Floats) -> tuple[Floats, Floats]:
+        """Tension (N/m) and moment (N) at both ends of all pieces, (P, 2), from stresses (K,).
+
+        Moments are those of members on nodes, anticlockwise; tension is NaN where axial force has
+        no limit.
+        """
+        axial, moment = self.modes.forces(self.body.size**2 * stress)
+        piece, side = self.modes.ends
+        shape = self.body.pieces.stiff.shape
+        tension, bending = np.full(shape, np.nan), np.zeros(shape)
+        free = np.isin(piece, self.modes.slides)
+        whole = side == WHOLE
+        tension[piece[free], side[free]] = axial[free]
+        tension[piece[whole]] = axial[whole, None]
+        bending[piece[~whole], side[~whole]] = moment[~whole]
+        return tension, bending
+
+    def stress_of(self, stress: Floats, moment: Floats) -> Floats:
+        """Stresses (K,) with other moments of the rows of `hinges`, (E,), changed least."""
+        weight = self.body.size**2
+        axial, _ = self.modes.forces(weight * stress)
+        return self.modes.with_forces(weight * stress, axial, moment) / weight
+
+    def hinges(self, velocity: Floats, stress: Floats, rest: float) -> pd.DataFrame:
+        """Table of where it can yield, a row an end of a piece, then one a bar.
+
+        Args:
+            velocity: of all unknowns.
+            stress: of the modes, (K,).
+            rest: m/s: slower motions are none.
+        """
+        body, pieces, (piece, side) = self.body, self.body.pieces, self.modes.ends
+        axial, moment = self.modes.forces(body.size**2 * stress)
+        bar = side == WHOLE
+        node = pieces.nodes[piece, np.maximum(side, 0)]
+        place = body.position[:, node]
+        place[:, bar] += (pieces.along * pieces.length)[:, piece[bar]] / 2
+        turning, stretching = self._rates(velocity)
+        names = np.array([*body.names, ""], dtype=object)
+        table = pd.DataFrame(
             {
                 "member": np.array(body.member_names, dtype=object)[pieces.member[piece]],
-                "node": np.array(body.names, dtype=object)[node],
-                "x": body.position[0, node],
-                "y": body.position[1, node],
-                "moment": stress * body.size**2,
+                "node": names[np.where(bar, len(body.names), node)],
+                "x": place[0],
+                "y": place[1],
+                "moment": moment,
                 "plastic_moment": pieces.plastic_moment[piece],
-                "rotation_rate": rotation,
+                "rotation_rate": turning,
             }
         )
+        yields = bar | np.isin(piece, self.modes.slides)
+        if yields.any():
+            squash = np.array([body.section_of[m].squash_load for m in pieces.member[piece]])
+            table["axial_force"] = np.where(yields, axial, np.nan)
+            table["squash_load"] = squash
+            table["elongation_rate"] = stretching
+        turns, stretches = np.abs(turning) * body.size > rest, np.abs(stretching) > rest
+        table["state"] = np.where(turns, "turns", np.where(stretches, "stretches", "rests"))
+        return table
+
+    def _rates(self, velocity: Floats) -> tuple[Floats, Floats]:
+        """Rates of rotation, rad/s, and of elongation, m/s, at the ends of `Modes.ends`, (E,)."""
+        pieces, (piece, side) = self.body.pieces, self.modes.ends
+        motion, bar = self.motion(velocity), side == WHOLE
+        jump = motion[:2, pieces.end[piece]] - motion[:2, pieces.start[piece]]
+        x, y = pieces.along[:, piece]
+        turning = (x * jump[1] - y * jump[0]) / pieces.length[piece]
+        turning -= motion[2, pieces.nodes[piece, np.maximum(side, 0)]]
+        stiff = pieces.stiff[piece, np.maximum(side, 0)] & ~bar
+        slide = np.zeros(pieces.length.size)
+        slide[self.modes.slides] = velocity[self.offset + self.nodal : self.offset + self.count]
+        stretch = x * jump[0] + y * jump[1]
+        shared = stretch / 2 + np.where(side == 0, 1.0, -1.0) * slide[piece]
+        shared *= np.isin(piece, self.modes.slides)
+        return np.where(stiff, turning, 0.0), np.where(bar, stretch, shared)
 
     def force(self, load: Load) -> Floats:
         """Forces of a load on the unknowns, shape (count,), N/m."""
-        return nodal(load, self.body).ravel()
+        pieces, own = self.body.pieces, self.modes.slides
+        along = np.sum(line_load(load, self.body) * pieces.along, axis=0) * pieces.length
+        return np.concatenate([nodal(load, self.body).ravel(), along[own]])
 
     def line_loads(self, loads: Iterable[Load]) -> Floats:
         """Loads of this frame along members on all pieces together, N/m per m, (2, P)."""
@@ -169,10 +228,10 @@ class FrameDofs(Compact):
         turns = np.zeros(held.shape[0], dtype=bool)
         turns[pieces.nodes[pieces.stiff]] = True
         held[:, 2] |= ~turns
-        moves = np.flatnonzero(~held.ravel())
+        moves = np.append(np.flatnonzero(~held.ravel()), np.arange(self.nodal, self.count))
         basis = np.zeros((self.count, moves.size))
         basis[moves, np.arange(moves.size)] = 1.0
-        return csr_matrix(basis @ _null_space(self._stretch()[:, moves]))
+        return csr_matrix(basis @ _null_space(self._kept()[:, moves]))
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
         """Places (2, k) of the held nodes, and what supports exert there: forces, moments (3, k).
@@ -184,10 +243,10 @@ class FrameDofs(Compact):
         held = self._held(supports)
         exerted = np.zeros(self.count)
         own = np.flatnonzero(held.ravel())
-        columns = np.concatenate([np.eye(self.count)[:, own], self._stretch().T], axis=1)
+        columns = np.concatenate([np.eye(self.count)[:, own], self._kept().T], axis=1)
         exerted[own] = np.linalg.lstsq(columns, force)[0][: own.size]
         nodes = held.any(axis=1)
-        result = exerted.reshape(-1, 3)[nodes].T
+        result = exerted[: self.nodal].reshape(-1, 3)[nodes].T
         result[2] *= self.body.size
         return self.body.position[:, nodes], result
 
@@ -199,14 +258,28 @@ class FrameDofs(Compact):
             held[nodes] |= np.array(COMPONENTS[support.components])
         return held
 
-    def _stretch(self) -> Floats:
-        """Rows of the rate at which each piece would get longer, (P, count)."""
-        pieces = self.body.pieces
-        own = np.arange(pieces.start.size)
+    def _kept(self) -> Floats:
+        """Rows of rates that are 0, m/s, (k, count).
+
+        How fast pieces without axial limit would get longer, and how fast ends of rigid ones would
+        turn against their nodes, times their length.
+        """
+        pieces, sections = self.body.pieces, self.body.section_of
+        stretch = np.array([not sections[member].extends for member in pieces.member])
+        own = np.flatnonzero(stretch)
         rows = np.zeros((own.size, len(self.body.names), 3))
-        rows[own, pieces.end, :2] = pieces.along.T
-        rows[own, pieces.start, :2] = -pieces.along.T
-        return rows.reshape(own.size, -1)
+        rows[np.arange(own.size), pieces.end[own], :2] = pieces.along[:, own].T
+        rows[np.arange(own.size), pieces.start[own], :2] = -pieces.along[:, own].T
+        rigid = np.array([sections[member].rigid for member in pieces.member])
+        piece, side = np.nonzero(pieces.stiff & rigid[:, None])
+        turns = np.zeros((piece.size, len(self.body.names), 3))
+        each = np.arange(piece.size)
+        across = np.stack([-pieces.along[1, piece], pieces.along[0, piece]], axis=1)
+        turns[each, pieces.end[piece], :2] = across
+        turns[each, pieces.start[piece], :2] = -across
+        turns[each, pieces.nodes[piece, side], 2] = -pieces.length[piece] / self.body.size
+        nodal = np.concatenate([rows, turns]).reshape(-1, self.nodal)
+        return np.pad(nodal, [(0, 0), (0, self.count - self.nodal)])
 
 
 def _null_space(conditions: Floats) -> Floats:

@@ -15,14 +15,16 @@ from lacore.bodies.frames.members import (
     Pieces,
     on_lines,
     read_members,
-    read_moments,
     read_nodes,
     read_releases,
+    read_sections,
     require_apart,
     require_joined,
     require_single,
+    require_whole_bars,
     split_members,
 )
+from lacore.bodies.frames.section import Section
 from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
@@ -47,25 +49,30 @@ class Frame(Shown):
     Attributes:
         nodes: places (x, y) by name, m.
         members: ``(node, node)`` by name; those of a sequence are called "A-B".
-        plastic_moment: M_p of all members, or by member, N.
+        plastic_moment: M_p of all members that have no section, or by member, N.
         releases: ``(member, node)``: ends without moment. A node that one member reaches needs
             none: it turns with its member unless a support clamps it.
         tolerance: m; 1e-6 of the size if None.
+        sections: of all members, or by member: see `lacore.sections`. Their axial force and moment
+            interact, bars carry axial force alone; a plain M_p has no limit to axial force.
         names, member_names: of nodes (N,) and members (M,).
         position: of the nodes, (2, N), m.
         size: diagonal of the bounding box, m.
+        section_of: of each member, (M,).
         pieces: see `Pieces`.
 
     Raises:
         InputError: unknown or unused nodes, nodes at one place, members without length or on top
-            of each other, M_p that is missing or not positive, parts that no member joins.
+            of each other, M_p that is missing, given twice or not positive, bars with nodes inside,
+            parts that no member joins.
     """
 
     nodes: Mapping[str, tuple[float, float]]
     members: Members
-    plastic_moment: float | Mapping[str, float]
+    plastic_moment: float | Mapping[str, float] | None = None
     releases: Sequence[tuple[str, str]] = ()
     tolerance: float | None = None
+    sections: Section | Mapping[str, Section] | None = None
     pointwise: ClassVar[bool] = True  # it touches others in single nodes
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
@@ -73,6 +80,7 @@ class Frame(Shown):
     member_names: tuple[str, ...] = field(init=False, repr=False)
     position: Floats = field(init=False, repr=False)
     size: float = field(init=False, repr=False)
+    section_of: tuple[Section, ...] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
@@ -92,29 +100,28 @@ class Frame(Shown):
             require_positive("Frame.tolerance", self.tolerance)
         tolerance = _TOLERANCE * size if self.tolerance is None else float(self.tolerance)
         require_apart(names, position, tolerance)
-        moments = read_moments(self.plastic_moment, tuple(members))
+        sections = read_sections(self.plastic_moment, self.sections, tuple(members))
         number = {name: index for index, name in enumerate(names)}
         ends = np.array([[number[node] for node in pair] for pair in members.values()])
-        pieces = split_members(position, ends, moments, tolerance)
+        pieces = split_members(position, ends, sections, tolerance)
         stiff = read_releases(self.releases, tuple(members), names, pieces)
         pieces = replace(pieces, stiff=stiff)
         require_single(names, tuple(members), pieces)
         require_joined(names, tuple(members), position, ends, pieces)
+        require_whole_bars(names, tuple(members), sections, pieces)
         places = dict(zip(names, map(tuple, position.T.tolist()), strict=True))
         computed = {
             "nodes": MappingProxyType(places),
             "members": MappingProxyType(members),
-            "plastic_moment": (
-                MappingProxyType(dict(self.plastic_moment))
-                if isinstance(self.plastic_moment, Mapping)
-                else float(self.plastic_moment)
-            ),
+            "plastic_moment": _kept(self.plastic_moment),
+            "sections": _kept(self.sections),
             "releases": tuple((member, node) for member, node in self.releases),
             "tolerance": tolerance,
             "names": names,
             "member_names": tuple(members),
             "position": position,
             "size": size,
+            "section_of": sections,
             "pieces": pieces,
         }
         for name, value in computed.items():
@@ -128,11 +135,14 @@ class Frame(Shown):
 
     def facts(self) -> Facts:
         """What it consists of."""
-        low, high = self.pieces.plastic_moment.min(), self.pieces.plastic_moment.max()
+        finite = [own.plastic_moment for own in self.section_of if own.bends and not own.rigid]
+        low, high = min(finite, default=0.0), max(finite, default=0.0)
+        named = dict.fromkeys(own.name for own in self.section_of if own.extends or own.rigid)
+        moment = f"M_p = {low:.4g} N" if low == high else f"M_p = {low:.4g} to {high:.4g} N"
         told = {
             "members": listed(self.member_names, 10),
             "nodes": listed(self.names, 10),
-            "moment": f"M_p = {low:.4g} N" if low == high else f"M_p = {low:.4g} to {high:.4g} N",
+            "moment": "; ".join([moment, listed(list(named), 4)] if named else [moment]),
             "releases": counted(len(self.releases), "release"),
             "size": f"{self.pieces.length.sum():.4g} m of members, {self.size:.4g} m across",
         }
@@ -248,3 +258,10 @@ class Frame(Shown):
         """Distance up to which coordinates count as one, m."""
         assert self.tolerance is not None  # since it was built
         return self.tolerance
+
+
+def _kept(value: Any) -> Any:
+    """A mapping that nobody changes, or the value itself; of numbers a float."""
+    if isinstance(value, Mapping):
+        return MappingProxyType(dict(value))
+    return value if value is None or isinstance(value, Section) else float(value)

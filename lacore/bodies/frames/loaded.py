@@ -79,5 +79,8 @@ def _traction(load: Traction, body: "Frame") -> Floats:
         if name not in body.member_names:
             mend = suggest(str(name), body.member_names)
             raise InputError("Traction.where", name, "no such member", mend)
+        if not body.section_of[body.member_names.index(name)].bends:
+            why = "a bar, which carries axial force alone"
+            raise InputError("Traction.where", name, why, "load its nodes")
     loaded = np.isin(body.member_names, wanted)[body.pieces.member]
     return np.outer(load.vector, loaded)

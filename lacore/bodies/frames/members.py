@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.frames.section import Section
 from lacore.errors import (
     InputError,
     is_number,
@@ -32,7 +34,7 @@ class Pieces(Compact):
         start, end: node numbers, (P,).
         along: unit direction of the member, (2, P).
         length: (P,), m.
-        plastic_moment: (P,), N.
+        plastic_moment: (P,), N; 0 of bars, infinite of what is rigid.
         stiff: whether the start and the end carry moment, (P, 2).
     """
 
@@ -94,20 +96,51 @@ def _is_pair(pair: object) -> bool:
     return isinstance(pair, tuple | list) and len(pair) == 2
 
 
-def read_moments(given: float | Mapping[str, float], members: tuple[str, ...]) -> Floats:
-    """Plastic moments of the members, (M,); raises `InputError` where one is none or missing."""
-    if not isinstance(given, Mapping):
-        _require_moment("Frame.plastic_moment", given)
-        return np.full(len(members), float(given))
-    for name, value in given.items():
-        require_known("Frame.plastic_moment", name, members)
-        _require_moment(f"Frame.plastic_moment[{name!r}]", value)
-    missing = [name for name in members if name not in given]
+def read_sections(
+    moment: float | Mapping[str, float] | None,
+    sections: Section | Mapping[str, Section] | None,
+    members: tuple[str, ...],
+) -> tuple[Section, ...]:
+    """Sections of the members; raises `InputError` where one is none, missing or given twice."""
+    found: dict[str, Section] = {}
+    if isinstance(sections, Section):
+        found = dict.fromkeys(members, sections)
+    elif isinstance(sections, Mapping):
+        for name, own in sections.items():
+            require_known("Frame.sections", name, members)
+            if not isinstance(own, Section):
+                mend = "give one of lacore.sections: standard('IPE 300', 235e6), bar(1e5), ..."
+                raise InputError(f"Frame.sections[{name!r}]", own, "not a section", mend)
+            found[name] = own
+    elif sections is not None:
+        mend = "give a section of lacore.sections, or {'member': section}"
+        raise InputError("Frame.sections", sections, "not a section", mend)
+    if isinstance(moment, Mapping):
+        for name, value in moment.items():
+            require_known("Frame.plastic_moment", name, members)
+            _require_moment(f"Frame.plastic_moment[{name!r}]", value)
+            if name in found:
+                why = "this member has a section"
+                raise InputError("Frame.plastic_moment", name, why, "give one of the two")
+            found[name] = _of_moment(value)
+    elif moment is not None:
+        _require_moment("Frame.plastic_moment", moment)
+        if len(found) == len(members):
+            raise InputError(
+                "Frame.plastic_moment", moment, "all members have sections", "leave it out"
+            )
+        found = {name: found.get(name, _of_moment(moment)) for name in members}
+    missing = [name for name in members if name not in found]
     if missing:
         raise InputError(
             "Frame.plastic_moment", missing, "members without one", "give one for each member"
         )
-    return np.array([float(given[name]) for name in members])
+    return tuple(found[name] for name in members)
+
+
+def _of_moment(moment: float) -> Section:
+    """A section without limit to axial force."""
+    return Section(((-inf, float(moment)), (inf, float(moment))), "M_p")
 
 
 def _require_moment(field: str, value: object) -> None:
@@ -143,8 +176,11 @@ def on_lines(places: Floats, start: Floats, end: Floats, tolerance: float) -> tu
     return np.asarray(within & (np.abs(h) <= tolerance)), np.asarray(s)
 
 
-def split_members(position: Floats, ends: Ints, moments: Floats, tolerance: float) -> Pieces:
+def split_members(
+    position: Floats, ends: Ints, sections: Sequence[Section], tolerance: float
+) -> Pieces:
     """Members, given by end nodes (M, 2), cut at the nodes that lie on them."""
+    moments = np.array([section.plastic_moment for section in sections])
     start, end = position[:, ends[:, 0]], position[:, ends[:, 1]]
     length = np.linalg.norm(end - start, axis=0)
     inside, place = on_lines(position, start, end, tolerance)
@@ -164,7 +200,7 @@ def split_members(position: Floats, ends: Ints, moments: Floats, tolerance: floa
         along=((end - start) / length)[:, of],
         length=np.diff(stop)[same],
         plastic_moment=moments[of],
-        stiff=np.ones((of.size, 2), dtype=bool),
+        stiff=np.repeat(moments[of, None] > 0, 2, axis=1),
     )
 
 
@@ -175,7 +211,7 @@ def read_releases(
     pieces: Pieces,
 ) -> Bools:
     """Which ends of pieces carry moment, (P, 2); raises `InputError` for an unknown release."""
-    stiff = np.ones(pieces.nodes.shape, dtype=bool)
+    stiff = pieces.stiff.copy()
     if not isinstance(releases, Sequence) or isinstance(releases, str):
         raise InputError("Frame.releases", releases, "not a list", "give [(member, node), ...]")
     for release in releases:
@@ -216,6 +252,24 @@ def require_single(nodes: tuple[str, ...], members: tuple[str, ...], pieces: Pie
             f" {nodes[pairs[both[0], 1]]!r}",
             "give each member once; a member goes on through the nodes that lie on it",
         )
+
+
+def require_whole_bars(
+    nodes: tuple[str, ...],
+    members: tuple[str, ...],
+    sections: Sequence[Section],
+    pieces: Pieces,
+) -> None:
+    """Raise `InputError` where a bar has a node inside, which it would turn about freely."""
+    cut = np.bincount(pieces.member, minlength=len(members)) > 1
+    for piece, member in enumerate(pieces.member.tolist()):
+        if cut[member] and not sections[member].bends:
+            raise InputError(
+                "Frame.members",
+                members[member],
+                f"a bar with the node {nodes[pieces.end[piece]]!r} inside, where nothing holds it",
+                "make it two bars, or give it a section that carries moment",
+            )
 
 
 def require_joined(

@@ -65,9 +65,17 @@ def _frame(frame: Frame, sheet: Sheet, name: str, problem: Problem) -> None:
         sheet.handles["hinge without moment"] = Line2D(
             [], [], ls="none", marker="o", mfc="white", mec=_OUTLINE, ms=5.5
         )
-    low, high = pieces.plastic_moment.min(), pieces.plastic_moment.max()
-    size = f"{low:.4g}" if np.isclose(low, high) else rf"{low:.4g} \ldots {high:.4g}"
-    sheet.handles[rf"member, $M_p = {size}$ N"] = Line2D([], [], color=_OUTLINE, lw=2.6)
+    finite = pieces.plastic_moment[(pieces.plastic_moment > 0) & np.isfinite(pieces.plastic_moment)]
+    for kind, there in (
+        ("bar", ~pieces.stiff.any(axis=1) & (pieces.plastic_moment == 0)),
+        ("rigid member", np.isinf(pieces.plastic_moment)),
+    ):
+        if there.any():
+            sheet.handles[kind] = Line2D([], [], color=_OUTLINE, lw=2.6)
+    if finite.size:
+        low, high = finite.min(), finite.max()
+        size = f"{low:.4g}" if np.isclose(low, high) else rf"{low:.4g} \ldots {high:.4g}"
+        sheet.handles[rf"member, $M_p = {size}$ N"] = Line2D([], [], color=_OUTLINE, lw=2.6)
 
 
 @draw_body.register

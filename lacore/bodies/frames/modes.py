@@ -1,0 +1,124 @@
+"""Ways in which members yield: each a rate, and a strength against it.
+
+At an end of a piece the section of the member turns by theta and, where it yields to axial force,
+stretches by D. It has one mode a fibre (`lacore.bodies.frames.section`), ``|a D + t theta|`` with a
+strength in N m. What a piece gets longer, both of its ends share: ``D = stretch/2 +- slide``, with
+the slide an unknown of its own, so that N differs from end to end under loads along the member. A
+bar stretches as a whole.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.frames.frame import Frame
+from lacore.showing import Compact
+
+WHOLE = -1  # the side of a mode that is the whole piece's
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(Compact):
+    """Of a frame, by piece, and end by end.
+
+    Attributes:
+        piece, side: of each mode, (K,); side 0 at the start, 1 at the end, -1 of the whole piece.
+        end: number of the end (or whole) it belongs to, (K,): modes of one follow each other.
+        stretch: a, 1/m; per m/s of elongation, (K,).
+        turn: t, (K,).
+        strength: N m per unit thickness, (K,).
+        slides: pieces with an unknown slide, (S,).
+    """
+
+    piece: Ints
+    side: Ints
+    end: Ints
+    stretch: Floats
+    turn: Floats
+    strength: Floats
+    slides: Ints
+
+    @property
+    def ends(self) -> tuple[Ints, Ints]:
+        """Pieces and sides where they yield, (E,) each."""
+        first = np.unique(self.end, return_index=True)[1]
+        return self.piece[first], self.side[first]
+
+    def forces(self, stress: Floats) -> tuple[Floats, Floats]:
+        """Tension N/m and moment N of each end, (E,), from what each mode carries, N m, (K,)."""
+        count = int(self.end.max(initial=-1)) + 1
+        axial, moment = (
+            np.bincount(self.end, own * stress, count).astype(np.float64)
+            for own in (self.stretch, self.turn)
+        )
+        return axial, moment
+
+    def with_forces(self, stress: Floats, axial: Floats, moment: Floats) -> Floats:
+        """What modes carry, changed as little as it takes for other forces of the ends, (K,)."""
+        before = np.stack(self.forces(stress))
+        change = np.nan_to_num(np.stack([axial, moment]) - before)
+        new = stress.copy()
+        for end in np.flatnonzero(change.any(axis=0)):
+            own = self.end == end
+            new[own] += np.linalg.pinv([self.stretch[own], self.turn[own]]) @ change[:, end]
+        return new
+
+
+def modes_of(frame: Frame) -> Modes:
+    """All modes of a frame: stiff ends in the order of the pieces, then bars."""
+    pieces, size = frame.pieces, frame.size
+    found: list[tuple[int, int, int, float, float, float]] = []
+    slides, bars, end = [], [], 0
+    for piece, member in enumerate(pieces.member.tolist()):
+        section = frame.section_of[member]
+        if section.rigid:
+            continue
+        if not section.bends:
+            bars += [piece] if section.extends else []
+            continue
+        slides += [piece] if section.extends else []
+        arm = section.plastic_moment / section.squash_load if section.extends else 1.0
+        for side, stiff in enumerate(pieces.stiff[piece].tolist()):
+            if not (stiff or section.extends):
+                continue
+            fibres = section.fibres if stiff else np.array([[section.squash_load, 0.0]])
+            for axial, moment in fibres.tolist():
+                strength = abs(axial) * arm + abs(moment)
+                turn = moment / strength
+                found.append((piece, side, end, axial / strength, turn, strength))
+            end += 1
+    for piece in bars:
+        strength = frame.section_of[pieces.member[piece]].squash_load * size
+        found.append((piece, WHOLE, end, 1 / size, 0.0, strength))
+        end += 1
+    columns = np.array(found, dtype=np.float64).reshape(-1, 6).T
+    piece, side, end_of = columns[:3].astype(np.int64)
+    stretch, turn, strengths = columns[3:]
+    every = np.array(slides, dtype=np.int64)
+    return Modes(piece, side, end_of, stretch, turn, strengths, every)
+
+
+def rate_rows(frame: Frame, modes: Modes, offset: int, n: int) -> Sparse:
+    """Rows of the rates of all modes over n unknowns, (K, n); slides follow the nodes."""
+    pieces, piece = frame.pieces, modes.piece
+    whole = modes.side == WHOLE
+    share = modes.stretch * np.where(whole, 1.0, 0.5)
+    across = modes.turn / pieces.length[piece]
+    x, y = pieces.along[:, piece]
+    to_end = np.stack([share * x - across * y, share * y + across * x])
+    start, stop = (offset + 3 * own[piece] for own in (pieces.start, pieces.end))
+    node = pieces.nodes[piece, np.maximum(modes.side, 0)]
+    slide = np.searchsorted(modes.slides, piece)
+    slides = np.isin(piece, modes.slides) & ~whole
+    last = np.where(slides, offset + 3 * len(frame.names) + slide, start)
+    columns = np.stack([start, start + 1, stop, stop + 1, offset + 3 * node + 2, last], axis=1)
+    sense = np.where(modes.side == 0, 1.0, -1.0) * slides
+    values = [*-to_end, *to_end, -modes.turn / frame.size, modes.stretch * sense]
+    rows = np.repeat(np.arange(piece.size), 6)
+    matrix = csr_matrix(
+        (np.stack(values, axis=1).ravel(), (rows, columns.ravel())), (piece.size, n)
+    )
+    matrix.eliminate_zeros()
+    return matrix

@@ -1,0 +1,141 @@
+"""Cross-sections of members: plastic moments, N-M polygons, struts, by dimensions and by name.
+
+Strengths are per unit thickness of the frame, N and N/m; of a single frame read N m and N. Moment
+and axial force interact as the exact plastic stress distributions of the section say: with the
+neutral axis at a distance y from its middle, what is nearer carries the axial force, the rest the
+moment, ``N(y) = f A(y)`` and ``M(y) = f S(y)``. The curve is replaced by a polygon inside it, whose
+load factors are safe, or around it.
+"""
+
+from math import inf
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.frames.profiles import PROFILES, Profile
+from lacore.bodies.frames.section import Section
+from lacore.errors import InputError, require_count, require_known, require_positive, suggest
+
+__all__ = ["Section", "bar", "i_section", "plastic", "rectangle", "rigid", "standard"]
+
+POLYGONS = ("inner", "outer")
+LAYERS = 8
+
+
+def plastic(plastic_moment: float) -> Section:
+    """A plastic moment whatever the axial force: the same as ``plastic_moment=`` of a frame."""
+    require_positive("plastic_moment", plastic_moment)
+    return Section(((-inf, float(plastic_moment)), (inf, float(plastic_moment))), "M_p")
+
+
+def rigid() -> Section:
+    """What never yields: an arm, a plate, a pier."""
+    return Section(((-inf, inf), (inf, inf)), "rigid")
+
+
+def bar(strength: float = inf) -> Section:
+    """A pin-ended strut: axial strength alone, N/m, in tension and compression; inf: rigid.
+
+    It carries no moment, so that members of it take no loads along them, and have their ends
+    nowhere but at nodes.
+    """
+    if strength != inf:
+        require_positive("strength", strength)
+    return Section(((-float(strength), 0.0), (float(strength), 0.0)), "bar")
+
+
+def rectangle(
+    width: float, height: float, yield_stress: float, layers: int = LAYERS, polygon: str = "inner"
+) -> Section:
+    """A solid rectangle: M_p = f b h^2/4, ``M/M_p = 1 - (N/N_p)^2``.
+
+    Args:
+        width, height: m; it bends over its height.
+        yield_stress: f, Pa.
+        layers: sides of the polygon between N = 0 and N_p.
+        polygon: ``inner``: its corners lie on the curve; ``outer``: its sides touch it.
+    """
+    for name, value in (("width", width), ("height", height), ("yield_stress", yield_stress)):
+        require_positive(name, value)
+    require_count("layers", layers)
+    stations = np.linspace(0.0, height / 2, layers + 1)
+    area, moment = 2 * width * stations, width * (height**2 / 4 - stations**2)
+    corners = _corners(stations, yield_stress * area, yield_stress * moment, polygon)
+    return Section(corners, f"rectangle {width:g} x {height:g}")
+
+
+def i_section(
+    height: float,
+    width: float,
+    web: float,
+    flange: float,
+    fillet: float,
+    yield_stress: float,
+    layers: int = LAYERS,
+    polygon: str = "inner",
+) -> Section:
+    """An I-section with parallel flanges, bent about its strong axis; all lengths in m.
+
+    Args:
+        height, width: over all.
+        web, flange: thicknesses.
+        fillet: radius between them, 0 of welded ones.
+        yield_stress: Pa.
+        layers: sides of the polygon between N = 0 and N_p, half of them for web and flange each.
+        polygon: ``inner`` or ``outer``, see `rectangle`.
+    """
+    profile = Profile(height, width, web, flange, fillet)
+    return _of_profile(profile, yield_stress, layers, polygon, f"I {height:g} x {width:g}")
+
+
+def standard(
+    name: str, yield_stress: float, layers: int = LAYERS, polygon: str = "inner"
+) -> Section:
+    """A rolled section by its name: "IPE 300", "HEA 200", bent about its strong axis.
+
+    Dimensions are those of EN 10365 (IPE of 80 to 600 mm, HEA of 100 to 300).
+
+    Args:
+        name: with or without the space.
+        yield_stress: Pa; 235e6, 275e6, 355e6 of steels that are called after it.
+        layers, polygon: see `i_section`.
+
+    Raises:
+        InputError: a name that is not in the table.
+    """
+    known = {own.replace(" ", ""): own for own in PROFILES}
+    wanted = str(name).upper().replace(" ", "")
+    if wanted not in known:
+        raise InputError("name", name, "no section of the table", suggest(str(name), PROFILES))
+    own = known[wanted]
+    return _of_profile(PROFILES[own], yield_stress, layers, polygon, own)
+
+
+def _of_profile(
+    profile: Profile, yield_stress: float, layers: int, polygon: str, name: str
+) -> Section:
+    require_positive("yield_stress", yield_stress)
+    require_count("layers", layers)
+    half, web = profile.height / 2, profile.height / 2 - profile.flange
+    sides = max(1, layers // 2)
+    stations = np.concatenate(
+        [np.linspace(0, web, sides + 1), np.linspace(web, half, sides + 1)[1:]]
+    )
+    axial, moment = yield_stress * profile.area(stations), yield_stress * profile.moment(stations)
+    return Section(_corners(stations, axial, moment, polygon), name)
+
+
+def _corners(
+    stations: Floats, axial: Floats, moment: Floats, polygon: str
+) -> tuple[tuple[float, float], ...]:
+    """Both halves of a polygon from places of the neutral axis, where ``dM/dN = -y``."""
+    require_known("polygon", polygon, POLYGONS)
+    if polygon == "outer":
+        met = np.diff(moment + stations * axial) / np.diff(stations)
+        height = moment[:-1] - stations[:-1] * (met - axial[:-1])
+        axial, moment = np.append(met, axial[-1]), np.append(height, moment[-1])
+    own = np.stack([axial, moment], axis=1)
+    own = own[own[:, 0] > 0]
+    peak = [] if polygon == "outer" else [(0.0, float(moment[0]))]
+    left = [(-n, m) for n, m in own[::-1].tolist()]
+    return (*left, *peak, *map(tuple, own.tolist()))
