@@ -1,5 +1,7 @@
 """Pictures of frames: the mechanism with its hinges, and the moments that the members carry."""
 
+from collections.abc import Iterator, Mapping
+
 import matplotlib.colors
 import numpy as np
 import pandas as pd
@@ -22,6 +24,8 @@ from lacore.pictures.continua import BEFORE
 
 HINGE = "#b2182b"
 MOMENT = "#5e3c99"
+BAR = {1: ("#2166ac", "tension"), -1: ("#b2182b", "compression")}
+_WIDEST = 3.5  # points: of a bar
 _MEMBER = "#333333"
 _TURNS = 1e-3  # of the largest velocity over the size: what the eye would see
 _BESIDE = 0.03  # from a node to the hinges of its members, per size of the frame
@@ -60,7 +64,8 @@ def draw_frames(axes: Axes, state: LimitState, stretch: float, fastest: float) -
     Returns:
         handles of a legend.
     """
-    senses = []
+    senses: list[float] = []
+    yielding: dict[str, Artist] = {}
     for name, dofs in state.discretisation.frames.items():
         frame, motion = dofs.body, state.velocity[name]
         moved = frame.position + stretch * motion[:2]
@@ -81,11 +86,35 @@ def draw_frames(axes: Axes, state: LimitState, stretch: float, fastest: float) -
             x, y = place[:, sense == sign]
             axes.scatter(x, y, s=300, marker=_turn_mark(sign), color=HINGE, linewidths=0, zorder=6)
         senses += sense.tolist()
-    return [
+        drawn = _draw_yielding_bars(axes, state, name, moved)
+        yielding |= dict(drawn)
+    return [*yielding.values()] + [
         Line2D([], [], ls="none", marker=_turn_mark(sign), ms=12, color=HINGE, mew=0, label=text)
         for sign, text in _SENSES.items()
         if sign in senses
     ]
+
+
+def _draw_yielding_bars(
+    axes: Axes, state: LimitState, name: str, moved: Floats
+) -> Iterator[tuple[str, Artist]]:
+    """Bars that get longer or shorter, and their entries of a legend."""
+    dofs = state.discretisation.frames[name]
+    piece, side = dofs.modes.ends
+    if not (side == WHOLE).any():
+        return
+    table = _own_hinges(state, name)
+    places = _lines(dofs.body, moved)
+    rate = table["elongation_rate"].to_numpy() * (table["state"] == "stretches").to_numpy()
+    for sign, (colour, _) in BAR.items():
+        own = piece[(side == WHOLE) & (np.sign(rate) == sign)]
+        if own.size:
+            lines = [places[bar] for bar in own]
+            axes.add_collection(
+                LineCollection(lines, colors=colour, linewidths=2.6, linestyles="--", zorder=4)
+            )
+            text = "bar yields, longer" if sign > 0 else "bar yields, shorter"
+            yield text, Line2D([], [], color=colour, lw=2.6, ls="--", label=text)
 
 
 def _lines(frame: Frame, places: Floats) -> list[Floats]:
@@ -180,7 +209,10 @@ def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
     assert point is not None
     moments = {name: span_moments(state.discretisation, point, name) for name in frames}
     peak = max(
-        (float(max(np.abs(own.ends).max(), own.inside.max())) for own in moments.values()),
+        (
+            float(max(np.nan_to_num(np.abs(own.ends)).max(), own.inside.max()))
+            for own in moments.values()
+        ),
         default=0.0,
     )
     for name, dofs in frames.items():
@@ -198,10 +230,35 @@ def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
                     zorder=2,
                 )
             )
+    handles = _draw_bars(axes, state, moments)
+    if not peak > 0:
+        return handles
+    text = f"moment (max {peak:.3g} N)"
+    patch = Patch(facecolor=matplotlib.colors.to_rgba(MOMENT, 0.25), edgecolor=MOMENT, label=text)
+    return [patch, *handles]
+
+
+def _draw_bars(axes: Axes, state: LimitState, moments: Mapping[str, SpanMoments]) -> list[Artist]:
+    """Bars, as wide as their axial force, in tension and in compression."""
+    forces, lines = [np.zeros(0)], []
+    for name, dofs in state.discretisation.frames.items():
+        piece, side = dofs.modes.ends
+        bars = piece[side == WHOLE]
+        forces.append(moments[name].axial[bars, 0])
+        places = _lines(dofs.body, dofs.body.position)
+        lines += [places[bar] for bar in bars]
+    force = np.concatenate(forces)
+    peak = float(np.abs(force).max(initial=0.0))
     if not peak > 0:
         return []
-    text = f"moment (max {peak:.3g} N)"
-    return [Patch(facecolor=matplotlib.colors.to_rgba(MOMENT, 0.25), edgecolor=MOMENT, label=text)]
+    colours = [BAR[1 if own > 0 else -1][0] for own in force]
+    widths = 0.8 + _WIDEST * np.abs(force) / peak
+    axes.add_collection(LineCollection(lines, colors=colours, linewidths=widths, zorder=3.5))
+    return [
+        Line2D([], [], color=colour, lw=3, label=f"{text} (max {np.abs(force[own]).max():.3g} N/m)")
+        for sign, (colour, text) in BAR.items()
+        if (own := np.sign(force) == sign).any()
+    ]
 
 
 def _ordinates(frame: Frame, moments: SpanMoments, scale: float) -> list[Floats]:
@@ -214,4 +271,5 @@ def _ordinates(frame: Frame, moments: SpanMoments, scale: float) -> list[Floats]
     foot = start[:, :, None] + (end - start)[:, :, None] * share
     tips = foot + scale * across[:, :, None] * moments.at(share)
     faces = np.concatenate([foot[:, :, [0, -1]], tips[:, :, ::-1]], axis=2)
-    return list(faces.transpose(1, 2, 0))
+    known = np.isfinite(moments.ends).all(axis=1)  # of rigid members they are not
+    return list(faces.transpose(1, 2, 0)[known])

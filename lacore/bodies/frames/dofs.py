@@ -130,13 +130,14 @@ class FrameDofs(Compact):
     def end_forces(self, stress: Floats) -> tuple[Floats, Floats]:
         """Tension (N/m) and moment (N) at both ends of all pieces, (P, 2), from stresses (K,).
 
-        Moments are those of members on nodes, anticlockwise; tension is NaN where axial force has
-        no limit.
+        Moments are those of members on nodes, anticlockwise. NaN: tension where axial force has no
+        limit, moments of rigid members, which balance alone does not tell.
         """
         axial, moment = self.modes.forces(self.body.size**2 * stress)
         piece, side = self.modes.ends
         shape = self.body.pieces.stiff.shape
-        tension, bending = np.full(shape, np.nan), np.zeros(shape)
+        rigid = np.isinf(self.body.pieces.plastic_moment)[:, None]
+        tension, bending = np.full(shape, np.nan), np.where(rigid, np.full(shape, np.nan), 0.0)
         free = np.isin(piece, self.modes.slides)
         whole = side == WHOLE
         tension[piece[free], side[free]] = axial[free]
