@@ -73,6 +73,8 @@ from .questions.load_cases import LoadCases as LoadCases
 from .questions.load_cases import load_cases as load_cases
 from .questions.position import WorstPosition as WorstPosition
 from .questions.position import worst_position as worst_position
+from .questions.sensitivity import Sensitivity as Sensitivity
+from .questions.sensitivity import sensitivity as sensitivity
 from .questions.stable import Stable as Stable
 from .questions.stable import stable as stable
 from .questions.thickness import limit_thickness as limit_thickness

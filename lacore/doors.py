@@ -20,6 +20,9 @@ views.picture.makers |= {
     "lacore.questions.position:WorstPosition": (
         "lacore.pictures.questions.along:plot_worst_position"
     ),
+    "lacore.questions.sensitivity:Sensitivity": (
+        "lacore.pictures.questions.sensitivity:plot_sensitivity"
+    ),
     "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
 }
 views.animation.makers |= {

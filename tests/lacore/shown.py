@@ -185,6 +185,7 @@ def answers():
         la.worst_position(lambda mu: wall(mu), (0.5, 0.7), scan=3, tolerance=0.3),
         *(la.stable(own) for own in (stone, unsafe())),
     ]
+    found += [la.sensitivity(la.solve(own)) for own in (portal(), mixed())]
     return [*found, replace(found[1], status=la.Search.SAME_SIDE, of=LONG)]
 
 

@@ -1,0 +1,200 @@
+"""The numbers that a problem is stated with, and the problem with one of them changed."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import singledispatch
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from lacore.bodies.any_body import AnyBody
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames.frame import Frame
+from lacore.conditions.loads import (
+    BodyForce,
+    Load,
+    PointForce,
+    Pressure,
+    RigidFooting,
+    Traction,
+)
+from lacore.errors import is_number
+from lacore.problem.problem import Problem
+from lacore.questions.places import places
+
+Changed = Callable[[Problem, float], Problem]
+STRENGTH, LOAD, PLACE, OWN = "strength", "load", "place", "own"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a problem.
+
+    Attributes:
+        name: where it stands in the problem.
+        kind: ``strength``, ``load``, ``place``, or ``own`` of what a user gives.
+        value: as stated; of a load its size.
+        size: what its changes are measured by: the value, of a place the size of its body.
+        at: the problem with another value.
+    """
+
+    name: str
+    kind: str
+    value: float
+    size: float
+    at: Changed
+
+
+def parameters_of(problem: Problem) -> list[Parameter]:
+    """All numbers of a problem that a load factor can be differentiated by."""
+    found = []
+    for name, body in problem.bodies.items():
+        for field, thing in _strong(body):
+            for path, value, changed in _numbers(thing):
+                at = _of_body(name, field, changed)
+                found.append(Parameter(f"{name}: {field}{path}", STRENGTH, value, value, at))
+    for index, pair in enumerate(problem.interfaces):
+        for path, value, changed in _numbers(pair.law):
+            at = _of_interface(index, changed)
+            found.append(Parameter(f"{pair.name}: friction{path}", STRENGTH, value, value, at))
+    for attribute in ("reference_loads", "dead_loads"):
+        for index, load in enumerate(getattr(problem, attribute)):
+            size = _size(load)
+            if size is not None:
+                name = f"{attribute}[{index}]: {load.told}"
+                at = _of_load(attribute, index, size)
+                found.append(Parameter(name, LOAD, size, size, at))
+    for place in places(problem):
+        found.append(Parameter(place.name, PLACE, place.value, place.size, place.at))
+    return found
+
+
+def without_parameter(problem: Problem) -> tuple[str, ...]:
+    """Loads that have no one size, for the message: pressures of water."""
+    return tuple(load.told for load in problem.loads.values() if _size(load) is None)
+
+
+@singledispatch
+def _strong(body: AnyBody) -> Iterator[tuple[str, Any]]:
+    """What of a body is strong, by the name of its field."""
+    raise TypeError(type(body).__name__)
+
+
+@_strong.register(Body)
+def _criterion(body: Body) -> Iterator[tuple[str, Any]]:
+    yield "criterion", body.criterion
+
+
+@_strong.register(BlockAssembly)
+def _joints(body: BlockAssembly) -> Iterator[tuple[str, Any]]:
+    yield "friction", body.friction
+    if body.joint_friction:
+        yield "joint_friction", body.joint_friction
+
+
+@_strong.register(Frame)
+def _members(body: Frame) -> Iterator[tuple[str, Any]]:
+    yield "plastic_moment", body.plastic_moment
+
+
+def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
+    """Positive numbers in a thing: where, their values, and the thing with another one there."""
+    if is_number(thing) and thing > 0:
+        yield "", float(thing), lambda value: value
+    elif isinstance(thing, Mapping):
+        for key, own in thing.items():
+            for path, value, changed in _numbers(own):
+                yield f"[{key!r}]{path}", value, _in_mapping(thing, key, changed)
+    elif is_dataclass(thing) and not isinstance(thing, type):
+        for entry in fields(thing):
+            own = getattr(thing, entry.name)
+            if not entry.init or isinstance(own, bool) or own is None:
+                continue
+            if is_number(own) or is_dataclass(own) or isinstance(own, Mapping):
+                for path, value, changed in _numbers(own):
+                    yield f".{entry.name}{path}", value, _in_field(thing, entry.name, changed)
+
+
+def _in_mapping(
+    thing: Mapping[Any, Any], key: Any, changed: Callable[[float], Any]
+) -> Callable[[float], Any]:
+    return lambda value: MappingProxyType({**thing, key: changed(value)})
+
+
+def _in_field(thing: Any, name: str, changed: Callable[[float], Any]) -> Callable[[float], Any]:
+    return lambda value: replace(thing, **{name: changed(value)})
+
+
+def _of_body(name: str, field: str, changed: Callable[[float], Any]) -> Changed:
+    def at(problem: Problem, value: float) -> Problem:
+        body: Any = replace(problem.bodies[name], **{field: changed(value)})
+        return replace(problem, bodies={**problem.bodies, name: body})
+
+    return at
+
+
+def _of_interface(index: int, changed: Callable[[float], Any]) -> Changed:
+    def at(problem: Problem, value: float) -> Problem:
+        pairs = list(problem.interfaces)
+        pairs[index] = replace(pairs[index], friction=changed(value))
+        return replace(problem, interfaces=pairs)
+
+    return at
+
+
+def _of_load(attribute: str, index: int, size: float) -> Changed:
+    def at(problem: Problem, value: float) -> Problem:
+        loads = list(getattr(problem, attribute))
+        loads[index] = _times(loads[index], value / size)
+        return problem.with_loads(**{attribute: loads})
+
+    return at
+
+
+@singledispatch
+def _size(load: Load) -> float | None:
+    """Size of a load; None where it has no single one."""
+    return None
+
+
+@_size.register(Traction)
+@_size.register(BodyForce)
+@_size.register(PointForce)
+def _length(load: Traction | BodyForce | PointForce) -> float:
+    return float(np.linalg.norm(load.vector))
+
+
+@_size.register(Pressure)
+def _value(load: Pressure) -> float:
+    return abs(load.value)
+
+
+@_size.register(RigidFooting)
+def _pressure(load: RigidFooting) -> float:
+    return abs(load.pressure)
+
+
+@singledispatch
+def _times(load: Any, factor: float) -> Load:
+    """A load of another size."""
+    raise TypeError(type(load).__name__)
+
+
+@_times.register(Traction)
+@_times.register(BodyForce)
+@_times.register(PointForce)
+def _longer(load: Traction | BodyForce | PointForce, factor: float) -> Load:
+    x, y = load.vector
+    return replace(load, vector=(factor * x, factor * y))
+
+
+@_times.register(Pressure)
+def _pressed(load: Pressure, factor: float) -> Load:
+    return replace(load, value=factor * load.value)
+
+
+@_times.register(RigidFooting)
+def _loaded(load: RigidFooting, factor: float) -> Load:
+    return replace(load, pressure=factor * load.pressure)

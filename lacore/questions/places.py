@@ -1,0 +1,121 @@
+"""Where forces act and supports hold, as numbers of a problem that can be changed."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.frames.frame import Frame
+from lacore.conditions.loads import PointForce
+from lacore.problem.problem import Problem
+
+_STRAIGHT = 1e-6  # sine of an angle between members that count as one line
+_AXES = [("x", np.array([1.0, 0.0])), ("y", np.array([0.0, 1.0]))]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A coordinate that can be changed.
+
+    Attributes:
+        name: of it.
+        value: m; along a member the distance moved, 0.
+        size: of the body, m.
+        at: the problem with another value.
+    """
+
+    name: str
+    value: float
+    size: float
+    at: Callable[[Problem, float], Problem]
+
+
+def places(problem: Problem) -> Iterator[Place]:
+    """Of forces on blocks their coordinates; of nodes of frames that are held or loaded, too.
+
+    A node inside a straight line of members moves along it only: beside it members, which are
+    inextensible, would lock each other. On meshes forces act at vertices, and supports along edges:
+    where these are is a matter of the mesh.
+    """
+    blocks = of_kind(problem.bodies, BlockAssembly)
+    for attribute in ("reference_loads", "dead_loads"):
+        for index, load in enumerate(getattr(problem, attribute)):
+            if load.body in blocks and load.point is not None:
+                size = float(blocks[load.body].size)
+                for axis, letter in enumerate("xy"):
+                    name = f"{attribute}[{index}]: {letter} of the force on {load.body}"
+                    at = _of_force(attribute, index, axis)
+                    yield Place(name, float(load.point[axis]), size, at)
+    for body, frame in of_kind(problem.bodies, Frame).items():
+        for node, what in _marked(problem, body, frame).items():
+            for letter, direction in _directions(frame, node):
+                name = f"{body}: {what} at {node}, {letter}"
+                yield Place(name, 0.0, frame.size, _of_node(body, node, direction))
+
+
+def _of_force(attribute: str, index: int, axis: int) -> Callable[[Problem, float], Problem]:
+    def at(problem: Problem, value: float) -> Problem:
+        loads: list[Any] = list(getattr(problem, attribute))
+        point = list(loads[index].point)
+        point[axis] = value
+        loads[index] = replace(loads[index], at=tuple(point))
+        return problem.with_loads(**{attribute: loads})
+
+    return at
+
+
+def _marked(problem: Problem, body: str, frame: Frame) -> dict[str, str]:
+    """Nodes of a frame that are held or loaded, and which of it."""
+    found: dict[str, str] = {}
+    for support in problem.supports:
+        if support.body == body:
+            nodes = frame.find(support.where, "Fix.where")
+            found |= {frame.names[node]: "support" for node in nodes}
+    for load in problem.loads.values():
+        if load.body == body and isinstance(load, PointForce):
+            node = frame.node_at(load.point) if load.point is not None else None
+            name = str(load.at) if node is None else frame.names[node]
+            found[name] = f"{found[name]} and force" if name in found else "force"
+    return found
+
+
+def _directions(frame: Frame, node: str) -> list[tuple[str, Floats]]:
+    """In which a node can move: along its members where it has to keep them straight, else x, y."""
+    number, pieces = frame.names.index(node), frame.pieces
+    here = (pieces.start == number) | (pieces.end == number)
+    along = np.asarray(pieces.along[:, here])
+    split = np.bincount(pieces.member)[pieces.member[here]] > 1
+    if along.shape[1] < 2 and not split.any():
+        return _AXES
+    across = along[0, 0] * along[1] - along[1, 0] * along[0]
+    if np.abs(across).max() > _STRAIGHT:
+        return [] if split.any() else _AXES
+    first = along[:, 0] if along[np.abs(along[:, 0]).argmax(), 0] > 0 else -along[:, 0]
+    straight = [letter for letter, axis in _AXES if np.allclose(first, axis, atol=_STRAIGHT)]
+    return [(straight[0] if straight else "along", first)]
+
+
+def _of_node(body: str, node: str, direction: Floats) -> Callable[[Problem, float], Problem]:
+    def at(problem: Problem, value: float) -> Problem:
+        frame = of_kind(problem.bodies, Frame)[body]
+        old = np.array(frame.nodes[node])
+        x, y = old + value * direction
+        new = (float(x), float(y))
+        moved = replace(frame, nodes={**frame.nodes, node: new})
+
+        def shifted(load: Any) -> Any:
+            on = load.body == body and load.point is not None
+            return replace(load, at=new) if on and np.allclose(load.point, old) else load
+
+        return replace(
+            problem,
+            bodies={**problem.bodies, body: moved},
+            reference_loads=[shifted(load) for load in problem.reference_loads],
+            dead_loads=[shifted(load) for load in problem.dead_loads],
+        )
+
+    return at
