@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.frames.frame import Frame
-from lacore.conditions.loads import PointForce
+from lacore.conditions.loads import Load, PointForce
 from lacore.problem.problem import Problem
 
 _STRAIGHT = 1e-6  # sine of an angle between members that count as one line
@@ -76,11 +77,21 @@ def _marked(problem: Problem, body: str, frame: Frame) -> dict[str, str]:
             nodes = frame.find(support.where, "Fix.where")
             found |= {frame.names[node]: "support" for node in nodes}
     for load in problem.loads.values():
-        if load.body == body and isinstance(load, PointForce):
-            node = frame.node_at(load.point) if load.point is not None else None
-            name = str(load.at) if node is None else frame.names[node]
+        if load.body == body and (name := _loaded_node(load, frame)) is not None:
             found[name] = f"{found[name]} and force" if name in found else "force"
     return found
+
+
+@singledispatch
+def _loaded_node(load: Load, frame: Frame) -> str | None:
+    """The node of a frame that a force acts at; None of other loads."""
+    return None
+
+
+@_loaded_node.register(PointForce)
+def _at(load: PointForce, frame: Frame) -> str:
+    node = frame.node_at(load.point) if load.point is not None else None
+    return str(load.at) if node is None else frame.names[node]
 
 
 def _directions(frame: Frame, node: str) -> list[tuple[str, Floats]]:
