@@ -1,5 +1,7 @@
 """Names of `la.meshes`: where each is found, for `__init__` and for type checkers."""
 
+from .archive import load as load
+from .archive import save as save
 from .checks import quality as quality
 from .curved import isoparametric as isoparametric
 from .naming import named as named

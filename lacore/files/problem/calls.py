@@ -19,9 +19,10 @@ from lacore.contact.obstacles import RigidObstacle
 from lacore.errors import InputError
 from lacore.files.problem.places import Path
 from lacore.materials.drucker_prager import DruckerPrager
-from lacore.materials.friction import SMOOTH, STICK, Coulomb, Tresca
+from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
 from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
 from lacore.materials.von_mises import VonMises
+from lacore.meshes.archive import load
 from lacore.meshes.naming import named
 from lacore.meshes.patches import Patch, patches
 from lacore.meshes.reading import read
@@ -36,6 +37,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.meshes.Patch": Patch,
     "la.meshes.patches": patches,
     "la.meshes.read": read,
+    "la.meshes.load": load,
     "la.meshes.named": named,
     "la.VonMises": VonMises,
     "la.MohrCoulomb": MohrCoulomb,
@@ -69,7 +71,13 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.Tresca": Tresca,
     "la.Problem": Problem,
 }
-NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK}
+_MESHES = {
+    *("la.meshes.rectangle", "la.meshes.quadrilaterals", "la.meshes.fan"),
+    *("la.meshes.quarter_ring", "la.meshes.patches", "la.meshes.named"),
+    *("la.meshes.read", "la.meshes.load"),
+}
+_ORIGIN = "_lacore_origin"
+NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}
 """What stands for a value."""
 
 
@@ -116,7 +124,7 @@ def made(node: Any) -> Any:
         case Call():
             arguments = {name: made(own) for name, own in node.arguments.items()}
             try:
-                return MAKERS[node.maker](**arguments)
+                return _noted(MAKERS[node.maker](**arguments), node)
             except InputError as error:
                 raise MisfitError(error, _place(node, error.field)) from error
         case Name():
@@ -126,6 +134,19 @@ def made(node: Any) -> Any:
         case dict():
             return {name: made(own) for name, own in node.items()}
     return node
+
+
+def origin(mesh: object) -> Call | None:
+    """The call that a mesh was made by; None of others."""
+    call: Call | None = getattr(mesh, _ORIGIN, None)
+    return call
+
+
+def _noted(thing: Any, call: Call) -> Any:
+    """A thing; a mesh that knows what it was made by, until scikit-fem makes another of it."""
+    if call.maker in _MESHES:
+        object.__setattr__(thing, _ORIGIN, call)
+    return thing
 
 
 def parts(text: str) -> Path:

@@ -35,7 +35,7 @@ def told(node: Any, folder: Path, indent: int = 0, used: int = 0) -> str:
             end = ",)" if len(node) == 1 else ")"
             return _listed("(", [("", own) for own in node], end, folder, indent, used)
         case Path():
-            return f"Path(__file__).parent / {dumps(_way(node, folder))}"
+            return f"Path(__file__).parent / {dumps(way(node, folder))}"
         case float() if isinf(node):
             return f'float("{node}")'
         case str():
@@ -57,7 +57,7 @@ def _listed(
     return f"{begin}\n{''.join(inner)}{' ' * indent}{end.lstrip(',')}"
 
 
-def _way(file: Path, folder: Path) -> str:
+def way(file: Path, folder: Path) -> str:
     """From a folder to a file, with / on every system."""
     place, start = file.resolve(), folder.resolve()
     for up, parent in enumerate((start, *start.parents)):

@@ -89,6 +89,10 @@ class FrictionLaw(Entry):
     """Of Coulomb friction."""
     limit: Stress | None = None
     """Shear stress that slips at any pressure."""
+    adhesion: Stress | None = None
+    """Shear strength of Coulomb friction without pressure."""
+    tension: Stress | None = None
+    """Strength in tension of Coulomb friction."""
     associated: bool = False
     """Whether sliding dilates, as bounds assume."""
 
@@ -99,8 +103,9 @@ class FrictionLaw(Entry):
             raise refused(
                 "needs exactly one of mu, angle and limit", "give friction = { mu = 0.5 }"
             )
-        if self.associated and self.limit is not None:
-            raise refused("is of Coulomb friction only", "leave it out", "associated")
+        for name in ("adhesion", "tension", "associated"):
+            if getattr(self, name) and self.limit is not None:
+                raise refused("is of Coulomb friction only", "leave it out", name)
         if self.angle is not None and not 0 <= self.angle < 90:
             raise refused("no angle of friction", "give 0 to less than 90 degrees", "angle")
         return self
@@ -113,7 +118,8 @@ class FrictionLaw(Entry):
             value, key = tan(radians(self.angle)), "angle"
         else:
             value, key = self.mu or 0.0, "mu"
-        law: dict[str, Any] = {"mu": value} | ({"associated": True} if self.associated else {})
+        more = {name: getattr(self, name) for name in ("associated", "adhesion", "tension")}
+        law: dict[str, Any] = {"mu": value} | {name: own for name, own in more.items() if own}
         return Call("la.Coulomb", law, at, {"mu": (*at, key)})
 
 
@@ -129,7 +135,7 @@ def _named(word: str) -> Name:
 
 Friction = Annotated[
     Annotated[Number, Tag("~number")]
-    | Annotated[Literal["smooth", "stick"], AfterValidator(_named), Tag("~word")]
+    | Annotated[Literal["smooth", "stick", "bond"], AfterValidator(_named), Tag("~word")]
     | Annotated[FrictionLaw, Tag("~law")],
     Discriminator(_kind),
 ]

@@ -24,7 +24,7 @@ _CELLS = 100_000
 
 
 class MeshFile(Entry):
-    """A mesh of gmsh, or of another program, by its path from the problem file."""
+    """A mesh of gmsh, of another program, or one that lacore saved, by its path from here."""
 
     maker: ClassVar[str] = "la.meshes.read"
     file: str
@@ -47,7 +47,17 @@ class MeshFile(Entry):
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
-        return Call(self.maker, self.arguments(at), at, {"path": (*at, "file")})
+        saved = self.file.lower().endswith(".npz")
+        maker = "la.meshes.load" if saved else self.maker
+        return Call(maker, self.arguments(at), at, {"path": (*at, "file")})
+
+    @model_validator(mode="after")
+    def _known(self) -> "MeshFile":
+        if self.file.lower().endswith(".npz"):
+            for name in ("surface", "merge"):
+                if getattr(self, name) is not None:
+                    raise refused("is of other files than .npz", "leave it out", name)
+        return self
 
 
 class _Shape(Entry):

@@ -1,0 +1,170 @@
+"""What of a problem a file can state: objects of lacore as its tables."""
+
+from collections.abc import Callable, Mapping
+from functools import singledispatch
+from typing import Any
+
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.frames.frame import Frame
+from lacore.conditions import loads, water
+from lacore.conditions.where import Where
+from lacore.conditions.within import Along, Within
+from lacore.contact.interfaces import Interface
+from lacore.errors import InputError
+from lacore.materials import friction, mohr_coulomb
+from lacore.materials.drucker_prager import DruckerPrager
+from lacore.materials.von_mises import VonMises
+
+Table = dict[str, Any]
+_TAGS: Mapping[type, tuple[str, str]] = {
+    mohr_coulomb.MohrCoulomb: ("criterion", "mohr-coulomb"),
+    mohr_coulomb.Rankine: ("criterion", "rankine"),
+    mohr_coulomb.NoTension: ("criterion", "no-tension"),
+    mohr_coulomb.MaximumShear: ("criterion", "maximum-shear"),
+    DruckerPrager: ("criterion", "drucker-prager"),
+    VonMises: ("criterion", "von-mises"),
+    loads.Traction: ("load", "traction"),
+    loads.Pressure: ("load", "pressure"),
+    loads.BodyForce: ("load", "body-force"),
+    loads.PointForce: ("load", "point-force"),
+    loads.RigidFooting: ("load", "rigid-footing"),
+}
+_WORDS = {friction.SMOOTH: "smooth", friction.STICK: "stick", friction.BOND: "bond"}
+
+
+def tagged(thing: object, field: str) -> Table:
+    """A criterion or a load, with all its values that are not None."""
+    tag = _TAGS.get(type(thing))
+    if tag is None:
+        return other(thing, field)
+    if isinstance(thing, VonMises) and thing.hardening is not None:
+        mend = "give its initial strength: VonMises(shear_strength=...)"
+        raise InputError(f"{field}.hardening", thing.hardening, "a file has no laws of it", mend)
+    own = {name: value for name, value in vars(thing).items() if value is not None}
+    if "where" in own and tag[0] == "load":
+        own["where"] = place(own["where"], f"{field}.where")
+    return {tag[0]: tag[1]} | {name: plain(value) for name, value in own.items()}
+
+
+@singledispatch
+def other(thing: object, field: str) -> Table:
+    """What has no table of its own name."""
+    kind = type(thing).__name__
+    raise InputError(field, thing, f"no file can state a {kind}", "keep this problem in Python")
+
+
+@other.register
+def _(thing: water.PorePressure, field: str) -> Table:
+    return {"load": "pore-pressure", "body": thing.body, "pressure": _water(thing.pressure, field)}
+
+
+@other.register
+def _(thing: water.StandingWater, field: str) -> Table:
+    where = place(thing.where, f"{field}.where")
+    pressure = _water(thing.pressure, field)
+    return {"load": "standing-water", "body": thing.body, "where": where, "pressure": pressure}
+
+
+def _water(pressure: object, field: str) -> Any:
+    if isinstance(pressure, water.WaterTable):
+        return {"height": plain(pressure.height), "unit_weight": plain(pressure.unit_weight)}
+    if isinstance(pressure, tuple | Callable):
+        why = "a file has neither functions nor values at vertices"
+        raise InputError(f"{field}.pressure", None, why, "give a lacore.WaterTable or one number")
+    return plain(pressure)
+
+
+def place(where: Where, field: str) -> Any:
+    """A part of a boundary."""
+    if isinstance(where, Within):
+        own = {name: value for name, value in vars(where).items() if value is not None}
+        return {name: plain(value) for name, value in own.items()}
+    if isinstance(where, Along):
+        return {"from": plain(where.start), "to": plain(where.end)}
+    if callable(where):
+        raise InputError(
+            field,
+            getattr(where, "__name__", None),
+            "a file has no functions",
+            "name the boundary (lacore.meshes.named), or give lacore.Within or lacore.Along",
+        )
+    return plain(where)
+
+
+def law(given: friction.Friction) -> Any:
+    """A law of friction."""
+    if given in _WORDS:
+        return _WORDS[given]
+    if isinstance(given, friction.Tresca):
+        return {"limit": plain(given.limit)}
+    assert isinstance(given, friction.Coulomb)
+    own = {name: value for name, value in vars(given).items() if value}
+    return plain(given.mu) if set(own) <= {"mu"} else {"mu": 0} | plain(own)
+
+
+def support(fix: loads.Fix, field: str) -> Table:
+    """A support."""
+    where = place(fix.where, f"{field}.where")
+    return {"body": fix.body, "where": where, "components": fix.components}
+
+
+def interface(pair: Interface, field: str) -> Table:
+    """An interface."""
+    sides = [
+        {"body": name, "where": place(where, f"{field}.{side}")}
+        for side, (name, where) in zip(("slave", "master"), pair.sides, strict=False)
+    ]
+    master: Any = sides[-1]
+    if pair.obstacle is not None:
+        own = pair.obstacle
+        if own.shape is not None:
+            why = "a file has planes only"
+            raise InputError(f"{field}.master.shape", own.shape, why, "keep this problem in Python")
+        flat = own.point is not None
+        master = {"point": plain(own.point), "normal": plain(own.normal)} if flat else "obstacle"
+    return {"slave": sides[0], "master": master, "friction": law(pair.law)}
+
+
+def blocks(body: BlockAssembly) -> Table:
+    """Rigid blocks: walls and arches, too, are polygons."""
+    pairs = (body.joint_friction or {}).items()
+    joints = [
+        {"between": list(pair), "friction": law(friction.friction_law(own, "joint_friction"))}
+        for pair, own in pairs
+    ]
+    return {
+        "kind": "blocks",
+        "friction": law(friction.friction_law(body.friction, "friction")),
+        **({"joints": joints} if joints else {}),
+        "tolerance": plain(body.tolerance),
+        "blocks": {name: plain(corners.tolist()) for name, corners in body.polygons.items()},
+    }
+
+
+def frame(body: Frame) -> Table:
+    """A frame."""
+    assert isinstance(body.members, Mapping)  # since it was built
+    return {
+        "kind": "frame",
+        "tolerance": plain(body.tolerance),
+        "plastic_moment": plain(body.plastic_moment),
+        "releases": plain(body.releases),
+        "nodes": plain(body.nodes),
+        "members": plain(body.members),
+    }
+
+
+def plain(value: Any) -> Any:
+    """Numbers, texts, lists and tables of them."""
+    if isinstance(value, str | bool):
+        return value
+    if isinstance(value, Mapping):
+        return {str(name): plain(own) for name, own in value.items()}
+    if hasattr(value, "__iter__"):
+        return [plain(own) for own in value]
+    return int(value) if isinstance(value, int) else _short(float(value))
+
+
+def _short(value: float) -> float | int:
+    """Whole numbers without a point, as people write them."""
+    return int(value) if value.is_integer() and abs(value) < 2**53 else value

@@ -1,0 +1,89 @@
+"""`write_problem`: a problem as a TOML file that states the same one."""
+
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from lacore.bodies.any_body import AnyBody
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames.frame import Frame
+from lacore.errors import InputError
+from lacore.files.problem import statements
+from lacore.files.problem.recipes import recipe
+from lacore.files.problem.statements import Table
+from lacore.meshes.archive import save
+from lacore.problem.problem import Problem
+
+
+def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") -> None:
+    """Write a problem as TOML, in SI units: `read_problem` gives the same one.
+
+    Meshes that came of a problem file are written as they were given there, others beside the file
+    as ``NAME-1.npz``, ... Walls and arches are written as polygons.
+
+    Args:
+        problem: whose boundaries are names, or places by numbers: `lacore.Within`, `lacore.Along`.
+        path: of the file, ending in .toml.
+        title: of the page that shows its answer.
+
+    Raises:
+        InputError: what no file can state: functions of places, laws of hardening, criteria and
+            obstacles of your own; a file that cannot be written.
+    """
+    from lacore.files.problem.layout import toml  # here: tomlkit is for writing alone
+
+    place = Path(fspath(path))
+    if place.suffix.lower() != ".toml":
+        raise InputError("path", str(place), "not the name of a TOML file", "let it end in .toml")
+    if not isinstance(problem, Problem):
+        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
+    document: Table = {"title": title} if title else {}
+    meshes: dict[Path, Any] = {}
+    document["bodies"] = {
+        name: _stated(body, f"Problem.bodies[{name!r}]", place.with_name(f"{place.stem}-{n}.npz"),
+                      meshes)
+        for n, (name, body) in enumerate(problem.bodies.items(), 1)
+    }  # fmt: skip
+    lists = {
+        "supports": [*map(statements.support, *_with_fields("supports", problem.supports))],
+        "interfaces": [*map(statements.interface, *_with_fields("interfaces", problem.interfaces))],
+        **{
+            name: [*map(statements.tagged, *_with_fields(name, getattr(problem, name)))]
+            for name in ("reference_loads", "dead_loads")
+        },
+    }
+    document |= {name: own for name, own in lists.items() if own}
+    try:
+        for file, mesh in meshes.items():
+            save(mesh, file)
+        place.write_text(toml(document), encoding="utf-8")
+    except OSError as error:
+        why = f"cannot be written ({error.strerror or error})"
+        raise InputError("path", str(place), why, "free space, or name another place") from error
+
+
+def _with_fields(name: str, things: Any) -> tuple[Any, list[str]]:
+    return things, [f"Problem.{name}[{n}]" for n in range(len(things))]
+
+
+def _stated(body: AnyBody, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
+    """The table of a body; a mesh that it needs a file for is added to `meshes`."""
+    match body:
+        case BlockAssembly():
+            return statements.blocks(body)
+        case Frame():
+            return statements.frame(body)
+    assert isinstance(body, Body)
+    mesh = recipe(body.mesh, file.parent)
+    if mesh is None:
+        meshes[file] = body.mesh
+        mesh = {"mesh": {"file": file.name}}
+    return {
+        "kind": "continuum",
+        "kinematics": body.kinematics,
+        "space": body.space,
+        "geometry": body.geometry,
+        **mesh,
+        "material": statements.tagged(body.criterion, f"{field}.criterion"),
+    }
