@@ -169,4 +169,5 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     found = text.splitlines()[line - 1 : line]
     value = found[0].strip() if found else None
     mend = "write key = value, texts in quotes, tables as [name], each key once"
-    return InputError(f"{shown}:{line}", value, f"is no TOML: {why[:1].lower()}{why[1:]}", mend)
+    said = f"is no TOML: {why[:1].lower()}{why[1:]}"
+    return InputError(f"{shown}:{line}: line", value, said, mend)

@@ -1,10 +1,10 @@
 """`write_problem`: a problem as a TOML file that states the same one."""
 
+from functools import singledispatch
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
@@ -67,14 +67,24 @@ def _with_fields(name: str, things: Any) -> tuple[Any, list[str]]:
     return things, [f"Problem.{name}[{n}]" for n in range(len(things))]
 
 
-def _stated(body: AnyBody, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
+@singledispatch
+def _stated(body: Any, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
     """The table of a body; a mesh that it needs a file for is added to `meshes`."""
-    match body:
-        case BlockAssembly():
-            return statements.blocks(body)
-        case Frame():
-            return statements.frame(body)
-    assert isinstance(body, Body)
+    return statements.other(body, field)
+
+
+@_stated.register
+def _(body: BlockAssembly, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
+    return statements.blocks(body)
+
+
+@_stated.register
+def _(body: Frame, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
+    return statements.frame(body)
+
+
+@_stated.register
+def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
     mesh = recipe(body.mesh, file.parent)
     if mesh is None:
         meshes[file] = body.mesh

@@ -3,6 +3,8 @@
 import json
 import random
 import re
+import tomllib
+from collections import Counter
 
 import pytest
 
@@ -14,18 +16,18 @@ from verification.problems import starters
 
 VALUES = (
     *(float("nan"), float("inf"), float("-inf"), 0, 0.0, -1, -2.5, 1e300, 1e-300, 10**30, 3),
-    *("", "left", "20 kPa", "18 kN/m3", "30 deg", "5 m", "1e400 Pa", "a" * 400, "{x}", "%s", "\u2603"),
+    *("", "left", "20 kPa", "18 kN/m3", "30 deg", "5 m", "1e400 Pa", "a" * 400, "{x}", "%s"),
     *(True, False, [], [1], [1, 2], [1, 2, 3], ["a", "b"], [[0, 0], [1, 0], [0, 1]], {}),
     *({"x": 1}, {"mu": 0.5}, {"from": [0, 0], "to": [1, 1]}, {"shape": "rectangle"}),
-    *("../../etc/passwd", "/dev/null", "\\u0000", "clarabel", "stick", "__import__('os')"),
+    *("../../etc/passwd", "/dev/null", "\u2603", "clarabel", "stick", "__import__('os')"),
 )
 PLAIN = dict(sorted((name, starters.text(name)) for name in starters.titles()))
-ERROR = re.compile(r"Error: \S*my\.toml:\d+(: [^:]+|) ?[^:]*: .+; .+", re.DOTALL)
+LINE = re.compile(r".*my\.toml:\d+(?:: |$)")
 
 
 def parts(own, path=()):
-    items = own.items() if isinstance(own, dict) else enumerate(own) if isinstance(own, list) else ()
-    for key, value in items:
+    own = dict(enumerate(own)) if isinstance(own, list) else own
+    for key, value in own.items() if isinstance(own, dict) else ():
         yield (*path, key)
         yield from parts(value, (*path, key))
 
@@ -58,3 +60,53 @@ def broken(draw, text):
     """The text with a letter less or more."""
     place = draw.randrange(len(text))
     return text[:place] + draw.choice(("", '"', "[", "]", "=", "\n", "#")) + text[place + 1 :]
+
+
+def drawn(number):
+    """A starter with a mistake, by a number."""
+    draw = random.Random(number)
+    text = PLAIN[draw.choice(list(PLAIN))]
+    if draw.random() < 0.15:
+        return broken(draw, text)
+    return toml(mutated(draw, tomllib.loads(text)))
+
+
+def test_mistakes_are_said_with_line_and_mend(tmp_path):
+    """Numbers of starters that are read, and of errors: neither is empty."""
+    file = tmp_path / "my.toml"
+    refused, total = {}, 120
+    for number in range(total):
+        file.write_text(drawn(number), encoding="utf-8")
+        try:
+            read(file)
+        except InputError as error:
+            refused[number] = error
+    assert 10 < len(refused) < total - 10
+    for number, error in refused.items():
+        assert LINE.match(error.field), (number, error)
+        assert error.why, number
+        assert error.mend, number
+
+
+@pytest.mark.slow
+def test_commands_answer_or_say_why_not(tmp_path):
+    """200 files: one document with a certified number, or a named status, or a sentence."""
+    file = tmp_path / "my.toml"
+    count = Counter()
+    for number in range(1000, 1200):
+        file.write_text(drawn(number), encoding="utf-8")
+        result = lacore("solve", file, "--json", "--out", tmp_path / "out")
+        assert isinstance(result.exception, SystemExit | None), (number, result.exception)
+        count[result.exit_code] += 1
+        if result.exit_code == 2:
+            assert result.stdout == "", number
+            assert LINE.match(result.stderr.partition(" = ")[0]), (number, result.stderr)
+            continue
+        found = json.loads(result.stdout)
+        if result.exit_code == 0:
+            assert max(found["certificate"].values()) <= found["tolerance"], number
+        else:
+            assert found["status"] != "solved", number
+            assert found["message"], number
+    assert set(count) <= {0, 1, 2}
+    assert min(count[0], count[2]) > 10
