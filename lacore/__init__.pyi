@@ -47,6 +47,7 @@ from .limit.stability import Standing as Standing
 from .limit.state import LimitState as LimitState
 from .materials import hardening as hardening
 from .materials.drucker_prager import DruckerPrager as DruckerPrager
+from .materials.fields import Field as Field
 from .materials.friction import BOND as BOND
 from .materials.friction import SMOOTH as SMOOTH
 from .materials.friction import STICK as STICK

@@ -1,12 +1,18 @@
 """Which elements to refine: shares of an error, and the fewest elements that hold most of it."""
 
+from collections.abc import Iterator
+from typing import TypeVar
+
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.bodies.continuum.regions.gathering import HasBody, by_body, gathered
 from lacore.bounds.gap_identity import gap_identity
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.upper import UpperBound
 from lacore.dissipation import DissipationGroup
+
+T = TypeVar("T")
 
 _LOWER = 0.3  # of all shares: lower bounds may be weak where nothing moves
 
@@ -19,24 +25,40 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     the unit of load factors.
     """
     discretisation = bound.discretisation
-    groups = discretisation.full.groups
-    group = next(group for group in groups if group.name == body)
-    whole = bound.dissipation[body]
-    if group.surfaces is not None:
-        assert bound.state.point is not None
-        means = dict(zip((g.name for g in groups), bound.state.point.mean_stress, strict=True))
-        return _varying(group, group.cone_vectors(bound.velocity), means[body], whole.size)
-    rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
-        whole.size, -1, group.dim
-    )
-    strength = group.bound.reshape(whole.size, -1)[:, 0]
-    total = rates.sum(axis=1)
+    groups, point = discretisation.full.groups, bound.state.point
+    assert point is not None
+    dofs, whole = discretisation.bodies[body], bound.dissipation[body]
+    slipped = np.zeros((whole.size, 3))
     if body in discretisation.slips:
-        dofs, slip = discretisation.bodies[body], discretisation.slips[body]
-        form = dofs.body.form
-        elements = dofs.body.mesh.f2t[0, slip.facets]
-        np.add.at(total, elements, slip.layer(dofs, bound.velocity) @ form.rows.T)
-    return np.asarray(whole - strength * np.linalg.norm(total, axis=1))
+        slip = discretisation.slips[body]
+        beside = dofs.body.mesh.f2t[0, slip.facets]
+        np.add.at(slipped, beside, slip.layer(dofs, bound.velocity))
+    ours = _of(body, by_body(discretisation.bodies, groups))
+    means = _of(body, by_body(discretisation.bodies, point.mean_stress))
+    shares = []
+    for region, group, mean in zip(dofs.body.regions, ours, means, strict=True):
+        count = region.elements.size
+        if group.surfaces is not None:
+            shares.append(_varying(group, group.cone_vectors(bound.velocity), mean, count))
+            continue
+        rates = (group.weights[:, None] * group.cone_vectors(bound.velocity)).reshape(
+            count, -1, group.dim
+        )
+        strength = _mean(group.bound.reshape(count, -1))
+        total = rates.sum(axis=1) + slipped[region.elements] @ region.form.rows.T
+        own = whole[region.elements] - strength * np.linalg.norm(total, axis=1)
+        shares.append(np.asarray(own))
+    return gathered(dofs.body, shares)
+
+
+def _mean(values: Floats) -> Floats:
+    """Means of values (e, q) of elements, exactly that of equal ones."""
+    return np.asarray(values[:, 0] + (values - values[:, :1]).mean(axis=1))
+
+
+def _of(name: str, parts: Iterator[tuple[str, HasBody, tuple[T, ...]]]) -> tuple[T, ...]:
+    """What belongs to a body."""
+    return next(own for body, _, own in parts if body == name)
 
 
 def lower_shares(bound: LowerBound, body: str) -> Floats:
@@ -46,16 +68,19 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
     refine too few elements at a time (T26d). Shape (elements,), in the unit of load factors.
     """
     assert bound.point is not None
-    groups = bound.model.program.groups
-    number = next(number for number, group in enumerate(groups) if group.name == body)
-    group = groups[number]
-    rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
-    rates = rates.reshape(-1, 3, group.dim)
-    # What a soil carries follows its pressure.
-    strength = group.carried(bound.point.mean_stress[number]).reshape(-1, 3).mean(axis=1)
-    whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
-    varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
-    return np.asarray(np.sqrt(whole * np.maximum(varying, 0.0)))
+    bodies = bound.model.bodies
+    groups = _of(body, by_body(bodies, bound.model.program.groups))
+    means = _of(body, by_body(bodies, bound.point.mean_stress))
+    shares = []
+    for group, mean in zip(groups, means, strict=True):
+        rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
+        rates = rates.reshape(-1, 3, group.dim)
+        # What a soil carries follows its pressure.
+        strength = group.carried(mean).reshape(-1, 3).mean(axis=1)
+        whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
+        varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
+        shares.append(np.asarray(np.sqrt(whole * np.maximum(varying, 0.0))))
+    return gathered(bodies[body].body, shares)
 
 
 def _varying(group: DissipationGroup, rates: Floats, mean: Floats, elements: int) -> Floats:

@@ -272,7 +272,7 @@ class _Run:
         if self.coulomb:  # it may stay wide
             width = self.target
         tolerance = float(np.clip(_LOOSE * width, _TIGHTEST, _LOOSEST))
-        if any(body.form.surfaces for body in of_kind(problem.bodies, Body).values()):
+        if any(body.pressed for body in of_kind(problem.bodies, Body).values()):
             tolerance = _TIGHTEST  # what flows as it cannot is worst in the least element (T45)
         bound = self._bound(kind, problem, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:

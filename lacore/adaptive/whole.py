@@ -14,6 +14,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.regions import inheriting
 from lacore.bodies.continuum.spaces import BOUNDING
 from lacore.conditions.loads import Load
 from lacore.errors import InputError
@@ -76,7 +77,7 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
     """
     known = continua(problem)
     finer = {
-        name: replace(known[name], mesh=part, space=BOUNDING)
+        name: inheriting.on_mesh(known[name], part, BOUNDING)
         for name, part in parted(mesh, list(known)).items()
     }
     return replace(problem, bodies={**problem.bodies, **finer})

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lacore.arrays import Bools, Ints, Sparse
-from lacore.assembly.seams import Seam
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps
@@ -30,9 +29,9 @@ class Discretisation(Shown):
         bodies: continua by name.
         assemblies: rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
-        jumps: velocity jumps of the continua (T23), by name: of those whose space has them, and
-            of those that slip along boundaries. Groups of the programs: the continua, these, the
-            seams, the hinges of frames.
+        jumps: velocity jumps of the regions of continua (T23), by name (of a region ``soil.clay``):
+            of those whose space has them, and of those that slip along boundaries. Groups of the
+            programs: the regions of the continua, these, the seams, the hinges of frames.
         seams: jumps across bonded interfaces, by their names, where the sides do not move as one.
         slips: the boundaries along which continua slip past what holds them, by name.
         points: geometry of the contact points.
@@ -53,7 +52,7 @@ class Discretisation(Shown):
     frames: Mapping[str, FrameDofs]
     jumps: Mapping[str, Jumps]
     slips: Mapping[str, Slip]
-    seams: Mapping[str, Seam]
+    seams: Mapping[str, Jumps]
     points: ContactPoints
     shared_corners: Bools
     footings: Ints
@@ -65,10 +64,9 @@ class Discretisation(Shown):
         return Scope.DISCRETE if self.bodies else Scope.ITSELF
 
     @property
-    def jumping(self) -> list[tuple[tuple[str, str], Jumps]]:
-        """All velocity jumps, and the bodies that have the elements on either side of them."""
-        own = [((name, name), jumps) for name, jumps in self.jumps.items()]
-        return own + [(seam.bodies, seam.jumps) for seam in self.seams.values()]
+    def jumping(self) -> list[Jumps]:
+        """All velocity jumps."""
+        return [*self.jumps.values(), *self.seams.values()]
 
     @property
     def contents(self) -> str:

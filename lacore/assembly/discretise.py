@@ -59,23 +59,24 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     tied = ties(problem, continua)
     held = held_by(problem, unknowns, slipping, tied)
     jumping = {
-        name: jumps(name, own, n, slipping.get(name))
+        part.group.name.removesuffix(": jumps"): part
         for name, own in continua.items()
         if own.space.jumps or name in slipping
+        for part in jumps(name, own, n, slipping.get(name))
     }
-    jumping = {name: part.kept(movable(part.group, held.basis)) for name, part in jumping.items()}
-    jumping = {name: part for name, part in jumping.items() if part.group.weights.size}
-    seaming = seams(problem, continua, dofs, tied, n)
-    seaming = {
-        name: own.kept(movable(own.jumps.group, held.basis)) for name, own in seaming.items()
-    }
-    seaming = {name: own for name, own in seaming.items() if own.jumps.group.weights.size}
+    jumping, seaming = (
+        {name: part for name, part in found.items() if part.group.weights.size}
+        for found in (
+            {name: part.kept(movable(part.group, held.basis)) for name, part in given.items()}
+            for given in (jumping, seams(problem, continua, dofs, tied, n))
+        )
+    )
     strained = {name: own.groups(name, n) for name, own in dofs.items()}
     full = KinematicProgram(
         groups=(
             *(group for name in continua for group in strained.pop(name)),
             *(part.group for part in jumping.values()),
-            *(own.jumps.group for own in seaming.values()),
+            *(part.group for part in seaming.values()),
             *(group for groups in strained.values() for group in groups),
         ),
         contact=contact,

@@ -15,37 +15,18 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.assembly.bonds import Ties
 from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.jumps import Jumps, layer, weaker_surfaces
+from lacore.bodies.continuum.jumps import Jumps, layer
+from lacore.bodies.continuum.regions.layers import Layer, costs
+from lacore.bodies.continuum.regions.region import Region
 from lacore.contact.controls import controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import jump_rows
 from lacore.contact.segments import Segments
 from lacore.errors import InputError
-from lacore.materials.conic_form import ConicForm
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
-from lacore.surfaces import Surfaces
 
 _ORDER = (0, 2, 1)  # of control values along an edge: start, middle, end
-_Side = tuple[ConicForm, Ints]  # what a layer of a body costs, and the element at each cone
-
-
-@dataclass(frozen=True, repr=False)
-class Seam(Compact):
-    """The velocity jumps across a bonded interface.
-
-    Attributes:
-        bodies: to whose elements each half of the dissipation belongs; twice the same beside what
-            is rigid.
-        jumps: elements are numbered in the one and in the other body.
-    """
-
-    bodies: tuple[str, str]
-    jumps: Jumps
-
-    def kept(self, mask: Bools) -> "Seam":
-        """With the cones of a mask of shape (m,)."""
-        return Seam(self.bodies, self.jumps.kept(mask))
 
 
 def seams(
@@ -54,8 +35,10 @@ def seams(
     dofs: Mapping[str, Dofs],
     tied: Ties,
     n: int,
-) -> dict[str, Seam]:
+) -> dict[str, Jumps]:
     """Where velocities jump across the bonds of a problem, by the names of interfaces.
+
+    Of interfaces along which different regions are the weaker ones by those of their groups, too.
 
     Args:
         problem: the problem.
@@ -67,7 +50,7 @@ def seams(
     Raises:
         InputError: a layer of the weaker side has no strength that could be stated.
     """
-    found = {}
+    found: dict[str, Jumps] = {}
     for index, (interface, segments) in enumerate(
         zip(problem.interfaces, problem.segments, strict=True)
     ):
@@ -76,7 +59,7 @@ def seams(
         jumping = ~tied.tied.get(index, np.zeros(segments.slave.size, dtype=bool))
         if jumping.any():
             own = _kept(segments, jumping)
-            found[interface.name] = _seam(index, interface, own, continua, dofs, n)
+            found |= _seam(index, interface, own, continua, dofs, n)
     return found
 
 
@@ -97,7 +80,7 @@ def _seam(
     continua: Mapping[str, BodyDofs],
     dofs: Mapping[str, Dofs],
     n: int,
-) -> Seam:
+) -> dict[str, Jumps]:
     names = [name for name, _ in interface.sides]
     meeting = list(zip(names, segments.edges, strict=True))
     sides = [(dofs[name], dofs[name].parts(edges)) for name, edges in meeting]
@@ -118,61 +101,90 @@ def _seam(
         return csr_matrix(x.multiply(share[0, :, None]) + y.multiply(share[1, :, None]))
 
     opening, slipping = across(normal), across(np.stack([-normal[1], normal[0]]))
-    layers: list[tuple[str, _Side]] = []
-    for name, edges in meeting:
-        if name in continua:
-            elements = np.repeat(continua[name].body.mesh.f2t[0, edges].astype(np.int64), copies)
-            layers.append((name, (_layer(index, name, continua[name]), elements)))
-    own = [side for _, side in layers]
-    form, bound, surfaces = _weaker(own[0], own[-1])
-    group = layer(
-        f"{interface.name}: jumps",
-        form,
-        (opening, slipping),
-        weights * length,
-        bound,
-        surfaces,
-    )
-    beside = (layers[0], layers[-1])
-    return Seam(
-        bodies=(beside[0][0], beside[1][0]),
-        jumps=Jumps(
-            group=group,
-            elements=np.stack([elements for _, (_, elements) in beside]),
-            place=np.arange(count * copies),
-            copies=copies,
-        ),
-    )
+    sides_of = [
+        _Side.of(index, name, continua[name], edges, segments)
+        for name, edges in meeting
+        if name in continua
+    ]
+    beside = (sides_of[0], sides_of[-1])  # twice the same beside what is rigid
+    side = np.argmin([own.cost for own in beside], axis=0)
+    places, ends = np.arange(copies), (segments.start, segments.end)
+    found = {}
+    for which, own in enumerate(beside):
+        for number, weak in own.layers.items():
+            mine = np.flatnonzero((side == which) & (own.owner == number))
+            if not mine.size:
+                continue
+            cones = (copies * mine[:, None] + places).ravel()
+            at = (ends[0][:, mine], ends[1][:, mine])
+            carried = weak.along(own.dofs.body.mesh, at, own.elements[mine], copies)
+            title = interface.name
+            if len(own.layers) > 1 or not np.all(side == which):
+                title = f"{title}, {weak.region.group_name(own.name)}"
+            group = layer(
+                f"{title}: jumps",
+                weak.form,
+                (opening[cones], slipping[cones]),
+                (weights * length)[cones],
+                carried,
+            )
+            found[title] = Jumps(
+                bodies=(beside[0].name, beside[1].name),
+                group=group,
+                elements=np.stack([np.repeat(one.elements[mine], copies) for one in beside]),
+                place=np.arange(cones.size),
+                copies=copies,
+                ends=np.repeat(carried.ends, copies, axis=1),
+            )
+    return found
 
 
-def _layer(index: int, name: str, dofs: BodyDofs) -> ConicForm:
+@dataclass(frozen=True, repr=False)
+class _Side(Compact):
+    """A deformable side of e segments.
+
+    Attributes:
+        name: of the body.
+        dofs: of it.
+        layers: of its regions, by number.
+        elements: at the segments, shape (e,).
+        cost: what a layer of them carries, shape (e,), Pa.
+        owner: numbers of their regions, shape (e,).
+    """
+
+    name: str
+    dofs: BodyDofs
+    layers: Mapping[int, Layer]
+    elements: Ints
+    cost: Floats
+    owner: Ints
+
+    @classmethod
+    def of(cls, index: int, name: str, dofs: BodyDofs, facets: Ints, segments: Segments) -> "_Side":
+        """That of a body.
+
+        Raises:
+            InputError: a layer of a region beside it has no strength that could be stated.
+        """
+        elements = dofs.body.mesh.f2t[0, facets].astype(np.int64)
+        layers = {
+            number: _layer(index, name, region)
+            for number, region in enumerate(dofs.body.regions)
+            if np.isin(elements, region.elements).any()
+        }
+        cost, owner = costs(layers, dofs.body.mesh, (segments.start, segments.end), elements)
+        return cls(name, dofs, layers, elements, cost, owner)
+
+
+def _layer(index: int, name: str, region: Region) -> Layer:
     try:
-        return dofs.body.form.across()
+        return Layer.of(region)
     except InputError as none:
         raise InputError(
             f"Problem.interfaces[{index}].friction",
             "BOND",
-            f"velocities may jump there, and a layer of {name!r} has no strength that could be"
-            f" stated: {none.why}",
+            f"velocities may jump there, and a layer of {region.group_name(name)!r} has no strength"
+            f" that could be stated: {none.why}",
             "give both sides the same vertices and a continuous space, so that they move as one;"
             " for a rigid block take a RigidFooting",
         ) from None
-
-
-def _weaker(one: _Side, other: _Side) -> tuple[ConicForm, Floats, Surfaces | None]:
-    """Of the layers of two sides, (m,) each: its form, and what it carries at each cone.
-
-    Each side bounds what the seam carries, so that the cost of either would do; of alike ones the
-    lesser at each cone, else of all the one with the lesser strength in shear.
-    """
-    (form, elements), (facing, others) = one, other
-    bounds, its = form.bounds(elements), facing.bounds(others)
-    surfaces, those = form.surfaces_of(elements), facing.surfaces_of(others)
-    alike = form.rows.shape == facing.rows.shape and np.array_equal(form.volumes, facing.volumes)
-    if alike and np.allclose(form.rows, facing.rows) and (surfaces is None) == (those is None):
-        if surfaces is not None and those is not None:
-            surfaces = weaker_surfaces(surfaces, those)
-        return form, np.minimum(bounds, its), surfaces
-    if its.min() < bounds.min():
-        return facing, its, those
-    return form, bounds, surfaces

@@ -52,7 +52,7 @@ def slips(
         if not interface.bonded
     ]
     for name, dofs in bodies.items():
-        if not dofs.linear or dofs.body.form.surfaces:
+        if not dofs.linear:
             continue
         asked, owner = asked_of(problem, name, dofs, footings)
         contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
@@ -98,7 +98,7 @@ def _slip(
 ) -> Slip | None:
     mesh = dofs.body.mesh
     facets, owner, pressed = _sticking(dofs, asked, asking)
-    apart = ~np.isin(facets, contact)
+    apart = ~np.isin(facets, contact) & ~_pressed(dofs)[mesh.f2t[0, facets]]
     facets, owner, pressed = facets[apart], owner[apart], pressed[apart]
     if not facets.size:
         return None
@@ -124,6 +124,14 @@ def _slip(
         pressed=pressed[kept],
         stuck=straight[:, kept],
     )
+
+
+def _pressed(dofs: BodyDofs) -> Bools:
+    """Elements whose strength depends on pressure, shape (elements,)."""
+    found = np.zeros(dofs.body.mesh.nelements, dtype=bool)
+    for region in dofs.body.regions:
+        found[region.elements] = bool(region.form.surfaces)
+    return found
 
 
 def _sticking(dofs: BodyDofs, asked: NodeConditions, asking: Ints) -> tuple[Ints, Ints, Bools]:

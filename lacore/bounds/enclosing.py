@@ -9,6 +9,7 @@ from dataclasses import replace
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.regions.region import Region
 from lacore.errors import InputError
 from lacore.materials.friction import Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
@@ -41,17 +42,40 @@ def associated(problem: Problem) -> Problem:
 
 
 def require_associated_flow(bodies: Mapping[str, Body]) -> None:
-    """Raise `InputError` where the flow of a body is not associated."""
+    """Raise `InputError` where the flow of a region of a body is not associated."""
     for name, body in bodies.items():
-        if body.form.frictional:
-            raise InputError(
-                f"Problem.bodies[{name!r}].criterion",
-                body.criterion.label,
-                "its flow is not associated, and the bound theorems do not hold with it",
-                "an upper bound with its dilation_angle left out is one of all its load factors, a"
-                " lower one with friction_angle = dilation_angle and the cohesion times"
-                " tan(psi)/tan(phi) as well (T54); lacore.soil_range looks for them",
-            )
+        for region in body.regions:
+            if region.form.frictional:
+                raise InputError(
+                    named_criterion(name, region),
+                    region.criterion.label,
+                    "its flow is not associated, and the bound theorems do not hold with it",
+                    "an upper bound with its dilation_angle left out is one of all its load"
+                    " factors, a lower one with friction_angle = dilation_angle and the cohesion"
+                    " times tan(psi)/tan(phi) as well (T54); lacore.soil_range looks for them",
+                )
+
+
+def require_known_strengths(bodies: Mapping[str, Body]) -> None:
+    """Raise `InputError` where a strength varies within elements nobody knows how far."""
+    for name, body in bodies.items():
+        for region in body.regions:
+            if not region.bounded:
+                raise InputError(
+                    named_criterion(name, region),
+                    region.criterion.label,
+                    "a strength that is not linear in each element: bounds have to know how far it"
+                    " varies there",
+                    "give lacore.Field(function, steepest=...), its largest slope in Pa/m; let"
+                    " edges of the mesh follow jumps and bends, as lacore.meshes.layered does; or"
+                    " take `solve`",
+                )
+
+
+def named_criterion(body: str, region: Region) -> str:
+    """``Problem.bodies['soil'].criterion['clay']``: of a region in messages."""
+    part = f"[{region.name!r}]" if region.name else ""
+    return f"Problem.bodies[{body!r}].criterion{part}"
 
 
 def _follows_pressure(law: Friction) -> bool:

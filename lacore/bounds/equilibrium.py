@@ -19,6 +19,7 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
+from lacore.bodies.continuum.regions.varying import Varying
 from lacore.bounds.static_loads import multiplied
 from lacore.conditions.loads import Load, RigidFooting
 from lacore.program import DissipationGroup
@@ -76,10 +77,13 @@ class EquilibriumDofs(Compact):
         mesh = self.body.mesh
         return np.asarray(self.first_node + 2 * mesh.nfacets + np.arange(mesh.nelements))
 
-    def group(self, name: str, n: int) -> DissipationGroup:
-        """Yield at the vertices, weights A/3, over n unknowns: duals are the vertex stresses."""
+    def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
+        """Yield at the vertices, weights A/3, over n unknowns: duals are the vertex stresses.
+
+        By region. Where strengths vary the vertices have their own: linear stresses stay within
+        what is linear, or nowhere more than the strength between.
+        """
         body, mesh = self.body, self.body.mesh
-        form = body.form
         area, sides = element_geometry(body)
         facets = mesh.t2f[_FACETS]  # (vertices, 2, elements)
         end = (mesh.facets[1][facets] == mesh.t[:, None, :]).astype(np.int64)
@@ -95,26 +99,32 @@ class EquilibriumDofs(Compact):
         )  # (elements, vertices, (xx, yy, gamma), nodes, components)
         columns = 2 * nodes[..., None] + np.arange(2)
 
-        def rows(coefficients: Floats) -> Sparse:
-            values = np.einsum("rs,eisnc->eirnc", coefficients, strain)
-            indices = np.broadcast_to(columns[:, :, None], values.shape)
+        def rows(coefficients: Floats, elements: Ints) -> Sparse:
+            values = np.einsum("rs,eisnc->eirnc", coefficients, strain[elements])
+            indices = np.broadcast_to(columns[elements][:, :, None], values.shape)
             count, width = int(np.prod(values.shape[:3])), 6
             starts = np.arange(count + 1) * width
             matrix = csr_matrix((values.ravel(), indices.ravel(), starts), shape=(count, n))
             matrix.eliminate_zeros()
             return matrix
 
-        weights, elements = np.repeat(area / 3, 3), np.repeat(np.arange(mesh.nelements), 3)
-        return DissipationGroup(
-            name=name,
-            rows=rows(form.rows),
-            dim=form.rows.shape[0],
-            weights=weights,
-            bound=form.bounds(elements),
-            volumetric=rows(form.volumes),
-            volumetric_factor=form.volumetric_factor,
-            surfaces=form.surfaces_of(elements),
-        )
+        groups = []
+        for region in body.regions:
+            form = region.form
+            bound, surfaces = region.at_points(Varying.below, 3)
+            groups.append(
+                DissipationGroup(
+                    name=region.group_name(name),
+                    rows=rows(form.rows, region.elements),
+                    dim=form.rows.shape[0],
+                    weights=np.repeat(area[region.elements] / 3, 3),
+                    bound=bound,
+                    volumetric=rows(form.volumes, region.elements),
+                    volumetric_factor=form.volumetric_factor,
+                    surfaces=surfaces,
+                )
+            )
+        return tuple(groups)
 
     @property
     def areas(self) -> Floats:

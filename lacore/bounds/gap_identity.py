@@ -11,6 +11,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.gathering import by_body, element_sums
 from lacore.bodies.continuum.slip import Slip
 from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs
@@ -119,12 +120,12 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         restricted[blocks.offset : blocks.offset + blocks.count] = moving
     restricted = lower.model.bonds.carried(restricted)
     elements = {}
-    for name, group, s, p in zip(
-        lower.model.bodies, static.groups, t.stress, t.mean_stress, strict=True
-    ):
+    powers = []
+    for group, s, p in zip(static.groups, t.stress, t.mean_stress, strict=True):
         power = np.sum(s * group.cone_vectors(restricted), axis=1)
-        power = group.weights * (power + p * (group.volumetric @ restricted))
-        elements[name] = dissipation[name] - power.reshape(-1, 3).sum(axis=1)
+        powers.append(group.weights * (power + p * (group.volumetric @ restricted)))
+    for name, dofs, parts in by_body(lower.model.bodies, powers):
+        elements[name] = dissipation[name] - element_sums(dofs.body, parts)
 
     rows, contact = program.contact, static.contact
     limit = np.where(np.isfinite(rows.limit), rows.limit, 0.0)

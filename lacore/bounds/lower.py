@@ -12,6 +12,7 @@ from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.water import pore_pressures, total_stress
 from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
+from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bounds.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
@@ -114,13 +115,13 @@ class LowerBound(Shown):
     @property
     def effective_stress(self) -> dict[str, Floats]:
         """What the skeleton carries of `stress`, and criteria judge (T64): without water all."""
-        point, result = self._point(), {}
-        for (name, dofs), s, p in zip(
-            self.model.bodies.items(), point.stress, point.mean_stress, strict=True
-        ):
-            form = dofs.body.form
-            result[name] = form.stress(s, p).reshape(-1, 3, 4)
-        return result
+        point, bodies = self._point(), self.model.bodies
+        stresses = by_body(bodies, point.stress)
+        means = by_body(bodies, point.mean_stress)
+        return {
+            name: continuum_stress(dofs, own, mean)
+            for (name, dofs, own), (*_, mean) in zip(stresses, means, strict=True)
+        }
 
     @property
     def pore_pressure(self) -> dict[str, Floats]:

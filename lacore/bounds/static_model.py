@@ -19,7 +19,11 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.frames.frame import Frame
-from lacore.bounds.enclosing import require_associated_flow
+from lacore.bounds.enclosing import (
+    named_criterion,
+    require_associated_flow,
+    require_known_strengths,
+)
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
@@ -113,7 +117,7 @@ def static_model(problem: Problem) -> StaticModel:
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
     contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
     full = KinematicProgram(
-        groups=tuple(own.group(name, n) for name, own in bodies.items()),
+        groups=tuple(group for name, own in bodies.items() for group in own.groups(name, n)),
         contact=contact,
         reference_load=load_vector(
             acting(problem, problem.reference_loads), dofs, bodies, footings, n
@@ -215,21 +219,23 @@ def _continua(problem: Problem) -> dict[str, Body]:
 
 def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None:
     """Refuse what has no strength at all without pressure: no proof in floating point has room."""
-    form = dofs.body.form
-    if not form.surfaces or min(float(np.min(one.strength)) for one in form.surfaces) > 0:
-        return
-    lent = _LENT * float(np.abs(dead_load).sum()) / dofs.body.size or 1e-6
-    raise InputError(
-        f"Problem.bodies[{name!r}].criterion",
-        dofs.body.criterion.label,
-        "no cohesion or no tension: where nothing presses it stresses have no room to be exact in",
-        f"lend it next to none, {lent:.1e} Pa: what is proven then is of that soil",
-    )
+    for region in dofs.body.regions:
+        if not region.form.surfaces or region.least_strength > 0:
+            continue
+        lent = _LENT * float(np.abs(dead_load).sum()) / dofs.body.size or 1e-6
+        raise InputError(
+            named_criterion(name, region),
+            region.criterion.label,
+            "no cohesion or no tension: where nothing presses it stresses have no room to be exact"
+            " in",
+            f"lend it next to none, {lent:.1e} Pa: what is proven then is of that soil",
+        )
 
 
 def _check_statable(problem: Problem) -> None:
     deforming = of_kind(problem.bodies, Body)
     require_associated_flow(of_kind(problem.bodies, Body))
+    require_known_strengths(of_kind(problem.bodies, Body))
     for field, load in problem.loads.items():
         if load.point is not None and load.body in deforming:
             raise InputError(

@@ -12,8 +12,14 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.backend import find_backend, read_options
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.spaces import VelocitySpace
-from lacore.bounds.enclosing import require_associated_flow
+from lacore.bodies.continuum.regions.gathering import (
+    by_body,
+    element_sums,
+    gathered,
+    region_count,
+)
+from lacore.bounds.enclosing import require_associated_flow, require_known_strengths
+from lacore.bounds.lattices import on_lattice
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
@@ -137,8 +143,9 @@ def upper_bound(
             "give Coulomb(mu, associated=True); `solve` with coupling='associated' has an upper"
             " bound of every Coulomb load factor",
         )
+    require_known_strengths(of_kind(given.bodies, Body))
     for name, dofs in discretisation.bodies.items():
-        if dofs.body.form.surfaces and not dofs.space.strict:
+        if dofs.body.pressed and not dofs.space.strict:
             raise InputError(
                 f"Problem.bodies[{name!r}].space",
                 dofs.body.space,
@@ -216,7 +223,7 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
         strict = all(d.linear and d.body.geometry == "exact" for d in bodies)
         rigor = Rigor.UPPER if strict else Rigor.DISCRETE
     full = discretisation.full
-    hinges = full.groups[len(discretisation.bodies) + len(discretisation.jumping) :]
+    hinges = full.groups[region_count(discretisation.bodies) + len(discretisation.jumping) :]
     load_factor = (
         sum(float(part.sum()) for part in power.values())
         + sum(float(group.dissipation(velocity).sum()) for group in hinges)
@@ -261,55 +268,15 @@ def plastic_power(
             of the convex dissipation. 1 is the rule of the program, whatever its strain points.
     """
     power = {}
-    for (name, dofs), group in zip(
-        discretisation.bodies.items(), discretisation.full.groups, strict=False
-    ):
+    for name, dofs, groups in by_body(discretisation.bodies, discretisation.full.groups):
         if parts > 1 and dofs.linear:
-            power[name] = _on_lattice(group, velocity, dofs.space, parts)
+            regions = zip(dofs.body.regions, groups, strict=True)
+            own = [on_lattice(region, g, velocity, dofs.space, parts) for region, g in regions]
+            power[name] = gathered(dofs.body, own)
         else:
-            power[name] = group.dissipation(velocity).reshape(dofs.areas.size, -1).sum(axis=1)
-    for names, jumps in discretisation.jumping:
+            power[name] = element_sums(dofs.body, [g.dissipation(velocity) for g in groups])
+    for jumps in discretisation.jumping:
         elements, along = jumps.power(velocity, parts)
-        for name, side in zip(names, elements, strict=True):
+        for name, side in zip(jumps.bodies, elements, strict=True):
             np.add.at(power[name], side, along / 2)
     return power
-
-
-def _on_lattice(
-    group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
-) -> Floats:
-    count = space.points.shape[1]
-    if group.surfaces is not None:
-        return _pressed_on_lattice(group, velocity, space, parts)
-    strained = (group.rates(velocity) > 0)[:, None]
-    known = np.where(strained, group.cone_vectors(velocity), 0.0).reshape(-1, count, group.dim)
-    places, share = lattice(parts)
-    size = np.linalg.norm(np.einsum("pq,eqd->epd", places @ space.to_vertices(), known), axis=2)
-    strength = (group.weights * group.bound).reshape(-1, count).sum(axis=1)
-    return np.asarray(strength * (size @ share))
-
-
-def _pressed_on_lattice(
-    group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
-) -> Floats:
-    """The same where strength depends on pressure: the dissipation is convex all the same."""
-    assert group.surfaces is not None
-    count = space.points.shape[1]
-    places, share = lattice(parts)
-    onto = places @ space.to_vertices()
-    known = group.cone_vectors(velocity).reshape(-1, count, group.dim)
-    length = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
-    volume = (group.volumetric @ velocity).reshape(-1, count) @ onto.T
-    first = np.repeat(count * np.arange(len(known)), share.size)
-    power = group.surfaces.at(first).dissipation(length.ravel(), volume.ravel())
-    area = group.weights.reshape(-1, count).sum(axis=1)
-    return np.asarray(area * (power.reshape(-1, share.size) @ share))
-
-
-def lattice(parts: int) -> tuple[Floats, Floats]:
-    """Barycentric coordinates, shape (p, 3), and weights of sum 1, by the triangles they are in."""
-    whole = np.array(
-        [(i, j, parts - i - j) for i in range(parts + 1) for j in range(parts + 1 - i)]
-    )
-    triangles = np.array([6, 3, 1])[(whole == 0).sum(axis=1)]
-    return whole / parts, triangles / (3 * parts**2)

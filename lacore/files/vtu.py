@@ -15,6 +15,7 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means
 from lacore.bodies.continuum.plasticity import plasticity
+from lacore.bodies.continuum.regions.gathering import by_body, gathered
 from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
@@ -64,8 +65,8 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     assert state.point is not None
     numbers = {name: place for place, name in enumerate(d.problem.bodies)}
     parts = [
-        _flowing(state, name, group, numbers[name])
-        for name, group in zip(d.bodies, state.program.groups, strict=False)
+        _flowing(state, name, groups, numbers[name])
+        for name, _, groups in by_body(d.bodies, state.program.groups)
     ]
     for name, blocks in d.assemblies.items():
         parts += _rigid(blocks, velocity[name], numbers[name])
@@ -78,17 +79,21 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     return file
 
 
-def _flowing(state: LimitState, name: str, group: DissipationGroup, number: int) -> _Part:
+def _flowing(
+    state: LimitState, name: str, groups: Sequence[DissipationGroup], number: int
+) -> _Part:
     """A continuum of a limit state."""
     assert state.point is not None
     dofs = state.discretisation.bodies[name]
-    factor, shape = strain_per_length(dofs), dofs.weights.shape
-    rate = equivalent_rate(dofs, group, state.point.velocity)
-    number_of = [group.name for group in state.discretisation.full.groups].index(name)
-    mean = state.point.mean_stress[number_of]
-    strength = group.carried(mean)  # at its pressure
-    fields = {"equivalent_strain_rate": rate, "yield_stress": strength / factor}
-    means = {key: element_means(dofs, own.reshape(shape)) for key, own in fields.items()}
+    rate = equivalent_rate(dofs, groups, state.point.velocity)
+    pressures = by_body(state.discretisation.bodies, state.point.mean_stress)
+    (pressure,) = [own for body, _, own in pressures if body == name]
+    strengths = [
+        (group.carried(mean) / strain_per_length(region)).reshape(region.elements.size, -1)
+        for region, group, mean in zip(dofs.body.regions, groups, pressure, strict=True)
+    ]  # at their pressure
+    fields = {"equivalent_strain_rate": rate, "yield_stress": gathered(dofs.body, strengths)}
+    means = {key: element_means(dofs, own) for key, own in fields.items()}
     means["dissipation"] = state.dissipation[name]
     stresses = {"stress": state.stress[name]}
     water = state.pore_pressure
@@ -163,17 +168,23 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
     start, bodies = stage.start.nodes, stage.dofs_at(snapshot.configuration)
     for place, (name, dofs) in enumerate(bodies.items()):
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
-        law, velocity = dofs.body.criterion.law, snapshot.velocity[name]
+        velocity, regions = snapshot.velocity[name], dofs.body.regions
+        laws = [region.criterion.law for region in regions]
         at_points = {
             "velocity": _spatial(velocity),
             "displacement": _spatial(snapshot.configuration.nodes[name] - start[name]),
             "equivalent_strain": node_means(dofs, strain),
         }
         fields = {"equivalent_strain": strain, "equivalent_strain_rate": rate}
-        if law is not None:
-            stress = law.stress(strain)
+        if None not in laws:
+            hardened = [
+                law.stress(strain[region.elements])
+                for law, region in zip(laws, regions, strict=True)
+                if law is not None
+            ]
+            stress = gathered(dofs.body, hardened)
             fields |= {"yield_stress": stress, "dissipation": stress * rate}
-        elif not dofs.body.form.frictional:
+        elif set(laws) == {None} and not any(region.form.frictional for region in regions):
             fields["dissipation"] = _dissipation(name, dofs, velocity)
         at_cells = {key: element_means(dofs, values) for key, values in fields.items()}
         yield _continuum(dofs, place, at_points, at_cells)
@@ -183,8 +194,13 @@ def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
     """Of a body that does not harden, at its strain points, (elements, q), W/m^3."""
     unknowns = np.zeros(int(dofs.dofs.max()) + 1)
     unknowns[dofs.dofs] = velocity
-    group = plasticity(name, dofs, unknowns.size)
-    return (group.dissipation(unknowns) / group.weights).reshape(dofs.weights.shape)
+    densities = [
+        (group.dissipation(unknowns) / group.weights).reshape(region.elements.size, -1)
+        for region, group in zip(
+            dofs.body.regions, plasticity(name, dofs, unknowns.size), strict=True
+        )
+    ]
+    return gathered(dofs.body, densities)
 
 
 def _continuum(

@@ -20,6 +20,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import effective_stress, pore_pressures
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.nodal import point_values
+from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bodies.continuum.volume import judged_means
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.certificate import Certificate, certify
@@ -193,18 +194,19 @@ def _with_stress(
     """
     stresses, means, unlike = list(point.stress), list(point.mean_stress), 0.0
     water = pore_pressures(d.problem, point.load_factor)
-    for number, name in enumerate(d.bodies):  # their groups come first
+    for name, dofs, numbers in by_body(d.bodies, range(len(stresses))):
         if name not in given:
             continue
-        dofs = d.bodies[name]
-        form = dofs.body.form
         total = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4))
-        sigma = effective_stress(total, point_values(dofs, water[name])).reshape(-1, 4)
-        dim = form.rows.shape[0]
-        parts = np.eye(dim + len(form.volumes))
-        own = sigma @ np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
-        stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
-        kept = form.stress(own[:, :dim], judged_means(dofs, means[number]))
+        sigma = effective_stress(total, point_values(dofs, water[name]))
+        for number, region in zip(numbers, dofs.body.regions, strict=True):
+            form, dim = region.form, region.form.rows.shape[0]
+            parts = np.eye(dim + len(form.volumes))
+            back = np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
+            own = sigma[region.elements].reshape(-1, 4) @ back
+            stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
+        judged = judged_means(dofs, [means[number] for number in numbers])
+        kept = continuum_stress(dofs, [stresses[number] for number in numbers], judged)
         largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
         unlike = float(np.maximum(unlike, off))

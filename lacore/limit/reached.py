@@ -49,7 +49,8 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
 
 def _rubs(body: Body) -> bool:
     """Whether a body has friction within: without tension slopes are 1."""
-    return any(0 < slope < 1 for one in body.form.surfaces for slope in one.slope)
+    surfaces = [one for region in body.regions for one in region.form.surfaces]
+    return any(0 < slope < 1 for one in surfaces for slope in one.slope)
 
 
 def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:

@@ -16,6 +16,7 @@ from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import pore_pressures, total_stress
 from lacore.bodies.continuum.nodal import point_values
+from lacore.bodies.continuum.regions import gathering
 from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
@@ -138,13 +139,12 @@ class LimitState(Shown):
         point = self._point()
         result = {}
         # Jumps and hinges come after the continua.
-        for (name, dofs), s, p in zip(
-            self.discretisation.bodies.items(), point.stress, point.mean_stress, strict=False
+        bodies = self.discretisation.bodies
+        stresses = gathering.by_body(bodies, point.stress)
+        for (name, dofs, own), (*_, means) in zip(
+            stresses, gathering.by_body(bodies, point.mean_stress), strict=True
         ):
-            form = dofs.body.form
-            result[name] = form.stress(s, judged_means(dofs, p)).reshape(
-                dofs.body.mesh.nelements, -1, 4
-            )
+            result[name] = gathering.continuum_stress(dofs, own, judged_means(dofs, means))
         return result
 
     @property
@@ -166,12 +166,12 @@ class LimitState(Shown):
         """
         u, d = self._point().velocity, self.discretisation
         power = {
-            name: group.dissipation(u).reshape(dofs.areas.size, -1).sum(axis=1)
-            for (name, dofs), group in zip(d.bodies.items(), self.program.groups, strict=False)
+            name: gathering.element_sums(dofs.body, [group.dissipation(u) for group in groups])
+            for name, dofs, groups in gathering.by_body(d.bodies, self.program.groups)
         }
-        for names, jumps in d.jumping:
+        for jumps in d.jumping:
             halves = jumps.group.dissipation(u) / 2
-            for name, side in zip(names, jumps.elements, strict=True):
+            for name, side in zip(jumps.bodies, jumps.elements, strict=True):
                 np.add.at(power[name], side, halves)
         return {name: value / d.bodies[name].volumes for name, value in power.items()}
 
@@ -356,7 +356,7 @@ class LimitState(Shown):
         point = self._point()
         force = out_of_balance(self.discretisation.full, point)
         jumps = self.discretisation.jumps.values()
-        after = point.stress[len(self.discretisation.bodies) :]
+        after = point.stress[gathering.region_count(self.discretisation.bodies) :]
         for jump, stress in zip(jumps, after, strict=False):
             force -= jump.held_force(stress)  # what the body slips past pulls it back
         frames = []

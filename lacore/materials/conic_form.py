@@ -1,12 +1,14 @@
 """What a strain rate costs, as rows of a cone: the form that criteria take (T1)."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError
+from lacore.materials.fields import Field
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -19,13 +21,13 @@ class Surface(Compact):
 
     Attributes:
         slope: of each volumetric row, shape (L,).
-        strength: Pa; of all elements, or of each, shape (elements,).
+        strength: Pa; of all elements, or of each, shape (elements,), or as a function of place.
         normed: whether ``||s||`` counts; if not, it bounds p alone.
         dilating: share of its slope by which flow dilates, in [0, 1]; 1 is the associated flow.
     """
 
     slope: tuple[float, ...]
-    strength: float | Floats
+    strength: float | Floats | Field
     normed: bool = True
     dilating: float = 1.0
 
@@ -42,7 +44,7 @@ class ConicForm(Compact):
         volumetric: row of theta = tr eps where it must vanish, else zeros, shape (components,); of
             surfaces all rows whose stresses they feel, shape (L, components).
         bound: largest norm of the conjugate stress, with surfaces that without pressure, Pa; of all
-            elements, or of each, (elements,).
+            elements, or of each, (elements,), or as a function of place.
         volumetric_factor: factor c such that ``||(rows @ eps, c theta)||`` is proportional to the
             norm of the three-dimensional strain rate deviator also where theta is not zero: the
             regularised dissipation (T17) sees that deviator.
@@ -52,7 +54,7 @@ class ConicForm(Compact):
 
     rows: Floats
     volumetric: Floats
-    bound: float | Floats
+    bound: float | Floats | Field
     volumetric_factor: float
     surfaces: tuple[Surface, ...] = ()
     out_of_plane: float = 1.0
@@ -73,10 +75,35 @@ class ConicForm(Compact):
         return any(surface.dilating < 1 for surface in self.surfaces)
 
     @property
+    def strengths(self) -> list[float | Floats | Field]:
+        """The bound, and the strengths of the surfaces."""
+        return [self.bound, *(surface.strength for surface in self.surfaces)]
+
+    @property
+    def varies(self) -> bool:
+        """Whether a strength is a `Field`."""
+        return any(isinstance(own, Field) for own in self.strengths)
+
+    @property
     def uniform(self) -> bool:
         """Whether all elements have the same strength."""
-        strengths = [self.bound, *(surface.strength for surface in self.surfaces)]
-        return all(np.ndim(own) == 0 for own in strengths)
+        return all(not isinstance(own, Field) and np.ndim(own) == 0 for own in self.strengths)
+
+    def at_points(self, elements: Ints, values: Callable[[Field], Floats]) -> "ConicForm":
+        """The same with a strength of each of m points.
+
+        Args:
+            elements: that the points lie in, shape (m,).
+            values: of a field at the points, shape (m,).
+        """
+
+        def own(strength: float | Floats | Field) -> Floats:
+            if isinstance(strength, Field):
+                return strength.factor * values(strength)
+            return _of(strength, elements)
+
+        surfaces = tuple(replace(one, strength=own(one.strength)) for one in self.surfaces)
+        return replace(self, bound=own(self.bound), surfaces=surfaces)
 
     @property
     def preserved(self) -> Bools:
@@ -154,18 +181,19 @@ class ConicForm(Compact):
             )
         (sine,) = plane.slope
         cosine = sqrt(1 - sine**2)
-        strength = np.asarray(plane.strength) / cosine  # c of c cos(phi)
         return ConicForm(
             rows=np.array([[0.0, 1.0]]),
             volumetric=np.array([[1.0, 0.0]]),
-            bound=np.asarray(self.bound) / cosine,
+            bound=self.bound / cosine,
             volumetric_factor=0.0,
-            surfaces=(Surface((sine / cosine,), strength),),
+            surfaces=(Surface((sine / cosine,), plane.strength / cosine),),  # c of c cos(phi)
         )
 
 
-def _of(value: float | Floats, elements: Ints) -> Floats:
+def _of(value: float | Floats | Field, elements: Ints) -> Floats:
     """A number of all elements, or of each, in elements of any shape."""
+    if isinstance(value, Field):
+        raise ValueError("a function of place has values at points: see `ConicForm.at_points`")
     if np.ndim(value) == 0:
         return np.full(np.shape(elements), value, dtype=np.float64)
     return np.asarray(np.asarray(value)[elements])

@@ -1,12 +1,13 @@
 """The criterion of Drucker and Prager (T41, T42)."""
 
 from dataclasses import dataclass, replace
-from math import atan, cos, degrees, radians, sin, sqrt, tan
+from math import atan, cos, degrees, nan, radians, sin, sqrt, tan
 
 import numpy as np
 
 from lacore.errors import InputError, require_known
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.fields import Field, Given, Strength, number_told, taken
 from lacore.materials.planes import (
     planes_form,
     require_angle,
@@ -29,7 +30,8 @@ class DruckerPrager(Compact):
     potential is the cone of that angle. In plane strain `MohrCoulomb` is the one to take.
 
     Attributes:
-        cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match.
+        cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match;
+            c may vary from place to place, as there.
         match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
             in triaxial ``compression`` or ``extension``.
         dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
@@ -39,19 +41,20 @@ class DruckerPrager(Compact):
             stresses of a sheet have no bound.
     """
 
-    cohesion: float
+    cohesion: Given | Field
     friction_angle: float
     match: str = "plane_strain"
     dilation_angle: float | None = None
 
     def __post_init__(self) -> None:
-        require_not_negative("DruckerPrager.cohesion", self.cohesion)
+        object.__setattr__(self, "cohesion", taken("DruckerPrager.cohesion", self.cohesion))
+        require_not_negative("DruckerPrager.cohesion", self._cohesion)
         require_angle("DruckerPrager.friction_angle", self.friction_angle)
         require_known("DruckerPrager.match", self.match, MATCHES)
-        if self.cohesion == 0 and self.friction_angle == 0:
+        if self._cohesion == 0 and self.friction_angle == 0:
             raise InputError(
                 "DruckerPrager.cohesion",
-                self.cohesion,
+                self._cohesion,
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
@@ -77,18 +80,27 @@ class DruckerPrager(Compact):
         return 6 * sine / (sqrt(3) * (3 + sign * sine))
 
     @property
-    def strength(self) -> float:
+    def _cohesion(self) -> Strength:
+        return self.cohesion  # type: ignore[return-value]  # as `taken` leaves it
+
+    @property
+    def k(self) -> Strength:
         """Shear stress k that it carries without pressure, Pa."""
         sine, cosine = (f(radians(self.friction_angle)) for f in (sin, cos))
         if self.match == "plane_strain":
-            return sqrt(3) * self.cohesion * cosine / sqrt(3 + sine**2)
+            return sqrt(3) * self._cohesion * cosine / sqrt(3 + sine**2)
         sign = -1 if self.match == "compression" else 1
-        return 6 * self.cohesion * cosine / (sqrt(3) * (3 + sign * sine))
+        return 6 * self._cohesion * cosine / (sqrt(3) * (3 + sign * sine))
+
+    @property
+    def strength(self) -> float:
+        """As `k`; nan where it varies."""
+        return nan if isinstance(self.k, Field) else self.k
 
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°, matched in compression``."""
-        told = [f"c = {self.cohesion:.4g} Pa", f"φ = {self.friction_angle:.4g}°"]
+        told = [number_told("c", self._cohesion), f"φ = {self.friction_angle:.4g}°"]
         if self.dilation_angle is not None:
             told.append(f"ψ = {self.dilation_angle:.4g}°")
         return ", ".join([*told, f"matched in {self.match.replace('_', ' ')}"])
@@ -102,7 +114,7 @@ class DruckerPrager(Compact):
         """Cohesion and ``tan(phi)`` divided by a factor."""
         angle = degrees(atan(tan(radians(self.friction_angle)) / factor))
         dilation = None if self.dilation_angle is None else min(self.dilation_angle, angle)
-        return DruckerPrager(self.cohesion / factor, angle, self.match, dilation)
+        return DruckerPrager(self._cohesion / factor, angle, self.match, dilation)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Rows of von Mises, with the one plane of the cone (T41).
@@ -112,7 +124,7 @@ class DruckerPrager(Compact):
         linear part is that of two planes.
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
-        a, k = self.slope, self.strength
+        a, k = self.slope, self.k
         if self.dilating < 1 and kinematics != "axisymmetric":
             raise InputError(
                 "DruckerPrager.dilation_angle",
@@ -143,7 +155,8 @@ class DruckerPrager(Compact):
             bound=k,
             volumetric_factor=0.0,
             surfaces=tuple(
-                Surface((sign * m / sqrt(3),), k / m - sign * linear) for sign in (1.0, -1.0)
+                Surface((sign * m / sqrt(3),), k / m - sign * linear)  # type: ignore[operator]
+                for sign in (1.0, -1.0)
             ),
             out_of_plane=0.0,
         )

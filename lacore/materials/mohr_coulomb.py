@@ -5,10 +5,12 @@ third principal stress where it is not free.
 """
 
 from dataclasses import dataclass
-from math import atan, cos, degrees, inf, radians, sin, tan
+from math import atan, cos, degrees, inf, nan, radians, sin, tan
+from typing import Any
 
 from lacore.errors import InputError, require_positive
 from lacore.materials.conic_form import ConicForm
+from lacore.materials.fields import Field, Given, Strength, number_told, taken
 from lacore.materials.planes import (
     limits_told,
     planes_form,
@@ -26,6 +28,8 @@ class MohrCoulomb(Compact):
 
     With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
     not hold, and load factors need not be unique. In plane strain, without cut-offs.
+    Cohesion and cut-offs may vary from place to place: a `lacore.Field`, a function of coordinates
+    of shape (2, n), or a value for each element. Of angles that vary make regions.
 
     Attributes:
         cohesion: c, Pa, >= 0.
@@ -40,36 +44,44 @@ class MohrCoulomb(Compact):
             angle, or beside cut-offs.
     """
 
-    cohesion: float
+    cohesion: Given | Field
     friction_angle: float
-    tension_cutoff: float | None = None
-    crushing: float | None = None
+    tension_cutoff: Given | Field | None = None
+    crushing: Given | Field | None = None
     dilation_angle: float | None = None
 
     def __post_init__(self) -> None:
-        require_not_negative("MohrCoulomb.cohesion", self.cohesion)
+        _take(self, "cohesion", "tension_cutoff", "crushing")
+        require_not_negative("MohrCoulomb.cohesion", self._cohesion)
         require_angle("MohrCoulomb.friction_angle", self.friction_angle)
-        if self.cohesion == 0 and self.friction_angle == 0:
+        if self._cohesion == 0 and self.friction_angle == 0:
             raise InputError(
                 "MohrCoulomb.cohesion",
-                self.cohesion,
+                self._cohesion,
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
-        require_cutoffs(
-            ("MohrCoulomb.tension_cutoff", self.tension_cutoff),
-            ("MohrCoulomb.crushing", self.crushing),
-        )
-        if self.tension_cutoff is not None and self.tension_cutoff > self.apex:
+        most, crushing = self._cutoffs
+        require_cutoffs(("MohrCoulomb.tension_cutoff", most), ("MohrCoulomb.crushing", crushing))
+        numbers = not (isinstance(most, Field) or isinstance(self.cohesion, Field))
+        if numbers and most is not None and most > self.apex:  # type: ignore[operator]
             raise InputError(
                 "MohrCoulomb.tension_cutoff",
-                self.tension_cutoff,
+                most,
                 f"beyond the apex c cot(phi) = {self.apex:.6g} Pa, which no stress exceeds",
                 f"give at most {self.apex:.6g}, or none",
             )
 
-        cut = self.tension_cutoff is not None or self.crushing is not None
+        cut = most is not None or crushing is not None
         require_dilation("MohrCoulomb", self.dilation_angle, self.friction_angle, cut)
+
+    @property
+    def _cohesion(self) -> Strength:
+        return self.cohesion  # type: ignore[return-value]  # as `_take` leaves it
+
+    @property
+    def _cutoffs(self) -> tuple[Strength | None, Strength | None]:
+        return self.tension_cutoff, self.crushing  # type: ignore[return-value]
 
     @property
     def angle(self) -> float:
@@ -78,21 +90,23 @@ class MohrCoulomb(Compact):
 
     @property
     def apex(self) -> float:
-        """Largest mean stress ``c cot(phi)``, Pa; inf without friction."""
-        return self.cohesion / tan(self.angle) if self.friction_angle else inf
+        """Largest mean stress ``c cot(phi)``, Pa; inf without friction, nan where it varies."""
+        if isinstance(self._cohesion, Field):
+            return nan
+        return self._cohesion / tan(self.angle) if self.friction_angle else inf
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, ``c cos(phi)``, Pa."""
-        return self.cohesion * cos(self.angle)
+        """Shear stress that it carries without pressure, ``c cos(phi)``, Pa; nan: it varies."""
+        return nan if isinstance(self._cohesion, Field) else self._cohesion * cos(self.angle)
 
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
-        told = [f"c = {self.cohesion:.4g} Pa", f"φ = {self.friction_angle:.4g}°"]
+        told = [number_told("c", self._cohesion), f"φ = {self.friction_angle:.4g}°"]
         if self.dilation_angle is not None:
             told.append(f"ψ = {self.dilation_angle:.4g}°")
-        return ", ".join([*told, *limits_told(self.tension_cutoff, self.crushing)])
+        return ", ".join([*told, *limits_told(*self._cutoffs)])
 
     @property
     def law(self) -> None:
@@ -108,9 +122,9 @@ class MohrCoulomb(Compact):
             InputError: an angle below 0.1 degrees comes of it.
         """
         angle = degrees(atan(tan(self.angle) / factor))
-        tension, crushing = self.tension_cutoff, self.crushing
+        tension, crushing = self._cutoffs
         return MohrCoulomb(
-            self.cohesion / factor,
+            self._cohesion / factor,
             angle,
             None if tension is None else tension / factor,
             None if crushing is None else crushing / factor,
@@ -122,12 +136,25 @@ class MohrCoulomb(Compact):
         less = self.dilation_angle is not None and self.dilation_angle < self.friction_angle
         return planes_form(
             kinematics,
-            self.cohesion * cos(self.angle),
+            self._cohesion * cos(self.angle),
             sin(self.angle),
-            self.tension_cutoff,
-            self.crushing,
+            *self._cutoffs,
             sin(radians(self.dilation_angle or 0.0)) / sin(self.angle) if less else 1.0,
         )
+
+
+def _take(criterion: Any, *names: str) -> None:
+    """Strengths as numbers or fields."""
+    for name in names:
+        field = f"{type(criterion).__name__}.{name}"
+        object.__setattr__(criterion, name, taken(field, getattr(criterion, name)))
+
+
+def _known(*limits: Strength | None) -> float:
+    """The least of limits, Pa; nan where one varies."""
+    numbers = [limit for limit in limits if limit is not None and not isinstance(limit, Field)]
+    varies = any(isinstance(limit, Field) for limit in limits)
+    return nan if varies else float(min(numbers))
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,32 +162,38 @@ class Rankine(Compact):
     """Principal stresses between two limits: masonry, plain concrete (T39).
 
     Attributes:
-        tensile_strength: largest principal stress, Pa, >= 0.
+        tensile_strength: largest principal stress, Pa, >= 0; both may vary from place to place as
+            those of `MohrCoulomb`.
         compressive_strength: largest compression of a principal stress, Pa; None: none.
 
     Raises:
         InputError: a strength that is no number, negative, or beyond what can be computed with.
     """
 
-    tensile_strength: float
-    compressive_strength: float | None = None
+    tensile_strength: Given | Field
+    compressive_strength: Given | Field | None = None
 
     def __post_init__(self) -> None:
+        _take(self, "tensile_strength", "compressive_strength")
+        tensile, compressive = self._limits
         require_cutoffs(
-            ("Rankine.tensile_strength", self.tensile_strength),
-            ("Rankine.compressive_strength", self.compressive_strength),
+            ("Rankine.tensile_strength", tensile),
+            ("Rankine.compressive_strength", compressive),
         )
 
     @property
+    def _limits(self) -> tuple[Strength, Strength | None]:
+        return self.tensile_strength, self.compressive_strength  # type: ignore[return-value]
+
+    @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, Pa."""
-        limits = (self.tensile_strength, self.compressive_strength)
-        return float(min(limit for limit in limits if limit is not None))
+        """Shear stress that it carries without pressure, Pa; nan where it varies."""
+        return _known(*self._limits)
 
     @property
     def label(self) -> str:
         """``tension ≤ 1 Pa, compression ≤ 20 Pa``."""
-        return ", ".join(limits_told(self.tensile_strength, self.compressive_strength))
+        return ", ".join(limits_told(*self._limits))
 
     @property
     def law(self) -> None:
@@ -169,13 +202,12 @@ class Rankine(Compact):
 
     def weakened(self, factor: float) -> "Rankine":
         """Both strengths divided by a factor."""
-        crushing = self.compressive_strength
-        least = None if crushing is None else crushing / factor
-        return Rankine(self.tensile_strength / factor, least)
+        tensile, crushing = self._limits
+        return Rankine(tensile / factor, None if crushing is None else crushing / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39."""
-        return planes_form(kinematics, None, 0.0, self.tensile_strength, self.compressive_strength)
+        return planes_form(kinematics, None, 0.0, *self._limits)
 
 
 @dataclass(frozen=True, repr=False)
@@ -190,11 +222,15 @@ class NoTension(Compact):
         InputError: a strength that is not positive.
     """
 
-    compressive_strength: float | None = None
+    compressive_strength: Given | Field | None = None
 
     def __post_init__(self) -> None:
-        if self.compressive_strength is not None:
-            require_positive("NoTension.compressive_strength", self.compressive_strength)
+        _take(self, "compressive_strength")
+        require_cutoffs(("", None), ("NoTension.compressive_strength", self._crushing))
+
+    @property
+    def _crushing(self) -> Strength | None:
+        return self.compressive_strength  # type: ignore[return-value]  # as `_take` leaves it
 
     @property
     def strength(self) -> float:
@@ -204,7 +240,7 @@ class NoTension(Compact):
     @property
     def label(self) -> str:
         """``no tension``."""
-        return ", ".join(["no tension", *limits_told(None, self.compressive_strength)])
+        return ", ".join(["no tension", *limits_told(None, self._crushing)])
 
     @property
     def law(self) -> None:
@@ -213,12 +249,12 @@ class NoTension(Compact):
 
     def weakened(self, factor: float) -> "NoTension":
         """Its strength in compression divided by a factor."""
-        crushing = self.compressive_strength
+        crushing = self._crushing
         return NoTension(None if crushing is None else crushing / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39."""
-        return planes_form(kinematics, None, 0.0, 0.0, self.compressive_strength)
+        return planes_form(kinematics, None, 0.0, 0.0, self._crushing)
 
 
 @dataclass(frozen=True, repr=False)
@@ -229,26 +265,34 @@ class MaximumShear(Compact):
     axisymmetry. `lacore.Tresca` is the friction law of that name.
 
     Attributes:
-        shear_strength: Pa.
+        shear_strength: Pa; it may vary from place to place as that of `VonMises`.
 
     Raises:
         InputError: a strength that is not positive.
     """
 
-    shear_strength: float
+    shear_strength: Given | Field
 
     def __post_init__(self) -> None:
-        require_positive("MaximumShear.shear_strength", self.shear_strength)
+        _take(self, "shear_strength")
+        if not isinstance(self._shear, Field):
+            require_positive("MaximumShear.shear_strength", self._shear)
+
+    @property
+    def _shear(self) -> Strength:
+        return self.shear_strength  # type: ignore[return-value]  # as `_take` leaves it
 
     @property
     def strength(self) -> float:
-        """As `shear_strength`."""
-        return self.shear_strength
+        """As `shear_strength`; nan where it varies."""
+        return nan if isinstance(self._shear, Field) else self._shear
 
     @property
     def label(self) -> str:
         """Its strength in shear, Pa."""
-        return f"largest shear {self.shear_strength:.4g} Pa"
+        if isinstance(self._shear, Field):
+            return number_told("largest shear", self._shear)
+        return f"largest shear {self._shear:.4g} Pa"
 
     @property
     def law(self) -> None:
@@ -257,8 +301,8 @@ class MaximumShear(Compact):
 
     def weakened(self, factor: float) -> "MaximumShear":
         """Its strength divided by a factor."""
-        return MaximumShear(self.shear_strength / factor)
+        return MaximumShear(self._shear / factor)
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """In plane strain the cone of von Mises; planes of T39 and T40 else."""
-        return planes_form(kinematics, self.shear_strength, 0.0, None, None)
+        return planes_form(kinematics, self._shear, 0.0, None, None)

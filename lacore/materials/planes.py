@@ -6,6 +6,7 @@ import numpy as np
 
 from lacore.errors import InputError, is_number, require_known, require_positive, require_range
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.fields import Field, Strength, number_told
 from lacore.materials.von_mises import VonMises
 
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
@@ -14,10 +15,10 @@ _LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle,
 
 def planes_form(
     kinematics: str,
-    shear: float | None,
+    shear: Strength | None,
     slope: float,
-    tension: float | None,
-    crushing: float | None,
+    tension: Strength | None,
+    crushing: Strength | None,
     dilating: float = 1.0,
 ) -> ConicForm:
     """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
@@ -44,7 +45,7 @@ def planes_form(
     planes: list[Surface] = []
     around = kinematics == "axisymmetric"
 
-    def add(pressure: float, strength: float, third: float = 0.0, normed: bool = True) -> None:
+    def add(pressure: float, strength: Strength, third: float = 0.0, normed: bool = True) -> None:
         # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
         own = (pressure + third, third) if around else (pressure,)
         planes.append(Surface(own, strength, normed, dilating))
@@ -71,35 +72,47 @@ def planes_form(
     return ConicForm(
         rows=rows,
         volumetric=volumes,
-        bound=min(limits, default=0.0),
+        bound=_least(limits),
         volumetric_factor=0.0,
         surfaces=tuple(planes),
         out_of_plane=0.0 if kinematics == "plane_stress" else 1.0,
     )
 
 
-def limits_told(tension: float | None, crushing: float | None) -> list[str]:
+def _least(limits: list[Strength]) -> Strength:
+    """The scale of what is carried without pressure: what varies, where anything does."""
+    for limit in limits:
+        if isinstance(limit, Field):
+            return limit
+    return min((limit for limit in limits if not isinstance(limit, Field)), default=0.0)
+
+
+def limits_told(tension: Strength | None, crushing: Strength | None) -> list[str]:
     """Limits of principal stresses in words, those that there are."""
     return [
-        f"{text} ≤ {limit:.4g} Pa"
+        number_told(text, limit) if isinstance(limit, Field) else f"{text} ≤ {limit:.4g} Pa"
         for text, limit in (("tension", tension), ("compression", crushing))
         if limit is not None
     ]
 
 
-def require_not_negative(field: str, value: float) -> None:
-    """Raise `InputError` unless a strength is a finite number >= 0."""
+def require_not_negative(field: str, value: Strength) -> None:
+    """Raise `InputError` unless a strength is a number >= 0; fields are checked on a mesh."""
+    if isinstance(value, Field):
+        return
     if not (is_number(value) and value >= 0):
         raise InputError(field, value, "not a number >= 0", "give a strength >= 0 in Pa")
     require_range(field, value)
 
 
-def require_cutoffs(tension: tuple[str, float | None], crushing: tuple[str, float | None]) -> None:
+def require_cutoffs(
+    tension: tuple[str, Strength | None], crushing: tuple[str, Strength | None]
+) -> None:
     """Raise `InputError` unless a tension is >= 0 and a crushing strength > 0, named by fields."""
     (tensile, most), (compressive, least) = tension, crushing
     if most is not None:
         require_not_negative(tensile, most)
-    if least is not None:
+    if least is not None and not isinstance(least, Field):
         require_positive(compressive, least)
 
 

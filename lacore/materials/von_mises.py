@@ -1,12 +1,13 @@
 """The yield criterion of von Mises (T1), perfectly plastic or hardening (T29)."""
 
 from dataclasses import dataclass
-from math import sqrt
+from math import nan, sqrt
 
 import numpy as np
 
 from lacore.errors import InputError, is_number, require_known, require_range
 from lacore.materials.conic_form import KINEMATICS, ConicForm
+from lacore.materials.fields import Field, Given, Strength, number_told, taken
 from lacore.materials.hardening import HardeningLaw, Perfect, require_hardening_law
 from lacore.showing import Compact
 
@@ -15,16 +16,18 @@ from lacore.showing import Compact
 class VonMises(Compact):
     """von Mises material, by its yield stress in shear `k` or in tension ``sqrt(3) k``, in Pa.
 
-    Give one of the two, or a law of `lacore.hardening`, of which a limit load takes the initial
-    yield stress. Source: T1, T29; Bousshine & Chaaba 2007, eq. (5).
+    Give one of the two, as a number or as it varies from place to place (a `lacore.Field`, a
+    function of coordinates of shape (2, n), or a value for each element), or a law of
+    `lacore.hardening`, of which a limit load takes the initial yield stress. Source: T1, T29;
+    Bousshine & Chaaba 2007, eq. (5).
 
     Raises:
         InputError: none or several given, not a positive finite number, not a law or one that
             softens.
     """
 
-    shear_strength: float | None = None
-    yield_stress: float | None = None
+    shear_strength: Given | Field | None = None
+    yield_stress: Given | Field | None = None
     hardening: HardeningLaw | None = None
 
     def __post_init__(self) -> None:
@@ -49,7 +52,10 @@ class VonMises(Compact):
             require_hardening_law("VonMises.hardening", self.hardening)
             return
         for name in given:
-            value = getattr(self, name)
+            value = taken(f"VonMises.{name}", getattr(self, name))
+            object.__setattr__(self, name, value)
+            if isinstance(value, Field):
+                continue
             if not (is_number(value) and value > 0):
                 raise InputError(
                     f"VonMises.{name}", value, "not a positive number", "give a strength > 0 in Pa"
@@ -57,31 +63,36 @@ class VonMises(Compact):
             require_range(f"VonMises.{name}", value)
 
     @property
-    def k(self) -> float:
-        """Yield stress in shear, initial where it hardens, Pa."""
+    def k(self) -> Strength:
+        """Yield stress in shear, initial where it hardens, Pa; a `Field` where it varies."""
         if self.shear_strength is not None:
-            return self.shear_strength
+            return self.shear_strength  # type: ignore[return-value]  # as `taken` leaves it
+        if isinstance(self.yield_stress, Field):
+            return self.yield_stress / sqrt(3)
+        assert self.law is not None
         return float(self.law.stress(np.zeros(1))[0]) / sqrt(3)
 
     @property
     def strength(self) -> float:
-        """As `k`."""
-        return self.k
+        """As `k`; nan where it varies."""
+        return nan if isinstance(self.k, Field) else self.k
 
     @property
     def label(self) -> str:
         """Its strength in shear, Pa."""
         first = "" if self.hardening is None else "hardening, at first "
-        return f"{first}k = {self.k:.4g} Pa"
+        return f"{first}{number_told('k', self.k)}"
 
     @property
-    def law(self) -> HardeningLaw:
-        """Yield stress in tension over the equivalent plastic strain."""
+    def law(self) -> HardeningLaw | None:
+        """Yield stress in tension over the equivalent plastic strain; None where it varies."""
         if self.hardening is not None:
             return self.hardening
+        if isinstance(self.yield_stress, Field) or isinstance(self.shear_strength, Field):
+            return None
         if self.yield_stress is not None:
-            return Perfect(self.yield_stress)
-        return Perfect(sqrt(3) * self.k)
+            return Perfect(self.yield_stress)  # type: ignore[arg-type]  # a number, checked
+        return Perfect(sqrt(3) * self.k)  # type: ignore[arg-type]  # a number, checked
 
     def weakened(self, factor: float) -> "VonMises":
         """Perfectly plastic, its initial strength divided by a factor."""

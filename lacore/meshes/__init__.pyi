@@ -4,6 +4,7 @@ from .archive import load as load
 from .archive import save as save
 from .checks import quality as quality
 from .curved import isoparametric as isoparametric
+from .layered import layered as layered
 from .naming import named as named
 from .outline import remeshed as remeshed
 from .patches import Patch as Patch

@@ -97,7 +97,7 @@ def rectangle(
         InputError: see `graded`.
     """
     cells = _cells(x, y, nx, ny, grade_x, grade_y)
-    return _named(cells.to_meshtri(style="x" if crossed else None))
+    return named_sides(cells.to_meshtri(style="x" if crossed else None))
 
 
 def quadrilaterals(
@@ -109,10 +109,10 @@ def quadrilaterals(
     grade_y: tuple[float, float] | None = None,
 ) -> MeshQuad:
     """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries."""
-    return _named(_cells(x, y, nx, ny, grade_x, grade_y))
+    return named_sides(_cells(x, y, nx, ny, grade_x, grade_y))
 
 
-def _named(mesh: Any) -> Any:
+def named_sides(mesh: Any) -> Any:
     """A mesh of a rectangle with its sides named."""
     # By exact coordinates: the default names of scikit-fem go by `numpy.isclose` and take in facets
     # beside the boundary where cells are long and thin or far from the origin.
@@ -181,7 +181,7 @@ def fan(
         triangles += [np.stack([p, q, middle]) for p, q in ((a, b), (b, c), (c, d), (d, a))]
     else:
         triangles += [np.stack([a, b, c]), np.stack([a, c, d])]
-    turning: MeshTri = _named(MeshTri(points, np.concatenate(triangles, axis=1)))
+    turning: MeshTri = named_sides(MeshTri(points, np.concatenate(triangles, axis=1)))
     return turning
 
 

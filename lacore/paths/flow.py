@@ -10,7 +10,8 @@ from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.gathering import by_body
+from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.strain_rates import (
     deviatoric,
     equivalent_rate,
@@ -97,8 +98,8 @@ class Flow(Compact):
         """
         d = self.state.discretisation
         rates = {}
-        for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True):
-            rates[name] = equivalent_rate(dofs, group, self.motion)
+        for name, dofs, groups in by_body(d.bodies, d.full.groups):
+            rates[name] = equivalent_rate(dofs, groups, self.motion)
         return rates
 
     def hencky_strain(self, duration: float) -> dict[str, Floats]:
@@ -167,7 +168,7 @@ def flow_of(state: LimitState, moment: Moment) -> Flow:
 
 @dataclass(frozen=True)
 class _Law:
-    """Of the strain points of a body, per length of a cone vector, each of shape (m,).
+    """Of the strain points of a region, per length of a cone vector, each of shape (m,).
 
     Attributes:
         bound: yield stress where the step begins, of the tangent about the strain expected now.
@@ -182,19 +183,20 @@ class _Law:
 
 def _laws(d: Discretisation, moment: Moment) -> list[_Law]:
     return [
-        _law(name, dofs, group, moment)
-        for (name, dofs), group in zip(d.bodies.items(), d.full.groups, strict=True)
+        _law(name, region, group, moment)
+        for name, dofs, groups in by_body(d.bodies, d.full.groups)
+        for region, group in zip(dofs.body.regions, groups, strict=True)
     ]
 
 
-def _law(name: str, dofs: BodyDofs, group: DissipationGroup, moment: Moment) -> _Law:
-    law, factor = dofs.body.criterion.law, strain_per_length(dofs)
+def _law(name: str, region: Region, group: DissipationGroup, moment: Moment) -> _Law:
+    law, factor = region.criterion.law, strain_per_length(region)
     rate = factor**2 * moment.share * moment.duration
     if law is None:
         none = np.zeros(group.bound.size)
         chosen = none if group.surfaces is not None else rate * _CHOICE * group.bound / factor
         return _Law(bound=group.bound, modulus=none, choosing=chosen)
-    begin, now = moment.begin.strain[name].ravel(), moment.at.strain[name].ravel()
+    begin, now = (at.strain[name][region.elements].ravel() for at in (moment.begin, moment.at))
     slope, stress = law.modulus(now), law.stress(now)
     return _Law(
         bound=factor * (stress - slope * (now - begin)),

@@ -75,7 +75,7 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
         raise InputError(
             "remesh", type(mesh).__name__, f"not a mesh of {name!r}", "return skfem meshes"
         )
-    if not body.form.uniform:
+    if not all(region.form.uniform for region in body.regions):
         raise InputError(
             "remesh",
             name,

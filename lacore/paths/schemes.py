@@ -166,9 +166,11 @@ def _gain(stage: Stage, at: Configuration) -> float:
     """Most that bodies may have hardened after a step, which strains them by 1 at most."""
     gains = [1.0]
     for name, body in stage.bodies.items():
-        if (law := body.criterion.law) is not None:
-            weak, strong = law.stress(np.array([0.0, 1.0 + at.strain[name].max()]))
-            gains.append(float(strong / weak))
+        for region in body.regions:
+            if (law := region.criterion.law) is not None:
+                strain = float(at.strain[name][region.elements].max())
+                weak, strong = law.stress(np.array([0.0, 1.0 + strain]))
+                gains.append(float(strong / weak))
     return max(gains)
 
 

@@ -58,7 +58,8 @@ class Stage(Compact):
     @cached_property
     def catches(self) -> bool:
         """Whether a step can stop what dead loads alone collapse: by hardening, or at obstacles."""
-        hardens = any(not body.form.surfaces for body in self.bodies.values())
+        regions = [region for body in self.bodies.values() for region in body.regions]
+        hardens = any(not region.form.surfaces for region in regions)
         return hardens or bool(self.obstacles)
 
     @cached_property
@@ -252,13 +253,15 @@ def _curved(name: str, body: object) -> Body:
             "the thickness would change from point to point, and is not followed",
             "take 'plane_strain' or 'axisymmetric'",
         )
-    if body.criterion.law is not None and body.form.surfaces:
-        raise InputError(
-            f"Problem.bodies[{name!r}].criterion.law",
-            body.criterion.law,
-            "strength that depends on pressure does not harden along a path",
-            "let it be None",
-        )
+    for region in body.regions:
+        if region.criterion.law is not None and region.form.surfaces:
+            part = f"[{region.name!r}]" if region.name else ""
+            raise InputError(
+                f"Problem.bodies[{name!r}].criterion{part}.law",
+                region.criterion.law,
+                "strength that depends on pressure does not harden along a path",
+                "let it be None",
+            )
     space = isoparametric(body.mesh, body.space)
     return replace(body, mesh=_quadratic(body.mesh, space), space=space.name)
 

@@ -12,6 +12,7 @@ from skfem import Mesh
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.regions.gathering import by_body, gathered
 from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
@@ -49,12 +50,12 @@ def plot_strength(bound: LowerBound) -> Figure:
     if bound.point is None or not bound.model.bodies:
         raise ValueError("there are no stresses to show")
     bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
-    used = {
-        group.name: group.uses(stress, mean).reshape(-1, 3).max(axis=1)
-        for group, stress, mean in zip(
-            bound.model.full.groups, bound.point.stress, bound.point.mean_stress, strict=True
-        )
-    }
+    point, groups = bound.point, bound.model.full.groups
+    uses = [
+        group.uses(stress, mean).reshape(-1, 3).max(axis=1)
+        for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True)
+    ]
+    used = {name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.bodies, uses)}
     label = "largest stress in an element, per strength"
     colours = matplotlib.colormaps["viridis"]
     return _coloured(bodies, used, f"lower bound {bound.load_factor:.6g}", label, colours, 1.0)

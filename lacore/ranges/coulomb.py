@@ -207,7 +207,7 @@ def coulomb_range(
     if problem.program.frictional:
         raise InputError(
             "problem",
-            listed([name for name, own in problem.bodies.items() if own.body.form.frictional]),
+            listed([group.name for group in problem.program.groups if group.frictional]),
             "flow of a soil is not associated: what it carries is looked for in other ways",
             "take lacore.soil_range",
         )

@@ -5,7 +5,7 @@ given loads together falls with it. Where a strict lower bound of that is still 
 structure stands, where a strict upper bound is below 1 it does not: the two ends are proven.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import exp, inf, isnan, log, nan
@@ -15,10 +15,11 @@ import pandas as pd
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.bounds.enclosing import require_associated_flow
+from lacore.bounds.enclosing import named_criterion, require_associated_flow
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError, require_positive
+from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
 from lacore.showing import Facts, Shown, counted
@@ -222,9 +223,8 @@ def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | No
     """The problem with strengths divided by a factor; None where no criterion has such ones."""
     weaker = {}
     for name, body in of_kind(problem.bodies, Body).items():
-        assert isinstance(body.criterion, Weakening)
         try:
-            weaker[name] = replace(body, criterion=body.criterion.weakened(factor))
+            weaker[name] = replace(body, criterion=_divided_criterion(body.criterion, factor))
         except InputError:  # an angle beside those that are taken
             return None
     pairs = problem.interfaces
@@ -233,18 +233,32 @@ def _weakened(problem: Problem, factor: float, interfaces: bool) -> Problem | No
     return replace(problem, bodies={**problem.bodies, **weaker}, interfaces=pairs)
 
 
+def _divided_criterion(
+    criterion: Criterion | Mapping[str, Criterion], factor: float
+) -> Criterion | Mapping[str, Criterion]:
+    if isinstance(criterion, Mapping):
+        return {name: _weaker(own, factor) for name, own in criterion.items()}
+    return _weaker(criterion, factor)
+
+
+def _weaker(criterion: Criterion, factor: float) -> Criterion:
+    assert isinstance(criterion, Weakening)
+    return criterion.weakened(factor)
+
+
 def _check(name: str, body: Body) -> None:
-    if not isinstance(body.criterion, Weakening):
+    for region in body.regions:
+        if not isinstance(region.criterion, Weakening):
+            raise InputError(
+                named_criterion(name, region),
+                type(region.criterion).__name__,
+                "does not say how it is when its strength is divided",
+                "give lacore's criteria, or one with a method `weakened(factor)`",
+            )
+    if not any(region.cohesion > 0 for region in body.regions):
         raise InputError(
             f"Problem.bodies[{name!r}].criterion",
-            type(body.criterion).__name__,
-            "does not say how it is when its strength is divided",
-            "give lacore's criteria, or one with a method `weakened(factor)`",
-        )
-    if not body.criterion.strength > 0:
-        raise InputError(
-            f"Problem.bodies[{name!r}].criterion",
-            body.criterion.label,
+            body.label,
             "without cohesion all loads together have no size: the load factor is 0 or endless",
             "give it a small cohesion; that of an infinite slope of sand is tan(phi)/tan(slope)",
         )

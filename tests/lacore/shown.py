@@ -115,6 +115,7 @@ def values():
         la.Coulomb(1 / 3, adhesion=wide, tension=wide),
         *(la.MohrCoulomb(wide, 30, tension_cutoff=0.0, crushing=wide), la.MaximumShear(wide)),
         la.MohrCoulomb(wide, 30, dilation_angle=1 / 3),
+        *(la.Field(np.ones(400)), la.Field(lambda x: x[1], steepest=wide)),
         *(la.Rankine(wide, wide), la.NoTension(wide), la.DruckerPrager(wide, 30, "compression")),
         *(la.VonMises(hardening=table), la.VonMises(hardening=Creep()), table),
         *(la.hardening.Perfect(1.0), la.hardening.Linear(1.0, wide)),

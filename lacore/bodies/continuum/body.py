@@ -1,7 +1,8 @@
 """Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -13,12 +14,14 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.continuum.loaded import check_load
 from lacore.bodies.continuum.locking import crossed_quadrilaterals
+from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.regions.stated import regions_of
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
 from lacore.bodies.touching import TOUCH, Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
-from lacore.materials.conic_form import KINEMATICS, ConicForm
+from lacore.materials.conic_form import KINEMATICS
 from lacore.materials.criterion import Criterion
 from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
@@ -43,7 +46,8 @@ class Body(Shown):
             isoparametric meshes, whose edges are curves through their midside nodes
             (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
         criterion: yield criterion: `VonMises`, or one of your own with the four names of
-            `lacore.materials.criterion.Criterion`.
+            `lacore.materials.criterion.Criterion`; or one for each region, by the names of
+            ``mesh.subdomains``: ``{"fill": ..., "clay": ...}``, each element in one of them.
         kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
             body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
             forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
@@ -59,11 +63,12 @@ class Body(Shown):
 
     Raises:
         InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
-            locks on the mesh.
+            locks on the mesh; regions that the mesh lacks, that overlap or leave elements out;
+            strengths that are negative somewhere, or of another number of elements.
     """
 
     mesh: MeshTri | MeshQuad
-    criterion: Criterion
+    criterion: Criterion | Mapping[str, Criterion]
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
@@ -75,14 +80,6 @@ class Body(Shown):
         require_known("Body.space", self.space, SPACES)
         if self.geometry is not None:
             require_known("Body.geometry", self.geometry, GEOMETRIES)
-        if not isinstance(self.criterion, Criterion):
-            raise InputError(
-                "Body.criterion",
-                self.criterion,
-                "not a yield criterion",
-                "give lacore.VonMises(shear_strength=...), or an object with strength, label, law"
-                " and conic_form (lacore.materials.criterion.Criterion)",
-            )
         space = SPACES[self.space]
         if self.axisymmetric and space.strict:
             raise InputError(
@@ -97,7 +94,9 @@ class Body(Shown):
             object.__setattr__(self, "geometry", geometry_of(self.mesh))
         if self.axisymmetric:
             _check_radii(self)
-        incompressible = not self.form.compressible
+        if isinstance(self.criterion, Mapping):
+            object.__setattr__(self, "criterion", dict(self.criterion))
+        incompressible = any(not region.form.compressible for region in self.regions)
         if space.locks and incompressible and not crossed_quadrilaterals(self.mesh):
             raise InputError(
                 "Body.space",
@@ -114,13 +113,13 @@ class Body(Shown):
         elements = counted(
             self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
         )
-        return f"{elements}, {self.kinematics}, {self.space}, {self.criterion.label}"
+        return f"{elements}, {self.kinematics}, {self.space}, {self.label}"
 
     def facts(self) -> Facts:
         """What it consists of."""
         (left, low), (right, high) = self.box
         told = {
-            "criterion": short(self.criterion),
+            **self._criteria(),
             "size": f"{self.mesh.nvertices} vertices, {left:.4g} to {right:.4g} m by {low:.4g} to"
             f" {high:.4g} m, geometry {self.geometry}",
             "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
@@ -135,16 +134,39 @@ class Body(Shown):
         """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
         return views.picture(self)
 
+    @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Its parts by criterion; one of all elements where there is one criterion."""
+        return regions_of(self.mesh, self.criterion, self.kinematics)
+
     @property
-    def form(self) -> ConicForm:
-        """Cone of its dissipation."""
-        return self.criterion.conic_form(self.kinematics)
+    def label(self) -> str:
+        """What its criteria are worth: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
+        told = [(region.name, region.criterion.label) for region in self.regions]
+        return "; ".join(f"{name}: {label}" if name else label for name, label in told)
+
+    def _criteria(self) -> dict[str, str]:
+        """Facts of each region."""
+        told = {}
+        for region in self.regions:
+            title = f"criterion of {region.name}" if region.name else "criterion"
+            told[title] = region.told or short(region.criterion)
+        return told
+
+    @property
+    def pressed(self) -> bool:
+        """Whether the strength of a region depends on pressure."""
+        return any(region.form.surfaces for region in self.regions)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether its strengths are known everywhere, as bounds need."""
+        return all(region.bounded for region in self.regions)
 
     @property
     def largest_shear(self) -> float:
         """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
-        surfaces = self.form.surfaces_of(np.arange(self.mesh.nelements))
-        return self.criterion.strength if surfaces is None else surfaces.largest_shear
+        return max(region.largest_shear for region in self.regions)
 
     @property
     def axisymmetric(self) -> bool:

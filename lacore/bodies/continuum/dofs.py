@@ -84,7 +84,7 @@ class BodyDofs(Compact):
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
         """What straining dissipates at its points, over n unknowns; jumps are other groups."""
-        return (plasticity(name, self, n),)
+        return plasticity(name, self, n)
 
     def force(self, load: Load) -> Floats:
         """Nodal forces of a load, shape (count,), N/m."""

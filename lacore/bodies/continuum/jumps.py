@@ -20,11 +20,11 @@ from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.layers import Carried, Layer, costs, shares_of_controls
 from lacore.bodies.continuum.slip import Slip
 from lacore.materials.conic_form import ConicForm
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
-from lacore.surfaces import Surfaces
 
 CONTROL = {
     1: np.eye(2),
@@ -36,20 +36,25 @@ _ROUND_OFF = 1e-12  # of the entries of a row
 
 @dataclass(frozen=True, repr=False)
 class Jumps(Compact):
-    """The velocity jumps of a body.
+    """The velocity jumps of a region of a body: those that cost what its criterion says.
 
     Attributes:
+        bodies: whose elements are on either side; twice the same but across seams.
         group: their dissipation; cone by cone along each edge.
         elements: on both sides of each cone, shape (2, m); at a boundary twice the same.
         place: number of each cone among the control values of all edges, `copies` an edge, shape
             (m,); the others are zero.
         copies: control values of an edge.
+        ends: bounds at both ends of the edge of each cone, between which they are linear, Pa,
+            shape (2, m).
     """
 
+    bodies: tuple[str, str]
     group: DissipationGroup
     elements: Ints
     place: Ints
     copies: int
+    ends: Floats
 
     def kept(self, mask: Bools) -> "Jumps":
         """Those of a mask of shape (m,)."""
@@ -61,7 +66,13 @@ class Jumps(Compact):
             volumetric=self.group.volumetric[mask],
             surfaces=None if self.group.surfaces is None else self.group.surfaces.at(mask),
         )
-        return Jumps(group, self.elements[:, mask], self.place[mask], self.copies)
+        return replace(
+            self,
+            group=group,
+            elements=self.elements[:, mask],
+            place=self.place[mask],
+            ends=self.ends[:, mask],
+        )
 
     def held_force(self, stress: Floats) -> Floats:
         """Nodal forces of stresses of shape (m, dim) on what the body slips past, shape (n,)."""
@@ -83,15 +94,25 @@ class Jumps(Compact):
         control = np.zeros((first.size, self.copies, self.group.dim))
         control[edge, self.place % self.copies] = self.group.cone_vectors(velocity)
         total = np.zeros(first.size)
+        low, high = self.ends[:, first]
+        most = np.maximum(low, high)
         for start, end in pairwise(np.linspace(0, 1, parts + 1)):
-            for value in _control_values_of_part(control, start, end):
-                total += np.linalg.norm(value, axis=1)
-        strength = (self.group.weights * self.group.bound)[first]
-        return self.elements[:, first], strength * total / parts
+            values = _control_values_of_part(control, start, end)
+            shares = shares_of_controls(self.copies) @ np.array([1 - start, 1 - end])
+            for value, share in zip(values, shares, strict=True):
+                # Exactly 1 where the strength is the same at both ends.
+                level = 1 - ((most - low) * share + (most - high) * (1 - share)) / most
+                total += np.linalg.norm(value, axis=1) * level
+        return self.elements[:, first], (self.group.weights[first] * most) * total / parts
 
 
-def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
-    """All jumps of a body for n unknowns: of a discontinuous space, and past what holds it."""
+def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
+    """All jumps of a body for n unknowns: of a discontinuous space, and past what holds it.
+
+    Between two regions, or elements of different strength, a jump costs what the weaker side asks
+    for: tractions are within the criteria of both, so that the dissipation of either is no less
+    than the power of any admissible ones.
+    """
     mesh = dofs.body.mesh
     inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
     outer = np.zeros(0, dtype=np.int64) if slip is None else slip.facets
@@ -105,8 +126,8 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
     elements = mesh.f2t[:, facets].astype(np.int64)
     elements[1, inner.size :] = elements[0, inner.size :]
     within = np.repeat(np.arange(facets.size) < inner.size, copies)
-    facets = np.repeat(facets, copies)
-    along = mesh.p[:, mesh.facets[1, facets]] - mesh.p[:, mesh.facets[0, facets]]
+    edges = np.repeat(facets, copies)
+    along = mesh.p[:, mesh.facets[1, edges]] - mesh.p[:, mesh.facets[0, edges]]
     length = np.linalg.norm(along, axis=0)
 
     def across(direction: Floats) -> Sparse:
@@ -115,18 +136,36 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> Jumps:
 
     # What holds a boundary, or does not, has no normal jump.
     normal = np.stack([along[1], -along[0]]) * within
-    opening, slipping = across(normal * _outward(mesh, facets, normal)), across(along)
-    form = dofs.body.form.across()
-    elements = np.repeat(elements, copies, axis=1)
-    group = layer(
-        f"{name}: jumps",
-        form,
-        (opening, slipping),
-        length**2 / copies,
-        form.bounds(elements).min(axis=0),
-        _weaker(form, elements),
-    )
-    return Jumps(group, elements, np.arange(length.size), copies)
+    opening, slipping = across(normal * _outward(mesh, edges, normal)), across(along)
+    regions = dofs.body.regions
+    beside = [
+        number
+        for number, region in enumerate(regions)
+        if dofs.space.jumps or np.isin(elements[0], region.elements).any()
+    ]
+    layers = {number: Layer.of(regions[number]) for number in beside}
+    found: list[Jumps] = []
+    start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    cost = [costs(layers, mesh, (start, end), side) for side in elements]
+    side = np.argmin([mean for mean, _ in cost], axis=0)
+    owner = np.where(side == 0, cost[0][1], cost[1][1])
+    found = []
+    for number, own_layer in layers.items():
+        mine = np.flatnonzero(owner == number)
+        cones = (copies * mine[:, None] + np.arange(copies)).ravel()
+        costing = elements[side[mine], mine]
+        carried = own_layer.along(mesh, (start[:, mine], end[:, mine]), costing, copies)
+        group = layer(
+            f"{own_layer.region.group_name(name)}: jumps",
+            own_layer.form,
+            (opening[cones], slipping[cones]),
+            (length**2 / copies)[cones],
+            carried,
+        )
+        both = np.repeat(elements[:, mine], copies, axis=1)
+        ends = np.repeat(carried.ends, copies, axis=1)
+        found.append(Jumps((name, name), group, both, np.arange(cones.size), copies, ends))
+    return found
 
 
 def layer(
@@ -134,8 +173,7 @@ def layer(
     form: ConicForm,
     jump: tuple[Sparse, Sparse],
     weights: Floats,
-    bound: Floats,
-    surfaces: Surfaces | None,
+    carried: Carried,
 ) -> DissipationGroup:
     """What velocity jumps cost, as strain rates of a layer.
 
@@ -144,7 +182,7 @@ def layer(
         form: of the layer, see `ConicForm.across`.
         jump: rows of ``[u_n]`` (opening) and ``[u_t]`` per thickness of the layer, (m, n) each.
         weights: volumes of the layer, shape (m,).
-        bound, surfaces: what it carries, see `DissipationGroup`.
+        carried: strengths of the layer.
     """
     opening, slipping = jump
     dim, count = form.rows.shape[0], weights.size
@@ -156,8 +194,16 @@ def layer(
     volumetric = csr_matrix(across_it * opening + along_it * slipping)
     for matrix in (rows, volumetric):
         matrix.eliminate_zeros()
-    factor = form.volumetric_factor
-    return DissipationGroup(name, rows, dim, weights, bound, volumetric, factor, surfaces=surfaces)
+    return DissipationGroup(
+        name=name,
+        rows=rows,
+        dim=dim,
+        weights=weights,
+        bound=carried.bound,
+        volumetric=volumetric,
+        volumetric_factor=form.volumetric_factor,
+        surfaces=carried.surfaces,
+    )
 
 
 def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
@@ -165,20 +211,6 @@ def _outward(mesh: Mesh, facets: Ints, normal: Floats) -> Floats:
     first = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
     away = mesh.p[:, mesh.facets[0, facets]] - first
     return np.asarray(np.where(np.sum(normal * away, axis=0) < 0, -1.0, 1.0))
-
-
-def _weaker(form: ConicForm, elements: Ints) -> Surfaces | None:
-    """Surfaces of layers between elements of shape (2, m), of the weaker side."""
-    one, other = (form.surfaces_of(side) for side in elements)
-    return None if one is None or other is None else weaker_surfaces(one, other)
-
-
-def weaker_surfaces(one: Surfaces, other: Surfaces) -> Surfaces:
-    """Those of layers of one plane, of the side with the lesser strength at each."""
-    weaker = np.argmin(np.stack([one.strength[:, 0], other.strength[:, 0]]), axis=0)
-    strength = np.minimum(one.strength, other.strength)
-    slope = np.where(weaker[:, None, None] == 0, one.slope, other.slope)
-    return replace(one, strength=strength, slope=slope)
 
 
 def movable(group: DissipationGroup, basis: Sparse) -> Bools:

@@ -1,21 +1,28 @@
-"""What straining a body dissipates, as rows of the program (T6)."""
+"""What straining a body dissipates, as rows of the program (T6): a group for each region."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Sparse
-from lacore.bodies.continuum.volume import means_projector
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.regions.varying import Varying
+from lacore.bodies.continuum.volume import volumetric_rows
+from lacore.materials.fields import Field
 from lacore.program import DissipationGroup
+from lacore.surfaces import Surfaces
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.dofs import BodyDofs
 
+VERTEX_RULE = (np.eye(3) + 1) / 4
+"""Strengths that the vertex rule takes at vertices, from those there: the integral of what is
+linear times what is at most the interpolant of a norm is exact."""
 
-def plasticity(name: str, dofs: "BodyDofs", n: int) -> DissipationGroup:
-    """Dissipation at the strain points of a body, over n unknowns (T6)."""
-    form = dofs.body.form
+
+def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, ...]:
+    """Dissipation at the strain points of the regions of a body, over n unknowns (T6)."""
     basis = dofs.basis
     gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
     rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
@@ -27,23 +34,58 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> DissipationGroup:
     # strain: (elements, points, components, shapes)
     columns = basis.element_dofs.T.astype(np.int64) + dofs.offset
 
-    def rows(coefficients: Floats) -> Sparse:
-        values = np.einsum("rs,epsi->epri", coefficients, strain)
+    def rows(coefficients: Floats, elements: Ints) -> Sparse:
+        values = np.einsum("rs,epsi->epri", coefficients, strain[elements])
         count = int(np.prod(values.shape[:3]))
-        indices = np.broadcast_to(columns[:, None, None, :], values.shape)
+        indices = np.broadcast_to(columns[elements][:, None, None, :], values.shape)
         start = np.arange(count + 1) * values.shape[3]
         return csr_matrix((values.ravel(), indices.ravel(), start), shape=(count, n))
 
-    weights = dofs.weights.ravel()
-    volumetric = csr_matrix(means_projector(dofs) @ rows(form.volumes))
-    elements = np.repeat(np.arange(dofs.body.mesh.nelements), dofs.weights.shape[1])
-    return DissipationGroup(
-        name=name,
-        rows=rows(form.rows),
-        dim=form.rows.shape[0],
-        weights=weights,
-        bound=form.bounds(elements),
-        volumetric=volumetric,
-        volumetric_factor=form.volumetric_factor,
-        surfaces=form.surfaces_of(elements),
-    )
+    groups = []
+    for region in dofs.body.regions:
+        form = region.form
+        bound, surfaces = at_strain_points(dofs, region)
+        group = DissipationGroup(
+            name=region.group_name(name),
+            rows=rows(form.rows, region.elements),
+            dim=form.rows.shape[0],
+            weights=dofs.weights[region.elements].ravel(),
+            bound=bound,
+            volumetric=volumetric_rows(dofs, region, rows),
+            volumetric_factor=form.volumetric_factor,
+            surfaces=surfaces,
+        )
+        groups.append(group)
+    return tuple(groups)
+
+
+def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces | None]:
+    """Strengths at the strain points of a region: see `Region.strengths`.
+
+    Of a strict space such that its rule is above the dissipation of strengths that vary; elsewhere
+    those at the points.
+    """
+    count = dofs.weights.shape[1]
+
+    def values(own: Field) -> Floats:
+        varies = region.of(own)
+        if not callable(own.values):
+            listed = own.values.reshape(len(own.values), -1)[region.elements]
+            return np.broadcast_to(listed, (region.elements.size, count)).ravel()
+        if dofs.space.strict and dofs.linear:
+            return by_rule(varies, count).ravel()
+        places = np.asarray(dofs.basis.global_coordinates())[:, region.elements]
+        return own.at(places.reshape(2, -1), "Body.criterion")
+
+    return region.strengths(np.repeat(region.elements, count), values)
+
+
+def by_rule(varies: Varying, points: int) -> Floats:
+    """Strengths of the rule of one or three points of an element, shape (elements, points), Pa.
+
+    Of what is not known between places those there, which prove nothing.
+    """
+    vertex = varies.above_if_known()
+    if points == 1:
+        return np.asarray(vertex.mean(axis=1, keepdims=True))
+    return np.asarray(vertex @ VERTEX_RULE if varies.linear else vertex)

@@ -1,15 +1,19 @@
 """How fast a body strains, as one number at each point: the equivalent strain rate (T29)."""
 
+from collections.abc import Sequence
 from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.gathering import gathered
+from lacore.bodies.continuum.regions.region import Region
 from lacore.dissipation import DissipationGroup
+from lacore.materials.fields import Field
 
 
-def equivalent_rate(dofs: BodyDofs, group: DissipationGroup, velocity: Floats) -> Floats:
+def equivalent_rate(dofs: BodyDofs, groups: Sequence[DissipationGroup], velocity: Floats) -> Floats:
     """Equivalent strain rate at the strain points, shape (elements, q), 1/s.
 
     That which dissipates with the yield stress in tension, where strength does not depend on
@@ -19,24 +23,30 @@ def equivalent_rate(dofs: BodyDofs, group: DissipationGroup, velocity: Floats) -
 
     Args:
         dofs: of the body.
-        group: its dissipation, over all unknowns.
+        groups: the dissipation of its regions, over all unknowns.
         velocity: of all unknowns, m/s.
     """
-    if group.surfaces is None:
-        lengths = np.linalg.norm(group.cone_vectors(velocity), axis=1)
-        return np.asarray(strain_per_length(dofs) * lengths.reshape(dofs.weights.shape))
-    return deviatoric(principal_rates(dofs, velocity[dofs.dofs]))
+    rates = []
+    for region, group in zip(dofs.body.regions, groups, strict=True):
+        if group.surfaces is None:
+            lengths = np.linalg.norm(group.cone_vectors(velocity), axis=1)
+            own = strain_per_length(region) * lengths.reshape(region.elements.size, -1)
+        else:
+            own = deviatoric(principal_rates(dofs, velocity[dofs.dofs]))[region.elements]
+        rates.append(np.asarray(own))
+    return gathered(dofs.body, rates)
 
 
-def strain_per_length(dofs: BodyDofs) -> float:
+def strain_per_length(region: Region) -> float:
     """Equivalent strain rate per length of a cone vector: both dissipate the same.
 
-    Where strength depends on pressure as of lengths of ``(eps_xx - eps_yy, gamma)``.
+    Where strength depends on pressure as of lengths of ``(eps_xx - eps_yy, gamma)``; where it
+    varies from place to place as of von Mises.
     """
-    form = dofs.body.form
-    if form.surfaces:
+    form = region.form
+    if form.surfaces or isinstance(form.bound, Field):
         return 1 / sqrt(3)
-    return float(np.max(form.bound) / (sqrt(3) * dofs.strength))
+    return float(np.max(form.bound) / (sqrt(3) * region.largest_shear))
 
 
 def deviatoric(principal: Floats) -> Floats:

@@ -10,46 +10,86 @@ interior points, it says almost nothing, but not nothing: a constraint without a
 continuum, whose multiplier has no bound under refinement. It is taken away.
 """
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, eye_array, kron
+from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
+from lacore.bodies.continuum.regions.region import Region
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.dofs import BodyDofs
 
 
-def means_projector(dofs: "BodyDofs") -> Sparse:
-    """Of all volumetric rows and mean stresses, L a strain point, shape (m L, m L).
+def volumetric_rows(
+    dofs: "BodyDofs", region: Region, rows: Callable[[Floats, Ints], Sparse]
+) -> Sparse:
+    """Volumetric rows of a region, those that must vanish projected, shape (m L, n).
 
-    As `volume_projector` for rows that must vanish, and on quadrilaterals, which would lock where
-    friction is small; nothing is taken from others: flow that dilates has all conditions it needs.
+    Args:
+        dofs: of the body.
+        region: of it.
+        rows: of coefficients (r, components) in elements, r a strain point.
     """
-    preserved = dofs.body.form.preserved
-    count = preserved.size
-    if dofs.space.pressures is not None:
-        preserved = np.ones_like(preserved)
-    if preserved.all() and count == 1:
-        return volume_projector(dofs)
-    every = eye_array(dofs.weights.size * count, format="csr")
-    if not preserved.any():
-        return csr_matrix(every)
-    kept = diags_array(preserved.astype(np.float64))
-    taken = kron(eye_array(dofs.weights.size) - volume_projector(dofs), kept)
-    return csr_matrix(every - taken)
+    form, projected = region.form, _projected(dofs, region)
+    if not projected.any():
+        return rows(form.volumes, region.elements)
+    points, projector = _points(dofs, region), volume_projector(dofs)
+    every = np.arange(dofs.body.mesh.nelements)
+    parts = [
+        csr_matrix(projector[points] @ rows(row[None], every))
+        if own
+        else rows(row[None], region.elements)
+        for row, own in zip(form.volumes, projected, strict=True)
+    ]
+    order = np.arange(points.size * len(parts)).reshape(len(parts), -1).T.ravel()
+    return csr_matrix(vstack(parts, format="csr")[order])
 
 
-def judged_means(dofs: "BodyDofs", mean: Floats) -> Floats:
-    """Mean stresses as criteria judge them, shape (m L,), Pa.
+def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
+    """Mean stresses of regions as criteria judge them, shape (m L,) each, Pa.
 
     Of a criterion that does not feel them as smooth as the elements have them; of one that does at
     the strain points, where on quadrilaterals only their projection does work.
     """
-    if dofs.body.form.surfaces and dofs.space.pressures is not None:
-        return mean
-    return np.asarray(means_projector(dofs) @ mean)
+    regions, count = dofs.body.regions, dofs.weights.size
+    columns = [
+        own.reshape(-1, len(region.form.volumes))
+        for region, own in zip(regions, means, strict=True)
+    ]
+    projector = volume_projector(dofs)
+    judged = []
+    for region, own in zip(regions, columns, strict=True):
+        projected = _projected(dofs, region)
+        if region.form.surfaces and dofs.space.pressures is not None:
+            projected = np.zeros_like(projected)
+        result = own.copy()
+        for column in np.flatnonzero(projected).tolist():
+            whole = np.zeros(count)
+            for other, theirs in zip(regions, columns, strict=True):
+                if column < theirs.shape[1]:
+                    whole[_points(dofs, other)] = theirs[:, column]
+            result[:, column] = (projector @ whole)[_points(dofs, region)]
+        judged.append(result.ravel())
+    return judged
+
+
+def _projected(dofs: "BodyDofs", region: Region) -> Bools:
+    """Volumetric rows that are projected, shape (L,): those that must vanish.
+
+    On quadrilaterals, which would lock where friction is small, all; nothing is taken from others:
+    flow that dilates has all conditions it needs.
+    """
+    preserved = region.form.preserved
+    return np.ones_like(preserved) if dofs.space.pressures is not None else preserved
+
+
+def _points(dofs: "BodyDofs", region: Region) -> Ints:
+    """Numbers of the strain points of a region among those of its body."""
+    count = dofs.weights.shape[1]
+    return np.asarray((count * region.elements[:, None] + np.arange(count)).ravel())
 
 
 def volume_projector(dofs: "BodyDofs") -> Sparse:
@@ -103,6 +143,11 @@ def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
     away = mesh.p[:, mesh.t].mean(axis=1)[:, element] - mesh.p[:, vertex]
     order = np.lexsort((np.arctan2(away[1], away[0]), vertex))
     around, corners = (part[order].reshape(-1, 4) for part in (element, corner))
+    flows = np.ones(mesh.nelements, dtype=bool)  # without a change of volume
+    for region in dofs.body.regions:
+        flows[region.elements] = region.form.preserved[0]
+    whole = flows[around].all(axis=1)
+    around, corners = around[whole], corners[whole]
     # An element may have two or three such vertices: it goes with the first.
     first = np.full(mesh.nelements, len(around))
     np.minimum.at(first, around.ravel(), np.repeat(np.arange(len(around)), 4))

@@ -43,7 +43,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
         LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
-    symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", body.criterion.label)
+    symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", body.label)
     text = f"rigid-plastic, {symbols}"
     sheet.handles[text] = Patch(facecolor=SOIL, edgecolor=_OUTLINE)
 

@@ -92,7 +92,8 @@ def dissipation_inside(motion: Motion) -> float:
     """Plastic power within elements, without that of velocity jumps."""
     places, weights = strain_points(motion.body)
     xx, yy, zz, xy = motion.strain_rate(places)
-    k = motion.body.criterion.strength
+    (region,) = motion.body.regions
+    k = region.criterion.strength
     if motion.body.kinematics == "plane_strain":
         density = k * np.hypot(xx - yy, xy)
     elif motion.body.kinematics == "plane_stress":

@@ -1,0 +1,1 @@
+"""Regions of a body: parts of its mesh with a criterion each, and what varies within them."""

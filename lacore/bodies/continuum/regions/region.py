@@ -1,0 +1,110 @@
+"""A part of a mesh with a criterion of its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.regions.varying import Varying
+from lacore.materials.conic_form import ConicForm
+from lacore.materials.criterion import Criterion
+from lacore.materials.fields import Field, varying
+from lacore.showing import Compact
+from lacore.surfaces import Surfaces
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Region(Compact):
+    """Elements of a mesh with the same criterion.
+
+    Attributes:
+        name: of the region; empty where it is all of the body.
+        elements: of the mesh, ascending, shape (e,).
+        criterion: yield criterion.
+        form: of its dissipation.
+        varying: fields of the criterion, and what is known of them in these elements.
+    """
+
+    name: str
+    elements: Ints
+    criterion: Criterion
+    form: ConicForm
+    varying: tuple[tuple[Field, Varying], ...] = ()
+
+    def group_name(self, body: str) -> str:
+        """Name of its dissipation: that of the body, or ``soil.clay``."""
+        return f"{body}.{self.name}" if self.name else body
+
+    @property
+    def told(self) -> str:
+        """How large its fields are: ``VonMises, shear_strength 1 to 3 Pa``; empty without any."""
+        parts = []
+        for name, own in varying(self.criterion).items():
+            values = own.factor * self.of(own).vertex
+            parts.append(f", {name} {values.min():.4g} to {values.max():.4g} Pa")
+        return "".join([type(self.criterion).__name__, *parts]) if parts else ""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether strengths are known between places: linear, or from below and above."""
+        return all(own.linear or own.least is not None for _, own in self.varying)
+
+    @property
+    def cohesion(self) -> float:
+        """Largest shear stress that it carries anywhere without pressure, Pa."""
+        if self.form.varies:
+            return float(np.max(self.seen(self.form.bound)))
+        return self.criterion.strength
+
+    @property
+    def least_strength(self) -> float:
+        """Of the bound, or of all surfaces, at any place looked at, Pa."""
+        own = [one.strength for one in self.form.surfaces] or [self.form.bound]
+        return min(float(np.min(self.seen(strength))) for strength in own)
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear stress that it can carry at any pressure, Pa; inf of what has friction."""
+        _, surfaces = self.strengths(self.elements, self._greatest)
+        if surfaces is not None:
+            return surfaces.largest_shear
+        return self.cohesion
+
+    def seen(self, strength: float | Floats | Field) -> Floats:
+        """A strength of the form at vertices, shape (elements, a), or as a number, Pa."""
+        if isinstance(strength, Field):
+            return strength.factor * self.of(strength).vertex
+        return np.asarray(strength)
+
+    def of(self, own: Field) -> Varying:
+        """What is known of a field of its form."""
+        return next(known for given, known in self.varying if given.values is own.values)
+
+    def strengths(
+        self, elements: Ints, values: Callable[[Field], Floats]
+    ) -> tuple[Floats, Surfaces | None]:
+        """The bound, shape (m,), and the surfaces at m points.
+
+        Args:
+            elements: that the points lie in, shape (m,).
+            values: of a field at the points, without its factor, shape (m,).
+        """
+        if not self.form.varies:
+            return self.form.bounds(elements), self.form.surfaces_of(elements)
+        points = np.arange(elements.size)
+        form = self.form.at_points(elements, values)
+        return form.bounds(points), form.surfaces_of(points)
+
+    def at_points(
+        self, values: Callable[[Varying], Floats], count: int
+    ) -> tuple[Floats, Surfaces | None]:
+        """The same at as many points of each element, by values of shape (elements, count)."""
+
+        def own(strength: Field) -> Floats:
+            return values(self.of(strength)).ravel()
+
+        return self.strengths(np.repeat(self.elements, count), own)
+
+    def _greatest(self, own: Field) -> Floats:
+        return np.asarray(self.of(own).vertex.max(axis=1))

@@ -1,0 +1,114 @@
+"""From what a user states of a body to its regions."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from skfem import Mesh
+
+from lacore.arrays import Ints
+from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.regions.varying import in_elements
+from lacore.errors import InputError, suggest_all
+from lacore.materials.criterion import Criterion
+from lacore.materials.fields import Field, varying
+from lacore.meshes.curved import vertices
+from lacore.showing import counted, listed, short
+
+
+def regions_of(
+    mesh: Mesh, criterion: Criterion | Mapping[str, Criterion], kinematics: str
+) -> tuple[Region, ...]:
+    """The regions of a body, checked.
+
+    Raises:
+        InputError: names that the mesh lacks, regions that overlap or leave elements out; strengths
+            that are negative somewhere, or of other elements than those of the mesh.
+    """
+    if not isinstance(criterion, Mapping):
+        require_criterion("Body.criterion", criterion)
+        return (_region("", np.arange(mesh.nelements), criterion, kinematics, mesh),)
+    elements = _elements(mesh, criterion)
+    return tuple(
+        _region(name, elements[name], own, kinematics, mesh) for name, own in criterion.items()
+    )
+
+
+def require_criterion(name: str, given: object) -> None:
+    """Raise `InputError` unless something is a yield criterion."""
+    if not isinstance(given, Criterion):
+        raise InputError(
+            name,
+            given,
+            "not a yield criterion",
+            "give lacore.VonMises(shear_strength=...), or an object with strength, label, law"
+            " and conic_form (lacore.materials.criterion.Criterion); or {region: criterion}",
+        )
+
+
+def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
+    known = mesh.subdomains or {}
+    if not criteria:
+        raise InputError("Body.criterion", {}, "no region", "give {region: criterion}")
+    found: dict[str, Ints] = {}
+    owner = np.full(mesh.nelements, -1)
+    for number, (name, own) in enumerate(criteria.items()):
+        place = f"Body.criterion[{name!r}]"
+        if name not in known:
+            mend = (
+                suggest_all(str(name), known)
+                if known
+                else "name parts by mesh.with_subdomains({name: function of coordinates}), by"
+                " lacore.meshes.layered, or by physical groups of surfaces"
+            )
+            raise InputError(place, name, "no such region of the mesh", mend)
+        require_criterion(place, own)
+        elements = np.unique(np.asarray(known[name], dtype=np.int64))
+        if not elements.size:
+            raise InputError(place, name, "a region without elements", "leave it out")
+        taken = np.flatnonzero(owner[elements] >= 0)
+        if taken.size:
+            other = list(criteria)[owner[elements[taken[0]]]]
+            raise InputError(
+                place,
+                name,
+                f"overlaps region {other!r} in {counted(taken.size, 'element')},"
+                f" near {_near(mesh, elements[taken[0]])}",
+                "let each element lie in one region",
+            )
+        owner[elements] = number
+        found[str(name)] = elements
+    left = np.flatnonzero(owner < 0)
+    if left.size:
+        unused = [name for name in known if name not in criteria]
+        raise InputError(
+            "Body.criterion",
+            list(criteria),
+            f"{counted(left.size, 'element')} in no region, near {_near(mesh, left[0])}",
+            f"give these a criterion, too: the mesh has also {listed(unused)}"
+            if unused
+            else "let regions cover the mesh",
+        )
+    return found
+
+
+def _near(mesh: Mesh, element: int) -> str:
+    x, y = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
+    return f"({x:.4g}, {y:.4g})"
+
+
+def _region(name: str, elements: Ints, criterion: Criterion, kinematics: str, mesh: Mesh) -> Region:
+    form = criterion.conic_form(kinematics)
+    place = f"Body.criterion[{name!r}]" if name else "Body.criterion"
+    for own in form.strengths:
+        if not isinstance(own, Field) and np.ndim(own) and len(np.asarray(own)) != mesh.nelements:
+            raise InputError(
+                place,
+                short(own),
+                f"strengths of {len(np.asarray(own))} elements on a mesh of {mesh.nelements}",
+                "give one for each element of the mesh",
+            )
+    known = tuple(
+        (own, in_elements(f"{place}.{key}", own, mesh, elements, not form.surfaces))
+        for key, own in varying(criterion).items()
+    )
+    return Region(name, elements, criterion, form, known)

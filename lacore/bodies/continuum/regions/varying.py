@@ -1,0 +1,137 @@
+"""Strengths that vary, in the elements of a region: looked at from within each.
+
+Known at the vertices of each element: exactly where they are linear there, else by their largest
+slope from below and from above.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import Mesh
+from skfem.mesh import MeshTri1
+
+from lacore.arrays import Floats, Ints
+from lacore.errors import InputError
+from lacore.materials.fields import Field
+from lacore.meshes.curved import vertices
+from lacore.showing import Compact
+
+_INSIDE = 1e-6  # of the way to its centre: as near to its corners as an element is looked at
+_LINEAR = 1e-12  # of the largest value: what is linear, up to round-off
+_STEEPER = 1e-9  # of a slope: round-off
+_PARTS = 4  # into which edges are divided for places where functions are looked at
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Varying(Compact):
+    """A `Field` in the elements of a region, without its factor.
+
+    Attributes:
+        vertex: values at the vertices of each element, from within it, shape (elements, a), Pa.
+        least, greatest: in each element, shape (elements,), Pa; None: not known.
+        linear: whether it is linear in each element.
+    """
+
+    vertex: Floats
+    least: Floats | None
+    greatest: Floats | None
+    linear: bool
+
+    def below(self) -> Floats:
+        """Values at vertices between which it is nowhere less, shape (elements, a), Pa."""
+        return self._bounding(self.least)
+
+    def above(self) -> Floats:
+        """Values at vertices between which it is nowhere more, shape (elements, a), Pa."""
+        return self._bounding(self.greatest)
+
+    def above_if_known(self) -> Floats:
+        """As `above`; where a slope is not known the values at vertices, which prove nothing."""
+        known = self.linear or self.greatest is not None
+        return self.above() if known else self.vertex
+
+    def _bounding(self, limit: Floats | None) -> Floats:
+        if self.linear:
+            return self.vertex
+        if limit is None:
+            raise ValueError("what varies without a known slope bounds nothing")
+        return np.broadcast_to(limit[:, None], self.vertex.shape)
+
+
+def in_elements(place: str, own: Field, mesh: Mesh, elements: Ints, positive: bool) -> Varying:
+    """A field in elements of a mesh, checked."""
+    if callable(own.values):
+        found = _function(place, own, mesh, elements)
+    else:
+        found = _listed(place, own.values, mesh, elements)
+    if positive and not found.vertex.min() > 0:
+        element, corner = np.unravel_index(int(found.vertex.argmin()), found.vertex.shape)
+        x, y = vertices(mesh)[:, mesh.t[corner, elements[element]]]
+        raise InputError(
+            place,
+            float(found.vertex[element, corner]),
+            f"no strength at ({x:.6g}, {y:.6g}), and no friction either",
+            "let it be positive in all of the region",
+        )
+    return found
+
+
+def _listed(place: str, values: Floats, mesh: Mesh, elements: Ints) -> Varying:
+    if len(values) != mesh.nelements:
+        raise InputError(
+            place,
+            f"{len(values)} values",
+            f"the mesh has {mesh.nelements} elements",
+            "give one for each element of the mesh, whatever its region",
+        )
+    own = values[elements].reshape(elements.size, -1)
+    low, high = own.min(axis=1), own.max(axis=1)
+    mean = np.repeat(own.mean(axis=1)[:, None], len(mesh.t), axis=1)
+    return Varying(mean, low, high, linear=own.shape[1] == 1)
+
+
+def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (2, a, e)
+    if not isinstance(mesh, MeshTri1):
+        shares = _pulled(np.eye(len(mesh.t)))
+        places = np.einsum("pa,xae->xep", shares, corner)
+        values = own.at(places.reshape(2, -1), place).reshape(elements.size, -1)
+        return Varying(values, None, None, linear=False)
+    shares = _pulled(_places())
+    places = np.einsum("pa,xae->xep", shares, corner)
+    values = own.at(places.reshape(2, -1), place).reshape(elements.size, -1)
+    middle = values[:, :3].mean(axis=1, keepdims=True)
+    vertex = middle + (values[:, :3] - middle) / (1 - _INSIDE)
+    beside = np.abs(values - vertex @ shares.T).max(initial=0.0)
+    linear = bool(beside <= _LINEAR * np.abs(values).max())
+    vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
+    if linear or own.steepest is None:
+        return Varying(vertex, None, None, linear)
+    centre = corner.mean(axis=1)
+    radius = np.linalg.norm(corner - centre[:, None], axis=0).max(axis=0)
+    at_centre = own.at(centre, place)
+    room = own.steepest * radius
+    most = np.maximum(at_centre + room, values.max(axis=1))
+    steep = np.abs(values - at_centre[:, None]) > (1 + _STEEPER) * room[:, None]
+    if steep.any():
+        element = int(np.flatnonzero(steep.any(axis=1))[0])
+        x, y = centre[:, element]
+        raise InputError(
+            f"{place}.steepest",
+            own.steepest,
+            f"the function is steeper near ({x:.6g}, {y:.6g})",
+            "give its largest slope; where it jumps let edges of the mesh follow",
+        )
+    return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear)
+
+
+def _places() -> Floats:
+    """Barycentric coordinates of a lattice, the vertices first, shape (15, 3)."""
+    whole = [(i, j, _PARTS - i - j) for i in range(_PARTS + 1) for j in range(_PARTS + 1 - i)]
+    inner = [place for place in whole if max(place) < _PARTS]
+    return np.concatenate([np.eye(3), np.array(inner) / _PARTS])
+
+
+def _pulled(shares: Floats) -> Floats:
+    """Places of an element as they are looked at: a little nearer to its centre."""
+    return np.asarray(shares + _INSIDE * (1 / shares.shape[1] - shares))

@@ -1,0 +1,106 @@
+"""Dissipation of elements on a lattice of their places: above its integral, and close to it (T22).
+
+The vertex rule of each triangle of the lattice is above the integral of the convex dissipation.
+Where strengths are linear in the element it takes in the triangle at vertex i
+``(k_i + k_1 + k_2 + k_3)/4``: the integral of k times the interpolant, which is above the
+dissipation of k at each place.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.continuum.plasticity import VERTEX_RULE
+from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.regions.varying import Varying
+from lacore.bodies.continuum.spaces import VelocitySpace
+from lacore.dissipation import DissipationGroup
+from lacore.surfaces import Surfaces
+
+
+def on_lattice(
+    region: Region, group: DissipationGroup, velocity: Floats, space: VelocitySpace, parts: int
+) -> Floats:
+    """Plastic power of the elements of a region, no less than that of the continuum, (e,).
+
+    Args:
+        region: its strengths known everywhere.
+        group: its dissipation at the strain points.
+        velocity: all unknowns.
+        space: in which strain rates are linear in an element.
+        parts: into which edges are divided.
+    """
+    count = space.points.shape[1]
+    places, share = lattice(parts)
+    onto = places @ space.to_vertices()
+    area = group.weights.reshape(-1, count).sum(axis=1)
+    if group.surfaces is not None:
+        return _pressed(region, group, velocity, onto, area, parts)
+    strained = (group.rates(velocity) > 0)[:, None]
+    known = np.where(strained, group.cone_vectors(velocity), 0.0).reshape(-1, count, group.dim)
+    size = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
+    if region.form.varies:
+        bound, _ = _strengths(region, parts)
+        return np.asarray(area * ((bound.reshape(size.shape) * size) @ share))
+    strength = (group.weights * group.bound).reshape(-1, count).sum(axis=1)
+    return np.asarray(strength * (size @ share))
+
+
+def _pressed(
+    region: Region,
+    group: DissipationGroup,
+    velocity: Floats,
+    onto: Floats,
+    area: Floats,
+    parts: int,
+) -> Floats:
+    """The same where strength depends on pressure: the dissipation is convex all the same."""
+    assert group.surfaces is not None
+    count, (_, share) = onto.shape[1], lattice(parts)
+    known = group.cone_vectors(velocity).reshape(-1, count, group.dim)
+    length = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
+    volume = (group.volumetric @ velocity).reshape(-1, count) @ onto.T
+    if region.form.varies:
+        _, surfaces = _strengths(region, parts)
+        assert surfaces is not None
+    else:
+        surfaces = group.surfaces.at(np.repeat(count * np.arange(len(known)), share.size))
+    power = surfaces.dissipation(length.ravel(), volume.ravel())
+    return np.asarray(area * (power.reshape(-1, share.size) @ share))
+
+
+def _strengths(region: Region, parts: int) -> tuple[Floats, Surfaces | None]:
+    """Bounds and surfaces at the places of the lattice of each element of a region."""
+    shares = _shares(parts)
+
+    def values(varies: Varying) -> Floats:
+        return np.asarray(varies.above() @ shares.T)
+
+    return region.at_points(values, len(shares))
+
+
+@cache
+def _shares(parts: int) -> Floats:
+    """What the strengths at the vertices of an element count for at each place, shape (p, 3)."""
+    places, weights = lattice(parts)
+    whole = np.rint(places * parts).astype(np.int64)
+    number = {tuple(place): at for at, place in enumerate(whole.tolist())}
+    total = np.zeros((len(whole), 3))
+    for turn in (1, -1):  # triangles that point as the element does, and the others
+        for i, j in np.ndindex(parts + 2, parts + 2):
+            k = parts - turn - i - j
+            corners = [(i + turn, j, k), (i, j + turn, k), (i, j, k + turn)]
+            known = [number[corner] for corner in corners if corner in number]
+            if len(known) == 3:
+                total[known] += VERTEX_RULE @ places[known] / (3 * parts**2)
+    return np.asarray(total / weights[:, None])
+
+
+def lattice(parts: int) -> tuple[Floats, Floats]:
+    """Barycentric coordinates, shape (p, 3), and weights of sum 1, by the triangles they are in."""
+    whole = np.array(
+        [(i, j, parts - i - j) for i in range(parts + 1) for j in range(parts + 1 - i)]
+    )
+    triangles = np.array([6, 3, 1])[(whole == 0).sum(axis=1)]
+    return whole / parts, triangles / (3 * parts**2)
