@@ -328,9 +328,7 @@ def _rigor(
 def strict_bound(discretisation: Discretisation) -> bool:
     """Whether the dissipation is nowhere below that of the continuum; rigid blocks are exact."""
     bodies = [dofs.body for dofs in discretisation.bodies.values()]
-    return all(
-        SPACES[body.space].strict and body.geometry == "exact" and body.bounded for body in bodies
-    )
+    return all(SPACES[b.space].strict and b.geometry == "exact" and b.bounded for b in bodies)
 
 
 _ONE_OF_MANY = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import lacore as la
 from lacore.assembly.discretise import discretise
 from lacore.bodies.continuum.dofs import edge_shapes
-from lacore.bounds.lattices import lattice
+from lacore.bodies.continuum.regions.lattices import lattice
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.limit.conversion import point_in_program
