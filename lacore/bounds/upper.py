@@ -18,8 +18,8 @@ from lacore.bodies.continuum.regions.gathering import (
     gathered,
     region_count,
 )
-from lacore.bounds.enclosing import require_associated_flow, require_known_strengths
 from lacore.bodies.continuum.regions.lattices import on_lattice
+from lacore.bounds.enclosing import require_associated_flow, require_known_strengths
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
