@@ -9,6 +9,7 @@ from skfem.mesh import MeshTri1
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.regions import inheriting
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments
 from lacore.errors import InputError
@@ -33,9 +34,8 @@ def matching(problem: Problem) -> Problem:
         for name, body in of_kind(problem.bodies, Body).items():
             facets, places = _hanging(problem, name)
             if facets.size:
-                bodies[name] = replace(
-                    body, mesh=with_vertices(_triangles(name, body), facets, places)
-                )
+                mesh = with_vertices(_triangles(name, body), facets, places)
+                bodies[name] = inheriting.on_mesh(body, mesh, body.space)
         if all(bodies[name] is problem.bodies[name] for name in bodies):
             return problem
         problem = replace(problem, bodies=bodies)
