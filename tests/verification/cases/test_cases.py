@@ -44,6 +44,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "hardening-sphere",
         "layer-rough",
         "masonry-panel",
+        "mortar-incline",
         "no-tension-cut",
         "notched-strip",
         "opposed-punches",

@@ -21,6 +21,14 @@ RANGES = {
     "block-topple": {"mu": (0.05, 1.5), **BLOCK},
     "deformable-block": {"mu": (0.05, 1.2)},
     "frame-feet": {"mu": (0.0, 1.0), **FRAME},
+    "mortar-incline": {
+        "mu": (0.05, 1.5),
+        "adhesion": (0.0, 5.0),
+        "share": (0.0, 1.0),
+        "beta": (0.0, 1.2),
+        **BLOCK,
+        "off": bool,
+    },
     "portal-beam": {"mu": (0.05, 1.0), "P": (0.0, 5.0), **FRAME},
     "portal-sway": {"mu": (0.05, 1.0), "P": (0.1, 5.0), **FRAME},
     "pulled-under-stop": {
