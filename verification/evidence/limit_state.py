@@ -17,6 +17,7 @@ from lacore.limit.solve import ACCEPTED, TOLERANCE
 from lacore.regularization import RegularisedValues
 from lacore.state import ProgramState
 from verification.case import SOLVER
+from verification.evidence.span_nodes import as_solved, nodes_of, require_hinges
 from verification.runs.outcome import Evidence
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -30,7 +31,7 @@ def evidence_of(state: la.LimitState) -> Evidence:
     return Evidence(
         residuals=asdict(state.certificate) if state.certificate else {},
         history=records(state.history),
-        arrays=b"" if state.point is None else packed(state.point),
+        arrays=b"" if state.point is None else packed(state.point, **nodes_of(state)),
     )
 
 
@@ -106,6 +107,7 @@ def recheck(discretisation: la.Discretisation, row: Row, evidence: Evidence) -> 
     point = unpacked(evidence.arrays)
     loose = discretisation.program.frictional and row.coupling == "certified"
     certificate = recomputed(discretisation, point, row.coupling)
+    require_hinges(discretisation, point, row.rigor != la.Rigor.REGULARISED.label)
     return Proof(point.load_factor, certificate, ACCEPTED if loose else TOLERANCE)
 
 
@@ -115,7 +117,9 @@ def restored(run: Run, row: Row, evidence: Evidence) -> la.LimitState:
     Raises:
         ValueError: there is none, or it is not one of this problem.
     """
-    return restored_on(la.discretise(run.problem()), run, row, evidence)
+    problem = run.problem()
+    solved = as_solved(problem, la.discretise(problem), evidence)
+    return restored_on(solved, run, row, evidence)
 
 
 def restored_on(

@@ -8,6 +8,7 @@ import lacore as la
 from verification.case.bracketing import BRACKET
 from verification.evidence.limit_state import recheck
 from verification.evidence.path import recheck_step
+from verification.evidence.span_nodes import as_solved
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -64,7 +65,11 @@ def _rechecked(neighbours: Sequence[Outcome]) -> dict[str, Rechecked]:
     for own in neighbours:
         try:
             found[own.run.key] = (
-                recheck(discretisation(), own.row, own.evidence)
+                recheck(
+                    as_solved(own.run.problem(), discretisation(), own.evidence),
+                    own.row,
+                    own.evidence,
+                )
                 if own.run.case.path is None
                 else recheck_step(own.run, own.row, own.evidence)
             )

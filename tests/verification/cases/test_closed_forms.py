@@ -30,6 +30,7 @@ RANGES = {
         "off": bool,
     },
     "portal-beam": {"mu": (0.05, 1.0), "P": (0.0, 5.0), **FRAME},
+    "portal-n-m": {"P": (0.1, 5.0), "Np": (5.0, 20.0), **FRAME},
     "portal-sway": {"mu": (0.05, 1.0), "P": (0.1, 5.0), **FRAME},
     "pulled-under-stop": {
         "mu1": (0.05, 1.0),
