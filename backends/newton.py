@@ -1,7 +1,11 @@
-"""Primal-dual Newton on the regularised program (T17-T21), from a cold start, sparse.
+"""Primal-dual Newton on the regularised program (T17-T21, T65), from a cold start, sparse.
 
 Stresses are unknowns of their own (`backends._newton_system`), so that no continuation in r is
 needed: an exact Hessian has singular directions far from the solution, this one has not.
+
+Where strength depends on pressure whole corners of yield have no curvature, and steps from one to
+the next are many, the more the smaller r. There stresses keep away from the edges of yield by what
+goes to zero with the iteration (`backends._interior_point`).
 """
 
 import time
@@ -12,11 +16,13 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
+from backends._conic_laws import ConicLaws
+from backends._interior_point import Goal, follow
 from backends._newton_system import Shape, System, laws_of, shape_of
-from lacore.arrays import Floats
-from lacore.backend import Capabilities, InnerSolution
+from lacore.arrays import Bools, Floats
+from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.errors import require_count, require_positive
-from lacore.numerics.linear_algebra import SingularError
+from lacore.numerics.linear_algebra import Gram, SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
@@ -48,6 +54,7 @@ STATUS_MAP = {
     "iteration limit": Status.ITERATION_LIMIT,
     "time limit": Status.TIME_LIMIT,
     "line search failed": Status.STALLED,
+    "no progress": Status.STALLED,
     "singular matrix": Status.STALLED,
     "diverged": Status.FAILED,  # or what `judged_status` makes of it
 }
@@ -91,7 +98,7 @@ class Newton:
     title: ClassVar[str] = "Primal-dual Newton, regularised program, sparse direct solver"
     source: ClassVar[str] = "Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, warm_start=True, hardening=True, paths=True
+        regularised=True, warm_start=True, hardening=True, surfaces=True, paths=True
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = NewtonOptions
@@ -104,9 +111,9 @@ class Newton:
         """The solver and its version."""
         return f"{symmetric_solver().name}, SciPy {scipy.__version__}"
 
-    def prepare(self, program: KinematicProgram, options: NewtonOptions) -> "NewtonSolver":
+    def prepare(self, program: KinematicProgram, options: NewtonOptions) -> PreparedSolver:
         """Penalties and the rows of all laws, shared by all frozen contacts."""
-        return NewtonSolver(program, options)
+        return (PressedSolver if program.presses else NewtonSolver)(program, options)
 
 
 @dataclass(frozen=True)
@@ -135,9 +142,7 @@ class NewtonSolver:
 
     def __init__(self, program: KinematicProgram, options: NewtonOptions) -> None:
         self._program, self._options = program, options
-        self._target = penalties(
-            program.scales, options.r, options.eta, options.bulk, options.normal, options.tangential
-        )
+        self._target = _penalties(program, options)
         self._shape: Shape | None = None
         self._solver = symmetric_solver()
         self._velocity: Floats | None = None
@@ -222,6 +227,48 @@ class NewtonSolver:
             if np.abs(change).max() <= _STILL * np.abs(u).max():
                 return _Answer("converged to round-off", iteration, u, multiplier)
         return _Answer("iteration limit", self._options.max_iterations, u, multiplier)
+
+
+class PressedSolver:
+    """Newton at work on one program whose strength depends on pressure."""
+
+    def __init__(self, program: KinematicProgram, options: NewtonOptions) -> None:
+        self._program, self._options = program, options
+        self._penalty = _penalties(program, options)
+        self._solver = symmetric_solver()
+        self._known: tuple[tuple[Bools, ...], Gram] | None = None
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve; what contact points rub, stick or dilate decides on the pattern of the matrix."""
+        begin = time.perf_counter()
+        laws = ConicLaws(self._program, contact, self._penalty)
+        same = self._known and all(map(np.array_equal, self._known[0], laws.pattern))
+        if not (same and self._known):
+            gram = Gram([law.rows for law in laws.each], [law.dim for law in laws.each])
+            self._known = laws.pattern, gram
+        options = self._options
+        goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
+        found = follow(self._program, laws, self._known[1], self._solver, goal)
+        stresses, multipliers = zip(*((p.stress, p.multipliers) for p in found.places), strict=True)
+        point = laws.point(found.velocity, found.multiplier, stresses, multipliers)
+        status = judged_status(STATUS_MAP[found.native], self._program, point)
+        return InnerSolution(
+            status=status,
+            native_status=found.native,
+            iterations=found.iterations,
+            solve_time=time.perf_counter() - begin,
+            point=point.state if status.has_point else None,
+            regularised=point.values,
+        )
+
+    def close(self) -> None:
+        """Give the factors back."""
+        self._solver.close()
+
+
+def _penalties(program: KinematicProgram, options: NewtonOptions) -> Penalties:
+    given = options.eta, options.bulk, options.normal, options.tangential
+    return penalties(program.scales, options.r, *given)
 
 
 def _line_search(
