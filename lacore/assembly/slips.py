@@ -9,12 +9,13 @@ of its length, on every mesh; all others stick, as in the limit of fine meshes t
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from lacore.arrays import Bools, Ints
+from lacore.arrays import Bools, Floats, Ints
 from lacore.assembly.bonds import supports_of
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -22,7 +23,9 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.conditions.elimination import NodeConditions, contradictory, join
 from lacore.conditions.loads import RigidFooting
 from lacore.conditions.nodes import footing_conditions, support_conditions
+from lacore.problem.matching import glued
 from lacore.problem.problem import Problem
+from lacore.showing import Compact
 
 _NONE = np.zeros(0, dtype=np.int64)
 _PARALLEL = 1e-12  # squared sine between directions that count as one, as in `elimination`
@@ -45,21 +48,34 @@ def slips(
         footings: in the order of their unknowns.
         first: number of the first of these.
     """
-    found = {}
     touched = [
         contact_facets(problem, index)
         for index, interface in enumerate(problem.interfaces)
         if not interface.bonded
     ]
+    vertices = _bonded_vertices(problem, bodies)
+    able = []
     for name, dofs in bodies.items():
-        if not dofs.linear:
-            continue
-        asked, owner = asked_of(problem, name, dofs, footings)
-        contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
-        slip = _slip(dofs, asked, owner, footings, first, np.unique(contact))
-        if slip is not None:
-            found[name] = slip
-    return found
+        if dofs.linear:
+            asked, owner = asked_of(problem, name, dofs, footings)
+            contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
+            own = _able(name, dofs, asked, owner, footings, np.unique(contact))
+            if own.facets.size:
+                able.append(own)
+    if not able:
+        return {}
+    # Of what is bonded one part of a boundary slips as a whole.
+    ends = [vertices[own.name][own.dofs.body.mesh.facets[:, own.facets]] for own in able]
+    owner = np.concatenate([own.owner for own in able])
+    part = _parts(np.concatenate(ends, axis=1), owner)
+    slipping = np.isin(part, part[np.concatenate([own.must for own in able])])
+    masks = np.split(slipping, np.cumsum([own.facets.size for own in able])[:-1])
+    motion = np.array([*(footing.direction for footing in footings), (0.0, 0.0)])
+    return {
+        own.name: own.slip(mask, first, motion)
+        for own, mask in zip(able, masks, strict=True)
+        if mask.any()
+    }
 
 
 def asked_of(
@@ -88,42 +104,73 @@ def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
     return {name: np.unique(edges) for (name, _), edges in sides}
 
 
-def _slip(
+@dataclass(frozen=True, repr=False)
+class _Able(Compact):
+    """Facets of a body that may slip past what holds them.
+
+    Attributes:
+        name, dofs: of the body.
+        facets, normal, owner, pressed, straight: see `Slip`, shape (e,) or (2, e).
+        must: which leave no velocity otherwise, shape (e,).
+    """
+
+    name: str
+    dofs: BodyDofs
+    facets: Ints
+    normal: Floats
+    owner: Ints
+    pressed: Bools
+    straight: Bools
+    must: Bools
+
+    def slip(self, kept: Bools, first: int, motion: Floats) -> Slip:
+        """Those of a mask; `first` is the unknown of the first footing, `motion` theirs, (f, 2)."""
+        owner = self.owner[kept]
+        return Slip(
+            facets=self.facets[kept],
+            normal=self.normal[:, kept],
+            footing=owner,
+            unknown=np.where(owner < 0, 0, first + owner),
+            motion=motion[owner].T,
+            pressed=self.pressed[kept],
+            stuck=self.straight[:, kept],
+        )
+
+
+def _able(
+    name: str,
     dofs: BodyDofs,
     asked: NodeConditions,
     asking: Ints,
     footings: Sequence[RigidFooting],
-    first: int,
     contact: Ints,
-) -> Slip | None:
+) -> _Able:
     mesh = dofs.body.mesh
     facets, owner, pressed = _sticking(dofs, asked, asking)
     apart = ~np.isin(facets, contact) & ~_pressed(dofs)[mesh.f2t[0, facets]]
     facets, owner, pressed = facets[apart], owner[apart], pressed[apart]
-    if not facets.size:
-        return None
     *_, normal = facet_geometry(dofs.body, facets)
-    ends = mesh.facets[:, facets]
     turned, straight = meetings(dofs, facets, contact)
     corners = [
         NodeConditions(end, asked.directions, asked.footing, asked.factors)
         for end in mesh.facets[:, asked.nodes].astype(np.int64)
     ]
-    against = np.isin(ends, contradictory(join(corners), mesh.nvertices, len(footings)))
-    part = _parts(ends, owner)
-    kept = np.isin(part, part[(turned | against).any(axis=0)])
-    if not kept.any():
-        return None
-    motion = np.array([*(footing.direction for footing in footings), (0.0, 0.0)])
-    return Slip(
-        facets=facets[kept],
-        normal=normal[:, kept],
-        footing=owner[kept],
-        unknown=np.where(owner < 0, 0, first + owner)[kept],
-        motion=motion[owner[kept]].T,
-        pressed=pressed[kept],
-        stuck=straight[:, kept],
-    )
+    against = contradictory(join(corners), mesh.nvertices, len(footings))
+    must = (turned | np.isin(mesh.facets[:, facets], against)).any(axis=0)
+    return _Able(name, dofs, facets, normal, owner, pressed, straight, must)
+
+
+def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[str, Ints]:
+    """Numbers of the vertices of bodies, the same where they are bonded."""
+    counts = [dofs.body.mesh.p.shape[1] for dofs in bodies.values()]
+    start = dict(zip(bodies, np.cumsum([0, *counts[:-1]]).tolist(), strict=True))
+    pairs = [np.zeros((2, 0), dtype=np.int64)]
+    for own in glued(problem, bonded=True):
+        pairs.append(own.vertices + np.reshape([start[own.first], start[own.second]], (2, 1)))
+    one, other = np.concatenate(pairs, axis=1)
+    graph = csr_matrix((np.ones(one.size), (one, other)), shape=(sum(counts),) * 2)
+    number = connected_components(graph, directed=False)[1]
+    return {name: number[start[name] :][:count] for name, count in zip(bodies, counts, strict=True)}
 
 
 def _pressed(dofs: BodyDofs) -> Bools:

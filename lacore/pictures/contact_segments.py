@@ -111,6 +111,8 @@ def segmented_contacts(
     ]
     joints = []
     for index, interface in enumerate(d.problem.interfaces):
+        if interface.bonded:
+            continue
         segments = d.problem.segments[index]
         meeting = zip(interface.sides, segments.edges, strict=False)
         sides = [(dofs[name], dofs[name].parts(edges)) for (name, _), edges in meeting]

@@ -243,3 +243,29 @@ def test_nodes_follow_what_holds_the_other_side():
     held = state.support_reactions
     total = held[["force_x", "force_y"]].sum().to_numpy()
     assert np.abs(total).max() < 1e-6 * np.abs(held[["force_x", "force_y"]]).to_numpy().sum()
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p1-disc"])
+def test_what_slips_past_a_support_slips_past_all_of_it(space):
+    """A held base that meets a smooth wall slips along all of its length, cut or not."""
+    wall = la.RigidObstacle()
+
+    def pushed(bodies, bonds=()):
+        return la.solve(
+            la.Problem(
+                bodies,
+                [la.Traction("left", "left", (0.3, -1))],
+                [la.Fix(name, "bottom") for name in bodies],
+                [*bonds, la.Interface((list(bodies)[-1], "right"), wall, la.SMOOTH)],
+            )
+        )
+
+    uncut = pushed({"left": layer(X, (0, 1), 8, 4, space)})
+    parts = {"left": layer((0, 1), (0, 1), 4, 4, space), "last": layer((1, 2), (0, 1), 4, 4, space)}
+    cut = pushed(parts, [la.Interface(("left", "right"), ("last", "left"), la.BOND)])
+    slipping = [
+        sum(own.facets.size for own in state.discretisation.slips.values())
+        for state in (uncut, cut)
+    ]
+    assert slipping == [8, 8]
+    assert cut.load_factor == pytest.approx(uncut.load_factor, rel=SAME)
