@@ -156,7 +156,7 @@ def _able(
         for end in mesh.facets[:, asked.nodes].astype(np.int64)
     ]
     against = contradictory(join(corners), mesh.nvertices, len(footings))
-    must = (turned | np.isin(mesh.facets[:, facets], against)).any(axis=0)
+    must = np.any(turned | np.isin(mesh.facets[:, facets], against), axis=0)
     return _Able(name, dofs, facets, normal, owner, pressed, straight, must)
 
 
@@ -169,7 +169,7 @@ def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[s
         pairs.append(own.vertices + np.reshape([start[own.first], start[own.second]], (2, 1)))
     one, other = np.concatenate(pairs, axis=1)
     graph = csr_matrix((np.ones(one.size), (one, other)), shape=(sum(counts),) * 2)
-    number = connected_components(graph, directed=False)[1]
+    number = np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
     return {name: number[start[name] :][:count] for name, count in zip(bodies, counts, strict=True)}
 
 
