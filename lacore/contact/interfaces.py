@@ -2,7 +2,7 @@
 
 Sign conventions. `n` is the unit normal from the master (obstacle) into the slave body; the
 relative velocity is that of the slave against the master, ``u_n > 0`` opens. Tractions act on the
-slave, ``t_n >= 0`` is compression.
+slave, ``t_n > 0`` is compression.
 """
 
 from dataclasses import dataclass

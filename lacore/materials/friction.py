@@ -24,6 +24,17 @@ class FrictionTerms(Compact):
     dilatancy: float
     tension: float = 0.0
 
+    @property
+    def slope(self) -> float:
+        """What pressure adds to the shear stress that is carried; sliding may dilate."""
+        return self.coefficient + self.dilatancy
+
+    def within(self, other: "FrictionTerms") -> bool:
+        """Whether a law carries no more than another one, at any pressure."""
+        if self.tension > other.tension or self.slope > other.slope:
+            return False
+        return self.limit <= other.limit + other.slope * (other.tension - self.tension)
+
 
 @dataclass(frozen=True, repr=False)
 class Coulomb(Compact):

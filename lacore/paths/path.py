@@ -77,7 +77,7 @@ class Event(Compact):
     """Something that happened on the way.
 
     Attributes:
-        kind: ``contact closed``, ``contact opened``, ``peak load`` (of the load factor),
+        kind: ``contact closed``, ``contact opened``, ``peak load`` (of the load factor, on a mesh),
             ``peak force`` (of a footing, whose face changes), ``inversion predicted``,
             ``remeshed``; ``velocity not unique`` (another has nearly the same load, and bodies
             begin to drift), ``velocity selected`` or ``velocity not selected`` (by a `LeastNorm`).

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linprog
+from scipy.sparse import diags_array
 
 import lacore as la
 from lacore.pictures.sketch.conditions import joint_laws, law_text
@@ -87,6 +89,65 @@ def test_closed_forms_whatever_the_numbers(mu, adhesion, share, slope, unit, ass
     exact = adhesion * WIDE + WEIGHT * (mu * cos(slope) + sin(slope))
     power = abs(exact) + WEIGHT  # what residuals are judged by
     assert up.load_factor == pytest.approx(one * exact, abs=BAR * one * power)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_walls_against_a_linear_program_of_their_own(seed):
+    """The largest load that tractions carry, as they are stated: no shift, no velocity, no loop.
+
+    That of associated sliding; Coulomb's is no larger, and its reactions are within the law.
+    """
+    rng = np.random.default_rng(seed)
+    mu, adhesion = rng.uniform(0.2, 1.0), rng.uniform(0.0, 2.0)
+    tension = rng.uniform(0, 1) * adhesion / mu
+    law = la.Coulomb(mu, adhesion=adhesion, tension=tension)
+    wall = la.Problem(
+        {"wall": la.masonry.running_bond([[1, 1, 1], [0.5, 1, 1, 0.5]] * 2, friction=law)},
+        [la.BodyForce("wall", (1, 0))],
+        supports=[la.Fix("wall", "base")],
+        dead_loads=[la.BodyForce("wall", (0, -1))],
+    )
+    state = la.solve(wall, coupling="associated", throw=True)
+    program, rows = state.discretisation.program, state.discretisation.program.contact
+    m, weight = rows.count, diags_array(rows.weights)
+    pressed = np.column_stack([weight @ rows.normal.toarray(), weight @ rows.tangential.toarray()])
+    balance = np.column_stack(
+        [pressed[:, : program.n].T, pressed[:, program.n :].T, program.reference_load]
+    )
+    weights = program.dead_load - program.held_shut
+    one, none = np.eye(m), np.zeros((m, 1))
+    found = linprog(
+        np.append(np.zeros(2 * m), -1.0),
+        A_ub=np.block([[-mu * one, one, none], [-mu * one, -one, none]]),
+        b_ub=np.full(2 * m, adhesion),
+        A_eq=balance,
+        b_eq=-weights,
+        bounds=[*[(-tension, None)] * m, *[(None, None)] * m, (None, None)],
+    )
+    assert found.status == 0, found.message
+    assert state.load_factor == pytest.approx(-found.fun, rel=BAR)
+    sliding = la.solve(wall)
+    if sliding.status is Status.SOLVED:
+        assert sliding.load_factor <= state.load_factor * (1 + BAR)
+        t_n, t_t = sliding.reactions["t_n"], sliding.reactions["t_t"].abs()
+        slack = BAR * float(np.hypot(t_n, t_t).max())
+        assert t_n.min() >= -tension - slack
+        assert (t_t - mu * t_n).max() <= adhesion + slack
+
+
+def test_flow_of_soil_and_sliding_in_one_loop():
+    """Soil that dilates less than its friction slides on a floor with adhesion: ``c_a + mu p``."""
+    soil = la.MohrCoulomb(50.0, 30, dilation_angle=0)
+    mesh = la.meshes.rectangle(x=(0, 4), y=(0, 1), nx=8, ny=2)
+    problem = la.Problem(
+        {"block": la.Body(mesh, soil)},
+        [la.BodyForce("block", (1, 0))],
+        interfaces=[obstacle(friction=la.Coulomb(0.3, adhesion=0.8, tension=1.0))],
+        dead_loads=[la.BodyForce("block", (0, -1)), la.Pressure("block", "top", 2.0)],
+    )
+    state = la.solve(problem, throw=True)
+    assert state.load_factor == pytest.approx(0.8 + 0.3 * 3, rel=BAR)
+    assert state.certificate.holds(1e-6)
 
 
 def test_a_block_topples_against_tension():
@@ -317,6 +378,29 @@ def test_a_wall_with_adhesion_beside_soil(active):
     assert lower.load_factor < exact < upper.load_factor
     # 400 triangles of no fan: a few per cent, as without adhesion.
     assert upper.load_factor - lower.load_factor < 0.25 * abs(exact)
+
+
+def test_what_carries_less_at_any_pressure():
+    """A cone within another one, wherever either ends."""
+    strong, friction = la.Coulomb(0.5, adhesion=3.0, tension=4.0), la.Coulomb(0.5)
+    for weak in (friction, la.Coulomb(0.5, True), la.Coulomb(0.4, adhesion=3.0), la.Tresca(1.0)):
+        assert weak.terms().within(strong.terms())
+        assert not strong.terms().within(weak.terms())
+    assert not la.Coulomb(0.6, True).terms().within(strong.terms())
+    # Stronger without pressure, weaker where it pulls: neither is within the other.
+    pulled = la.Coulomb(0.1, adhesion=1.2, tension=6.0)
+    assert not pulled.terms().within(strong.terms())
+    assert not strong.terms().within(pulled.terms())
+    assert la.Coulomb(0.5, adhesion=2.0, tension=4.0).terms().within(strong.terms())
+
+
+def test_load_factors_feel_it_by_what_it_does_power_on():
+    """Multipliers say the derivatives: the bed is 2 wide, by adhesion pushed, by tension pulled."""
+    for load, felt in (((1, 0), (WIDE, 0.0)), ((0, 1), (0.0, WIDE))):
+        state = la.solve(on_slope(replace(STICKY, associated=True), load, 0.3), throw=True)
+        table = la.sensitivity(state).table.set_index("parameter").derivative
+        found = [table[f"blocks: friction.{name}"] for name in ("adhesion", "tension")]
+        assert found == pytest.approx(felt, abs=1e-5)
 
 
 def test_factors_of_safety_divide_it():

@@ -73,8 +73,7 @@ def _weaker(pair: tuple[str, str], layers: Mapping[str, Layer]) -> Friction:
     """The law that carries less at any pressure."""
     one, other = (friction_law(layers[name].friction, "Layer.friction") for name in pair)
     for law, against in ((one, other), (other, one)):
-        own, its = law.terms(), against.terms()
-        if own.coefficient <= its.coefficient and own.limit <= its.limit:
+        if law.terms().within(against.terms()):
             return law
     raise InputError(
         "joint_friction",
