@@ -162,6 +162,8 @@ def _able(
 
 def _bonded_vertices(problem: Problem, bodies: Mapping[str, BodyDofs]) -> dict[str, Ints]:
     """Numbers of the vertices of bodies, the same where they are bonded."""
+    if not bodies:
+        return {}
     counts = [dofs.body.mesh.p.shape[1] for dofs in bodies.values()]
     start = dict(zip(bodies, np.cumsum([0, *counts[:-1]]).tolist(), strict=True))
     pairs = [np.zeros((2, 0), dtype=np.int64)]
