@@ -21,6 +21,8 @@ from .bounds.lower import lower_bound as lower_bound
 from .bounds.upper import UpperBound as UpperBound
 from .bounds.upper import upper_bound as upper_bound
 from .certificate import Certificate as Certificate
+from .conditions.linear import ByLevel as ByLevel
+from .conditions.linear import Linear as Linear
 from .conditions.loads import BodyForce as BodyForce
 from .conditions.loads import Fix as Fix
 from .conditions.loads import PointForce as PointForce
@@ -31,6 +33,7 @@ from .conditions.water import PorePressure as PorePressure
 from .conditions.water import StandingWater as StandingWater
 from .conditions.water import WaterTable as WaterTable
 from .conditions.within import Along as Along
+from .conditions.within import Beyond as Beyond
 from .conditions.within import Within as Within
 from .contact.interfaces import Interface as Interface
 from .contact.obstacles import RigidObstacle as RigidObstacle

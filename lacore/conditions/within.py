@@ -96,6 +96,45 @@ class Along(Compact):
         return np.asarray((np.abs(off) <= slack) & (along >= -slack) & (along <= length + slack))
 
 
+@dataclass(frozen=True, repr=False)
+class Beyond(Compact):
+    """Places on one side of a line: where its normal points to, and on it.
+
+    Attributes:
+        point: on the line, m.
+        normal: of any length.
+
+    Raises:
+        InputError: no vectors, a normal without a direction.
+    """
+
+    point: tuple[float, float]
+    normal: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        for name in ("point", "normal"):
+            given = getattr(self, name)
+            if not is_plane_vector(given):
+                mend = "give two finite numbers"
+                raise InputError(f"Beyond.{name}", given, "not a plane vector", mend)
+            require_place(f"Beyond.{name}", given)
+            object.__setattr__(self, name, tuple(map(float, given)))
+        if not hypot(*self.normal):
+            raise InputError("Beyond.normal", self.normal, "has no direction", "give one != 0")
+
+    @property
+    def told(self) -> str:
+        """In a few words: ``(beyond 0, 0 along 1, 2)``."""
+        (x, y), (u, v) = self.point, self.normal
+        return f"(beyond {x:.4g}, {y:.4g} along {u:.4g}, {v:.4g})"
+
+    def __call__(self, places: Floats) -> Bools:
+        """Which of the places of shape (2, n) lie there, shape (n,)."""
+        (x, y), (u, v) = self.point, self.normal
+        away = ((places[0] - x) * u + (places[1] - y) * v) / hypot(u, v)
+        return np.asarray(away >= -_slack(places))
+
+
 def _said(extent: Extent) -> str:
     if isinstance(extent, tuple):
         return f"{extent[0]:.4g} to {extent[1]:.4g}"

@@ -5,24 +5,40 @@ from typing import Any
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats
+from lacore.arrays import Bools, Floats, Ints
 from lacore.conditions.where import edges_inside
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves
 from lacore.meshes.polygonal import geometry_of, labelled
 
+_INNER = 1 - 1e-6  # of the way from the middle of an element to its corners
 
-def named(mesh: Any, boundaries: Mapping[str, Callable[[Floats], Bools]]) -> Any:
-    """The mesh with names for parts of its boundary, beside those that it has.
+
+Places = Callable[[Floats], Bools]
+
+
+def named(
+    mesh: Any,
+    boundaries: Mapping[str, Places] | None = None,
+    regions: Mapping[str, Places] | None = None,
+) -> Any:
+    """The mesh with names for parts of its boundary and for regions, beside those that it has.
 
     Args:
         mesh: any of scikit-fem.
         boundaries: by name a function of coordinates (2, n) that says which places belong to it,
             such as `lacore.Within`; whole edges do.
+        regions: the same of elements, for `lacore.Body`: whole ones do.
 
     Raises:
-        InputError: no edge, or a place that ends inside of one; it names the boundary.
+        InputError: no edge or element, or a place that ends inside of one; it names the part.
     """
+    own = mesh.with_subdomains(_elements(mesh, regions)) if regions else mesh
+    own = own.with_boundaries(_facets(mesh, boundaries)) if boundaries else own
+    return labelled(own, geometry_of(mesh))
+
+
+def _facets(mesh: Any, boundaries: Mapping[str, Places]) -> dict[str, Ints]:
     own = mesh.boundary_facets()
     curves = edge_curves(mesh, own)
     found = {}
@@ -39,12 +55,31 @@ def named(mesh: Any, boundaries: Mapping[str, Callable[[Floats], Bools]]) -> Any
                 "put a vertex of the mesh where it ends",
             )
         if not whole.size:
-            (left, low), (right, high) = mesh.p.min(axis=1), mesh.p.max(axis=1)
-            raise InputError(
-                field,
-                None,
-                "no edge of the boundary is there",
-                f"the mesh goes from x = {left:.6g} to {right:.6g}, y = {low:.6g} to {high:.6g}",
-            )
+            raise InputError(field, None, "no edge of the boundary is there", _extent(mesh))
         found[name] = np.asarray(own[whole], dtype=np.int64)
-    return labelled(mesh.with_boundaries(found), geometry_of(mesh))
+    return found
+
+
+def _elements(mesh: Any, regions: Mapping[str, Places]) -> dict[str, Ints]:
+    found = {}
+    corner = mesh.p[:, mesh.t]  # (2, corners, elements)
+    # Inside of elements: their corners may lie on a line that another region begins at.
+    middle = corner.mean(axis=1, keepdims=True)
+    samples = np.concatenate([middle, middle + _INNER * (corner - middle)], axis=1)
+    for name, where in regions.items():
+        field = f"regions[{name!r}]"
+        inside = where(samples.reshape(2, -1)).reshape(samples.shape[1:])
+        cut = np.flatnonzero(inside.any(axis=0) & ~inside.all(axis=0))
+        if cut.size:
+            x, y = middle[:, 0, cut[0]]
+            why = f"its line runs through the element around ({x:.6g}, {y:.6g})"
+            raise InputError(field, None, why, "let edges of the mesh follow it")
+        if not inside.any():
+            raise InputError(field, None, "no element is there", _extent(mesh))
+        found[name] = np.flatnonzero(inside.all(axis=0))
+    return found
+
+
+def _extent(mesh: Any) -> str:
+    (left, low), (right, high) = mesh.p.min(axis=1), mesh.p.max(axis=1)
+    return f"the mesh goes from x = {left:.6g} to {right:.6g}, y = {low:.6g} to {high:.6g}"

@@ -102,6 +102,11 @@ def values():
         *(la.BodyForce(LONG, (10**50, 1), MANY), la.PointForce(LONG, LONG, (1, wide), LONG)),
         *(la.WaterTable(wide, 1 / 3), la.StandingWater(LONG, MANY, la.WaterTable(wide))),
         *(la.Within((-1 / 3, wide), 1 / 3), la.Along((1 / 3, 0), (wide, 1))),
+        *(
+            la.Beyond((1 / 3, 0), (wide, 1)),
+            la.Linear(1 / 3, (wide, 1)),
+            la.ByLevel(range(1000), range(1000)),
+        ),
         *(la.PorePressure(LONG, np.full(1000, 1 / 3)), la.PorePressure(LONG, lambda x: x[0])),
         Interpolated(la.meshes.rectangle((0, 1), (0, 1), 1, 1), np.full(5, 1 / 3)),
         *(la.RigidFooting(LONG, lambda x: x[0] > 0, (0, -1), wide), plane, la.RigidObstacle()),

@@ -11,18 +11,23 @@ from typing import Any
 from lacore.bodies.blocks import masonry
 from lacore.bodies.blocks.block_assembly import BlockAssembly, RigidBlock
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames import sections
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.section import Section
 from lacore.conditions import loads, water
-from lacore.conditions.within import Along, Within
+from lacore.conditions.linear import ByLevel, Linear
+from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import RigidObstacle
 from lacore.errors import InputError
 from lacore.files.problem.places import Path
 from lacore.materials.drucker_prager import DruckerPrager
+from lacore.materials.fields import Field
 from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
 from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
 from lacore.materials.von_mises import VonMises
 from lacore.meshes.archive import load
+from lacore.meshes.layered import layered
 from lacore.meshes.naming import named
 from lacore.meshes.patches import Patch, patches
 from lacore.meshes.reading import read
@@ -33,6 +38,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.meshes.rectangle": rectangle,
     "la.meshes.quadrilaterals": quadrilaterals,
     "la.meshes.fan": fan,
+    "la.meshes.layered": layered,
     "la.meshes.quarter_ring": quarter_ring,
     "la.meshes.Patch": Patch,
     "la.meshes.patches": patches,
@@ -54,8 +60,18 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.masonry.stack": masonry.stack,
     "la.masonry.arch": masonry.arch,
     "la.Frame": Frame,
+    "la.sections.standard": sections.standard,
+    "la.sections.rectangle": sections.rectangle,
+    "la.sections.bar": sections.bar,
+    "la.sections.plastic": sections.plastic,
+    "la.sections.rigid": sections.rigid,
+    "la.sections.Section": Section,
     "la.Within": Within,
     "la.Along": Along,
+    "la.Beyond": Beyond,
+    "la.Linear": Linear,
+    "la.ByLevel": ByLevel,
+    "la.Field": Field,
     "la.Fix": loads.Fix,
     "la.Traction": loads.Traction,
     "la.Pressure": loads.Pressure,
@@ -73,7 +89,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 }
 _MESHES = {
     *("la.meshes.rectangle", "la.meshes.quadrilaterals", "la.meshes.fan"),
-    *("la.meshes.quarter_ring", "la.meshes.patches", "la.meshes.named"),
+    *("la.meshes.quarter_ring", "la.meshes.patches", "la.meshes.layered", "la.meshes.named"),
     *("la.meshes.read", "la.meshes.load"),
 }
 _ORIGIN = "_lacore_origin"

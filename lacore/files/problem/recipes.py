@@ -16,12 +16,13 @@ _SHAPES: Mapping[str, str] = {
     "la.meshes.fan": "fan",
     "la.meshes.quarter_ring": "quarter-ring",
     "la.meshes.patches": "patches",
+    "la.meshes.layered": "layered",
 }
 _FILES = ("la.meshes.read", "la.meshes.load")
 
 
 def recipe(mesh: Any, folder: Path) -> Table | None:
-    """``mesh``, and ``boundaries`` if any, of a mesh that came of a problem file as it is now.
+    """``mesh``, ``boundaries``, ``regions`` of a mesh that came of a problem file as it is now.
 
     None of others: what was changed since is not what the file said.
     """
@@ -30,8 +31,9 @@ def recipe(mesh: Any, folder: Path) -> Table | None:
         return None
     table: Table = {}
     if call.maker == "la.meshes.named":
-        own = call.arguments["boundaries"]
-        table["boundaries"] = {name: _place(where) for name, where in own.items()}
+        for what in ("boundaries", "regions"):
+            own = call.arguments.get(what, {})
+            table |= {what: {name: _place(where) for name, where in own.items()}} if own else {}
         call = call.arguments["mesh"]
     if call.maker in _FILES:
         given = dict(call.arguments)
@@ -43,7 +45,7 @@ def recipe(mesh: Any, folder: Path) -> Table | None:
 
 def _place(call: Call) -> Any:
     own = _plain(call.arguments)
-    return own if call.maker == "la.Within" else {"from": own["start"], "to": own["end"]}
+    return own if call.maker != "la.Along" else {"from": own["start"], "to": own["end"]}
 
 
 def _plain(value: Any) -> Any:

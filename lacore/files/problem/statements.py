@@ -2,17 +2,21 @@
 
 from collections.abc import Callable, Mapping
 from functools import singledispatch
+from math import inf, isinf
 from typing import Any
 
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.section import Section
 from lacore.conditions import loads, water
+from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.where import Where
-from lacore.conditions.within import Along, Within
+from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
 from lacore.materials import friction, mohr_coulomb
 from lacore.materials.drucker_prager import DruckerPrager
+from lacore.materials.fields import varying
 from lacore.materials.von_mises import VonMises
 
 Table = dict[str, Any]
@@ -41,6 +45,10 @@ def tagged(thing: object, field: str) -> Table:
         mend = "give its initial strength: VonMises(shear_strength=...)"
         raise InputError(f"{field}.hardening", thing.hardening, "a file has no laws of it", mend)
     own = {name: value for name, value in vars(thing).items() if value is not None}
+    for name, value in varying(thing).items():
+        own[name] = _function(value.values, f"{field}.{name}")
+        if value.factor != 1:
+            raise InputError(f"{field}.{name}", value, "a field times a factor", "give it new")
     if "where" in own and tag[0] == "load":
         own["where"] = place(own["where"], f"{field}.where")
     return {tag[0]: tag[1]} | {name: plain(value) for name, value in own.items()}
@@ -68,15 +76,32 @@ def _(thing: water.StandingWater, field: str) -> Table:
 def _water(pressure: object, field: str) -> Any:
     if isinstance(pressure, water.WaterTable):
         return {"height": plain(pressure.height), "unit_weight": plain(pressure.unit_weight)}
+    if isinstance(pressure, Linear | ByLevel):
+        return _function(pressure, field)
     if isinstance(pressure, tuple | Callable):
         why = "a file has neither functions nor values at vertices"
         raise InputError(f"{field}.pressure", None, why, "give a lacore.WaterTable or one number")
     return plain(pressure)
 
 
+def criteria(given: Any, field: str) -> Table:
+    """The criterion of a body, or those of its regions."""
+    if isinstance(given, Mapping):
+        return {name: tagged(own, f"{field}[{name!r}]") for name, own in given.items()}
+    return tagged(given, field)
+
+
+def _function(values: object, field: str) -> Table:
+    """A function of place, as far as numbers say it."""
+    if isinstance(values, Linear | ByLevel):
+        return {name: plain(own) for name, own in vars(values).items()}
+    why = "a file has neither functions nor values of elements"
+    raise InputError(field, None, why, "give numbers, a lacore.Linear or a lacore.ByLevel")
+
+
 def place(where: Where, field: str) -> Any:
     """A part of a boundary."""
-    if isinstance(where, Within):
+    if isinstance(where, Within | Beyond):
         own = {name: value for name, value in vars(where).items() if value is not None}
         return {name: plain(value) for name, value in own.items()}
     if isinstance(where, Along):
@@ -144,14 +169,30 @@ def blocks(body: BlockAssembly) -> Table:
 def frame(body: Frame) -> Table:
     """A frame."""
     assert isinstance(body.members, Mapping)  # since it was built
+    given = body.sections
+    own = given if isinstance(given, Mapping) else dict.fromkeys(body.member_names, given)
+    drawn = {name: _section(one) for name, one in own.items() if one is not None}
+    moment = body.plastic_moment
     return {
         "kind": "frame",
         "tolerance": plain(body.tolerance),
-        "plastic_moment": plain(body.plastic_moment),
+        **({} if moment is None else {"plastic_moment": plain(moment)}),
+        **({"sections": drawn} if drawn else {}),
         "releases": plain(body.releases),
         "nodes": plain(body.nodes),
         "members": plain(body.members),
     }
+
+
+def _section(own: Section) -> Any:
+    if own.rigid:
+        return "rigid"
+    if not own.extends:
+        return {"plastic_moment": plain(own.plastic_moment)}
+    if not own.bends and isinf(own.squash_load):
+        return {"strength": inf}
+    name = {"name": own.name} if own.name else {}
+    return {"corners": plain(own.corners), **name}
 
 
 def plain(value: Any) -> Any:

@@ -24,6 +24,7 @@ _EXAMPLES = {
     "Pa": "'20 kPa' or '1.5 MPa'",
     "N/m^3": "'18 kN/m3'",
     "N/m": "'50 kN/m'",
+    "Pa/m": "'2 kPa/m'",
     "N": "'50 kN'",
     "N m": "'120 kN m'",
     DEGREES: "'30 deg' or '0.5 rad'",

@@ -95,5 +95,5 @@ def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
         "space": body.space,
         "geometry": body.geometry,
         **mesh,
-        "material": statements.tagged(body.criterion, f"{field}.criterion"),
+        "material": statements.criteria(body.criterion, f"{field}.criterion"),
     }

@@ -8,9 +8,10 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry, node
-from lacore.files.problem.schema.materials import Friction, Material
+from lacore.files.problem.schema.materials import Friction, Materials
 from lacore.files.problem.schema.meshes import Mesh
-from lacore.files.problem.schema.places import Place
+from lacore.files.problem.schema.places import Part, Place
+from lacore.files.problem.schema.sections import Section, section
 from lacore.files.problem.schema.values import (
     Angle,
     Count,
@@ -34,7 +35,7 @@ class Continuum(Entry):
     tag: ClassVar[str] = "kind"
     kind: Literal["continuum"]
     mesh: Mesh
-    material: Material
+    material: Materials
     kinematics: str | None = None
     """Plane_strain, plane_stress or axisymmetric."""
     space: str | None = None
@@ -43,15 +44,19 @@ class Continuum(Entry):
     """Exact, or approximated where curves are not."""
     boundaries: dict[str, Place] | None = None
     """Names for parts of the boundary."""
+    regions: dict[str, Part] | None = None
+    """Names for parts of the mesh, for a material each."""
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
         given = self.arguments(at)
         mesh, criterion = given.pop("mesh"), given.pop("material")
-        if named := given.pop("boundaries", None):
-            places = {"mesh": (*at, "mesh"), "boundaries": (*at, "boundaries")}
-            named = {"mesh": mesh, "boundaries": named}
-            mesh = Call("la.meshes.named", named, (*at, "boundaries"), places)
+        named = {"boundaries": given.pop("boundaries", None), "regions": given.pop("regions", None)}
+        parts: dict[str, Any] = {name: own for name, own in named.items() if own}
+        if parts:
+            places = {name: (*at, name) for name in ("mesh", *parts)}
+            first = (*at, next(iter(parts)))
+            mesh = Call("la.meshes.named", {"mesh": mesh, **parts}, first, places)
         arguments = {"mesh": mesh, "criterion": criterion, **given}
         return Call(self.maker, arguments, at, {"criterion": (*at, "material")})
 
@@ -193,14 +198,29 @@ class Frame(Entry):
     kind: Literal["frame"]
     nodes: dict[str, Point]
     members: dict[str, tuple[str, str]]
-    plastic_moment: Annotated[
-        Annotated[Moment, Tag("~one")] | Annotated[dict[str, Moment], Tag("~each")],
-        Discriminator(lambda given: "~each" if isinstance(given, dict) else "~one"),
-    ]
-    """M_p of all members, or of each by its name."""
+    plastic_moment: (
+        Annotated[
+            Annotated[Moment, Tag("~one")] | Annotated[dict[str, Moment], Tag("~each")],
+            Discriminator(lambda given: "~each" if isinstance(given, dict) else "~one"),
+        ]
+        | None
+    ) = None
+    """M_p of all members without a section, or of each by its name."""
+    sections: dict[str, Section] | None = None
+    """Of members by name: axial force and moment interact."""
     releases: tuple[tuple[str, str], ...] = ()
     """[member, node] without moment."""
     tolerance: Length | None = None
+
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """See `Entry.arguments`."""
+        given = super().arguments(at)
+        if self.sections:
+            named = {
+                name: section(own, (*at, "sections", name)) for name, own in self.sections.items()
+            }
+            given["sections"] = named
+        return given
 
 
 Body = Annotated[

@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, Tag
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry, node
+from lacore.files.problem.schema.fields import ByLevel, Linear
 from lacore.files.problem.schema.materials import Friction
 from lacore.files.problem.schema.places import Where
 from lacore.files.problem.schema.values import (
@@ -166,7 +167,11 @@ class WaterTable(Entry):
 
 
 def _water(given: Any) -> str:
-    return "~table" if isinstance(given, dict) else "~uniform"
+    if not isinstance(given, dict):
+        return "~uniform"
+    if {"value", "gradient"} & set(given):
+        return "~linear"
+    return "~levels" if {"levels", "values"} & set(given) else "~table"
 
 
 class PorePressure(_Load):
@@ -175,7 +180,10 @@ class PorePressure(_Load):
     maker: ClassVar[str] = "la.PorePressure"
     load: Literal["pore-pressure"]
     pressure: Annotated[
-        Annotated[WaterTable, Tag("~table")] | Annotated[Stress, Tag("~uniform")],
+        Annotated[WaterTable, Tag("~table")]
+        | Annotated[Stress, Tag("~uniform")]
+        | Annotated[Linear, Tag("~linear")]
+        | Annotated[ByLevel, Tag("~levels")],
         Discriminator(_water),
     ]
 

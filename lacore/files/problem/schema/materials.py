@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from lacore.files.problem.calls import Call, Name
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.fields import Strength
 from lacore.files.problem.schema.values import Angle, Number, Stress, refused
 
 
@@ -17,8 +18,8 @@ class VonMises(Entry):
     maker: ClassVar[str] = "la.VonMises"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["von-mises"]
-    shear_strength: Stress | None = None
-    yield_stress: Stress | None = None
+    shear_strength: Strength | None = None
+    yield_stress: Strength | None = None
 
 
 class MohrCoulomb(Entry):
@@ -27,10 +28,10 @@ class MohrCoulomb(Entry):
     maker: ClassVar[str] = "la.MohrCoulomb"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["mohr-coulomb"]
-    cohesion: Stress
+    cohesion: Strength
     friction_angle: Angle
-    tension_cutoff: Stress | None = None
-    crushing: Stress | None = None
+    tension_cutoff: Strength | None = None
+    crushing: Strength | None = None
     dilation_angle: Angle | None = None
 
 
@@ -40,7 +41,7 @@ class DruckerPrager(Entry):
     maker: ClassVar[str] = "la.DruckerPrager"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["drucker-prager"]
-    cohesion: Stress
+    cohesion: Strength
     friction_angle: Angle
     match: str = "plane_strain"
     dilation_angle: Angle | None = None
@@ -52,8 +53,8 @@ class Rankine(Entry):
     maker: ClassVar[str] = "la.Rankine"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["rankine"]
-    tensile_strength: Stress
-    compressive_strength: Stress | None = None
+    tensile_strength: Strength
+    compressive_strength: Strength | None = None
 
 
 class NoTension(Entry):
@@ -62,7 +63,7 @@ class NoTension(Entry):
     maker: ClassVar[str] = "la.NoTension"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["no-tension"]
-    compressive_strength: Stress | None = None
+    compressive_strength: Strength | None = None
 
 
 class MaximumShear(Entry):
@@ -71,13 +72,25 @@ class MaximumShear(Entry):
     maker: ClassVar[str] = "la.MaximumShear"
     tag: ClassVar[str] = "criterion"
     criterion: Literal["maximum-shear"]
-    shear_strength: Stress
+    shear_strength: Strength
 
 
 Material = Annotated[
     VonMises | MohrCoulomb | DruckerPrager | Rankine | NoTension | MaximumShear,
     Field(discriminator="criterion"),
 ]
+
+
+def _regions(given: Any) -> str:
+    tables = isinstance(given, dict) and given and all(isinstance(v, dict) for v in given.values())
+    return "~regions" if tables else "~one"
+
+
+Materials = Annotated[
+    Annotated[Material, Tag("~one")] | Annotated[dict[str, Material], Tag("~regions")],
+    Discriminator(_regions),
+]
+"""A material, or one for each region by its name."""
 
 
 class FrictionLaw(Entry):

@@ -120,6 +120,22 @@ class Fan(_Shape):
     crossed: bool | None = None
 
 
+class Layered(_Shape):
+    """A rectangle of level layers, which are its regions; boundaries left, right, bottom, top."""
+
+    maker: ClassVar[str] = "la.meshes.layered"
+    shape: Literal["layered"]
+    x: Interval
+    layers: dict[str, Interval]
+    """From where to where in y, by name."""
+    nx: Count
+    ny: Count
+    """Cells in all of the height."""
+    crossed: bool | None = None
+    grade_x: tuple[Length, Number] | None = None
+    """[At, largest cell per smallest]."""
+
+
 class QuarterRing(_Shape):
     """A quarter of a ring; boundaries bore, outside, x_axis, y_axis."""
 
@@ -164,7 +180,7 @@ def _kind(given: Any) -> str:
 
 
 Shape = Annotated[
-    Rectangle | Quadrilaterals | Fan | QuarterRing | Patches, Field(discriminator="shape")
+    Rectangle | Quadrilaterals | Fan | QuarterRing | Layered | Patches, Field(discriminator="shape")
 ]
 Mesh = Annotated[
     Annotated[MeshFile, Tag("~file")] | Annotated[Shape, Tag("~shape")], Discriminator(_kind)

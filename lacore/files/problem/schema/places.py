@@ -6,7 +6,7 @@ from pydantic import Discriminator, Field, Tag
 
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.values import End, Length, Point
+from lacore.files.problem.schema.values import End, Length, Number, Point
 
 
 def _extent(given: Any) -> str:
@@ -47,6 +47,18 @@ class Line(Entry):
         )
 
 
+class HalfPlane(Entry):
+    """Places on that side of a line through `point` that `normal` points to."""
+
+    maker: ClassVar[str] = "la.Beyond"
+    point: Point
+    normal: tuple[Number, Number]
+
+
+def _part(given: Any) -> str:
+    return "~half" if isinstance(given, dict) and {"point", "normal"} & set(given) else "~box"
+
+
 def _kind(given: Any) -> str:
     if isinstance(given, dict):
         return "~line" if {"from", "to"} & set(given) else "~box"
@@ -57,6 +69,10 @@ Place = Annotated[
     Annotated[Box, Tag("~box")] | Annotated[Line, Tag("~line")],
     Discriminator(_kind),
 ]
+Part = Annotated[
+    Annotated[Box, Tag("~box")] | Annotated[HalfPlane, Tag("~half")], Discriminator(_part)
+]
+"""A region, by numbers."""
 Where = Annotated[
     Annotated[str, Tag("~name")]
     | Annotated[tuple[str, ...], Tag("~names")]

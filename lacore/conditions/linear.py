@@ -1,0 +1,92 @@
+"""Functions of place by numbers: what a file can state in place of a function in Python."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_range
+from lacore.showing import Compact
+
+
+@dataclass(frozen=True, repr=False)
+class Linear(Compact):
+    """``value + gradient . (x - at)``: strength or water pressure that grows with depth, say.
+
+    Attributes:
+        value: at the place `at`, Pa.
+        gradient: by x and y, Pa/m.
+        at: m.
+
+    Raises:
+        InputError: what are no numbers.
+    """
+
+    value: float
+    gradient: tuple[float, float]
+    at: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not is_number(self.value):
+            raise InputError("Linear.value", self.value, "not a number", "give a finite number")
+        for name in ("gradient", "at"):
+            given = getattr(self, name)
+            if not is_plane_vector(given):
+                mend = "give two finite numbers"
+                raise InputError(f"Linear.{name}", given, "not a plane vector", mend)
+        require_range("Linear", self.value, self.gradient)
+        require_place("Linear.at", self.at)
+
+    def __call__(self, x: Floats) -> Floats:
+        """Values at places of shape (2, n), shape (n,)."""
+        (a, b), (left, low) = self.gradient, self.at
+        return np.asarray(self.value + a * (x[0] - left) + b * (x[1] - low))
+
+
+@dataclass(frozen=True, repr=False)
+class ByLevel(Compact):
+    """Linear in y between values at levels, and as at the last one beyond: a table by depth.
+
+    Where levels run through elements of a mesh it is not linear in them: let its edges follow
+    them, or give its `steepest` slope to `lacore.Field`.
+
+    Attributes:
+        levels: heights y, m, each once, in any order; two at least.
+        values: there.
+
+    Raises:
+        InputError: what are no numbers, a level that is there twice, not as many of both.
+    """
+
+    levels: Sequence[float]
+    values: Sequence[float]
+
+    def __post_init__(self) -> None:
+        for name in ("levels", "values"):
+            given = getattr(self, name)
+            if not isinstance(given, Sequence | np.ndarray) or not all(map(is_number, given)):
+                mend = "give a list of finite numbers"
+                raise InputError(f"ByLevel.{name}", given, "not numbers", mend)
+            require_range(f"ByLevel.{name}", given)
+        if len(self.levels) != len(self.values) or len(self.levels) < 2:
+            why = f"{len(self.levels)} levels and {len(self.values)} values"
+            raise InputError(
+                "ByLevel.values", self.values, why, "give two or more, as many of both"
+            )
+        if len(set(self.levels)) < len(self.levels):
+            mend = "give each once; what jumps makes regions"
+            raise InputError("ByLevel.levels", self.levels, "a level is there twice", mend)
+        order = np.argsort(self.levels)
+        for name in ("levels", "values"):
+            given = getattr(self, name)
+            object.__setattr__(self, name, tuple(float(given[n]) for n in order))
+
+    @property
+    def steepest(self) -> float:
+        """The largest slope, per m."""
+        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.levels))))
+
+    def __call__(self, x: Floats) -> Floats:
+        """Values at places of shape (2, n), shape (n,)."""
+        return np.asarray(np.interp(x[1], self.levels, self.values))

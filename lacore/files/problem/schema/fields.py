@@ -1,0 +1,57 @@
+"""Strengths and pressures that vary from place to place."""
+
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Discriminator, Tag
+
+from lacore.files.problem.calls import Call
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.values import Length, Point, Slope, Stress
+
+
+class Linear(Entry):
+    """`value` at a place `at` (the origin, if left out), and its `gradient` by x and y."""
+
+    maker: ClassVar[str] = "la.Linear"
+    value: Stress
+    gradient: tuple[Slope, Slope]
+    at: Point | None = None
+
+
+class ByLevel(Entry):
+    """Values at heights y, linear between them."""
+
+    maker: ClassVar[str] = "la.ByLevel"
+    levels: tuple[Length, ...]
+    values: tuple[Stress, ...]
+
+
+class StrengthByLevel(ByLevel):
+    """The same of a strength: levels may run through elements, which bounds take into account."""
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        table = super().call(at)
+        pairs = sorted(zip(self.levels, self.values, strict=False))
+        slopes = [
+            abs((b - a) / (high - low)) for (low, a), (high, b) in pairwise(pairs) if high > low
+        ]
+        steepest = {"steepest": max(slopes)} if any(slopes) else {}
+        return Call("la.Field", {"values": table, **steepest}, at)
+
+
+def _kind(given: Any) -> str:
+    if isinstance(given, dict):
+        return "~levels" if {"levels", "values"} & set(given) else "~linear"
+    return "~number"
+
+
+Strength = Annotated[
+    Annotated[Stress, Tag("~number")]
+    | Annotated[Linear, Tag("~linear")]
+    | Annotated[StrengthByLevel, Tag("~levels")],
+    Discriminator(_kind),
+]
+"""A number, or as it varies from place to place."""

@@ -1,0 +1,81 @@
+"""Cross-sections of members of frames."""
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Tag
+
+from lacore.files.problem.calls import Call
+from lacore.files.problem.places import Path
+from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.values import Axial, Length, Moment, Stress, Strut
+
+
+class Rolled(Entry):
+    """A rolled section by its name, such as IPE 300 or HEA 200."""
+
+    maker: ClassVar[str] = "la.sections.standard"
+    name: str
+    yield_stress: Stress
+
+
+class Rectangle(Entry):
+    """A solid rectangle; it bends over its height."""
+
+    maker: ClassVar[str] = "la.sections.rectangle"
+    width: Length
+    height: Length
+    yield_stress: Stress
+
+
+class Bar(Entry):
+    """A pin-ended strut: axial strength alone."""
+
+    maker: ClassVar[str] = "la.sections.bar"
+    strength: Strut
+    """Infinite of what never yields."""
+
+
+class Plastic(Entry):
+    """A plastic moment, whatever the axial force."""
+
+    maker: ClassVar[str] = "la.sections.plastic"
+    plastic_moment: Moment
+
+
+class Polygon(Entry):
+    """Corners (N, M) of a yield polygon where M >= 0, from compression, N < 0, to tension."""
+
+    maker: ClassVar[str] = "la.sections.Section"
+    corners: tuple[tuple[Axial, Moment], ...]
+    name: str = ""
+
+
+_KEYS = {
+    "corners": "~polygon",
+    "strength": "~bar",
+    "plastic_moment": "~plastic",
+    "width": "~rectangle",
+    "height": "~rectangle",
+}
+
+
+def _kind(given: Any) -> str:
+    if not isinstance(given, dict):
+        return "~word"
+    return next((kind for key, kind in _KEYS.items() if key in given), "~rolled")
+
+
+Section = Annotated[
+    Annotated[Rolled, Tag("~rolled")]
+    | Annotated[Rectangle, Tag("~rectangle")]
+    | Annotated[Bar, Tag("~bar")]
+    | Annotated[Plastic, Tag("~plastic")]
+    | Annotated[Polygon, Tag("~polygon")]
+    | Annotated[Literal["rigid"], Tag("~word")],
+    Discriminator(_kind),
+]
+
+
+def section(given: Any, at: Path) -> Any:
+    """A section as part of calls."""
+    return Call("la.sections.rigid", {}, at) if given == "rigid" else given.call(at)

@@ -1,0 +1,161 @@
+"""Regions, strengths that vary, sections: as the same in Python, and once more through a file."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+
+GROUND = """\
+[bodies.ground]
+kind = "continuum"
+mesh = {mesh}
+{regions}
+[bodies.ground.material]
+fill = {{ criterion = "mohr-coulomb", cohesion = "2 kPa", friction_angle = 30 }}
+clay = {{ criterion = "von-mises", shear_strength = {strength} }}
+
+[[supports]]
+body = "ground"
+where = "bottom"
+[[reference_loads]]
+load = "pressure"
+body = "ground"
+where = {{ x = [0, 1], y = 0 }}
+value = 1000
+"""
+RECTANGLE = '{ shape = "rectangle", x = [0, 4], y = [-2, 0], nx = 4, ny = 4 }'
+LINEAR = '{ value = "10 kPa", gradient = [0, "-2 kPa/m"], at = [0, -1] }'
+TABLE = '{ levels = [-2, -1.2, 0], values = ["12 kPa", "10.4 kPa", "8 kPa"] }'
+
+
+def read(folder, mesh=RECTANGLE, regions="", strength=LINEAR):
+    file = folder / "ground.toml"
+    file.write_text(GROUND.format(mesh=mesh, regions=regions, strength=strength), encoding="utf-8")
+    return la.read_problem(file)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "regions"),
+    [
+        (RECTANGLE, "regions = { fill = { y = [-1, 0] }, clay = { y = [-2, -1] } }"),
+        (
+            RECTANGLE,
+            "regions = { fill = { point = [0, -1], normal = [0, 1] },"
+            " clay = { point = [0, -1], normal = [0, -2] } }",
+        ),
+        (
+            '{ shape = "layered", x = [0, 4], layers = { clay = [-2, -1], fill = [-1, 0] },'
+            " nx = 4, ny = 4 }",
+            "",
+        ),
+        (
+            '{ shape = "patches", parts = ['
+            '{ corners = [[0, -1], [4, -1], [4, 0], [0, 0]], nx = 4, ny = 2, name = "fill" },'
+            '{ corners = [[0, -2], [4, -2], [4, -1], [0, -1]], nx = 4, ny = 2, name = "clay" }] }',
+            "",
+        ),
+    ],
+    ids=["boxes", "half-planes", "layered", "patches"],
+)
+def test_regions_of_all_kinds_are_one_problem(mesh, regions, tmp_path):
+    layers = la.meshes.layered((0, 4), {"clay": (-2, -1), "fill": (-1, 0)}, 4, 4)
+    clay = la.VonMises(shear_strength=lambda x: 10e3 - 2e3 * (x[1] + 1))
+    own = la.Problem(
+        bodies={"ground": la.Body(layers, {"fill": la.MohrCoulomb(2e3, 30.0), "clay": clay})},
+        supports=[la.Fix("ground", "bottom")],
+        reference_loads=[la.Pressure("ground", lambda x: (x[1] == 0) & (x[0] <= 1), 1e3)],
+    )
+    problem = read(tmp_path, mesh, regions)
+    # The same program in another order: the two solves end within the solver's own tolerance.
+    assert la.solve(problem).load_factor == pytest.approx(la.solve(own).load_factor, rel=1e-6)
+    la.write_problem(problem, tmp_path / "again.toml")
+    again = la.solve(la.read_problem(tmp_path / "again.toml"))
+    assert again.load_factor == pytest.approx(la.solve(problem).load_factor, rel=1e-12)
+
+
+def test_a_table_whose_levels_run_through_elements_bounds_strictly(tmp_path):
+    """It is the same straight line here, which its least and greatest values enclose."""
+    regions = "regions = { fill = { y = [-1, 0] }, clay = { y = [-2, -1] } }"
+    table = read(tmp_path, regions=regions, strength=TABLE)
+    above = la.upper_bound(table)
+    assert above.rigor is la.Rigor.UPPER
+    straight = read(tmp_path, regions=regions)
+    assert above.load_factor >= la.upper_bound(straight).load_factor * (1 - 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("regions", "strength", "said"),
+    [
+        ("regions = { fill = { y = [-1, 0] } }", "1", r":7: .*material.clay.*no such region"),
+        (
+            "regions = { fill = { y = [-1.1, 0] }, clay = { y = [-2, -1.1] } }",
+            "1",
+            r":4: bodies.ground.regions.fill: its line runs through the element",
+        ),
+        ("regions = { fill = { y = [1, 2] } }", "1", r":4: .*regions.fill: no element is there"),
+        (
+            "regions = { fill = { y = [-1, 0] }, clay = { y = [-2, -1] } }",
+            '{ value = "1 kPa", gradient = [0, "2 kPa/m"] }',
+            r":7: .*clay.shear_strength.* at \(.*negative",
+        ),
+        (
+            "regions = { fill = { y = [-1, 0] }, clay = { y = [-2, -1] } }",
+            '{ value = "1 kPa", gradient = [0, "2 kPa"] }',
+            r":7: .*shear_strength.gradient\[1\] = '2 kPa': 'kPa' does not fit",
+        ),
+        (
+            "regions = { fill = { y = [-1, 0] }, clay = { y = [-2, -1] } }",
+            "{ levels = [0, 0], values = [1, 2] }",
+            r":7: .*shear_strength.levels = .*: a level is there twice",
+        ),
+    ],
+)
+def test_what_cannot_be_is_said(regions, strength, said, tmp_path):
+    with pytest.raises(la.InputError, match=said):
+        read(tmp_path, regions=regions, strength=strength)
+
+
+def test_sections_of_frames(tmp_path):
+    text = """\
+[bodies.portal]
+kind = "frame"
+nodes = { A = [0, 0], B = [0, 4], C = [6, 4], D = [6, 0], E = [9, 0] }
+members = { left = ["A", "B"], beam = ["B", "C"], right = ["C", "D"], stay = ["C", "E"] }
+sections.left = { name = "HEA 200", yield_stress = "235 MPa" }
+sections.beam = { width = "10 cm", height = "20 cm", yield_stress = "235 MPa" }
+sections.right = "rigid"
+sections.stay = { strength = "50 kN" }
+[[supports]]
+body = "portal"
+where = ["A", "D", "E"]
+[[reference_loads]]
+load = "point-force"
+body = "portal"
+at = "B"
+vector = ["10 kN", 0]
+"""
+    (tmp_path / "frame.toml").write_text(text, encoding="utf-8")
+    problem = la.read_problem(tmp_path / "frame.toml")
+    frame = problem.bodies["portal"]
+    sections = {
+        "left": la.sections.standard("HEA 200", 235e6),
+        "beam": la.sections.rectangle(0.1, 0.2, 235e6),
+        "right": la.sections.rigid(),
+        "stay": la.sections.bar(50e3),
+    }
+    own = la.Frame(frame.nodes, frame.members, sections=sections)
+    load = la.solve(problem).load_factor
+    same = la.Problem({"portal": own}, problem.reference_loads, problem.supports)
+    assert load == pytest.approx(la.solve(same).load_factor, rel=1e-12)
+    la.write_problem(problem, tmp_path / "again.toml")
+    again = la.read_problem(tmp_path / "again.toml")
+    assert la.solve(again).load_factor == pytest.approx(load, rel=1e-12)
+
+
+def test_places_and_functions_by_numbers():
+    x = np.array([[0.0, 1.0, 2.0], [0.0, -1.0, 1.0]])
+    assert la.Within(x=(0, 1))(x).tolist() == [True, True, False]
+    assert la.Beyond((0, 0), (0, 3))(x).tolist() == [True, False, True]
+    assert la.Along((0, 0), (2, 1))(x).tolist() == [True, False, True]
+    assert la.Linear(1.0, (2.0, 3.0), (0.0, 1.0))(x).tolist() == [-2.0, -3.0, 5.0]
+    assert la.ByLevel([1, -1], [2, 6])(x).tolist() == [4.0, 6.0, 2.0]
