@@ -74,6 +74,8 @@ from .process.isolation import SolverProcess as SolverProcess
 from .questions.critical import Critical as Critical
 from .questions.critical import Search as Search
 from .questions.critical import critical as critical
+from .questions.envelope import Envelope as Envelope
+from .questions.envelope import envelope as envelope
 from .questions.load_cases import LoadCases as LoadCases
 from .questions.load_cases import load_cases as load_cases
 from .questions.position import WorstPosition as WorstPosition

@@ -61,7 +61,7 @@ def parameters_of(problem: Problem) -> list[Parameter]:
             found.append(Parameter(f"{pair.name}: friction{path}", STRENGTH, value, value, at))
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
-            size = _size(load)
+            size = size_of(load)
             if size is not None:
                 name = f"{attribute}[{index}]: {load.told}"
                 at = _of_load(attribute, index, size)
@@ -73,7 +73,7 @@ def parameters_of(problem: Problem) -> list[Parameter]:
 
 def without_parameter(problem: Problem) -> tuple[str, ...]:
     """Loads that have no one size, for the message: pressures of water."""
-    return tuple(load.told for load in problem.loads.values() if _size(load) is None)
+    return tuple(load.told for load in problem.loads.values() if size_of(load) is None)
 
 
 @singledispatch
@@ -147,54 +147,54 @@ def _of_interface(index: int, changed: Callable[[float], Any]) -> Changed:
 def _of_load(attribute: str, index: int, size: float) -> Changed:
     def at(problem: Problem, value: float) -> Problem:
         loads = list(getattr(problem, attribute))
-        loads[index] = _times(loads[index], value / size)
+        loads[index] = times(loads[index], value / size)
         return problem.with_loads(**{attribute: loads})
 
     return at
 
 
 @singledispatch
-def _size(load: Load) -> float | None:
+def size_of(load: Load) -> float | None:
     """Size of a load; None where it has no single one."""
     return None
 
 
-@_size.register(Traction)
-@_size.register(BodyForce)
-@_size.register(PointForce)
+@size_of.register(Traction)
+@size_of.register(BodyForce)
+@size_of.register(PointForce)
 def _length(load: Traction | BodyForce | PointForce) -> float:
     return float(np.linalg.norm(load.vector))
 
 
-@_size.register(Pressure)
+@size_of.register(Pressure)
 def _value(load: Pressure) -> float:
     return abs(load.value)
 
 
-@_size.register(RigidFooting)
+@size_of.register(RigidFooting)
 def _pressure(load: RigidFooting) -> float:
     return abs(load.pressure)
 
 
 @singledispatch
-def _times(load: Any, factor: float) -> Load:
+def times(load: Any, factor: float) -> Load:
     """A load of another size."""
     raise TypeError(type(load).__name__)
 
 
-@_times.register(Traction)
-@_times.register(BodyForce)
-@_times.register(PointForce)
+@times.register(Traction)
+@times.register(BodyForce)
+@times.register(PointForce)
 def _longer(load: Traction | BodyForce | PointForce, factor: float) -> Load:
     x, y = load.vector
     return replace(load, vector=(factor * x, factor * y))
 
 
-@_times.register(Pressure)
+@times.register(Pressure)
 def _pressed(load: Pressure, factor: float) -> Load:
     return replace(load, value=factor * load.value)
 
 
-@_times.register(RigidFooting)
+@times.register(RigidFooting)
 def _loaded(load: RigidFooting, factor: float) -> Load:
     return replace(load, pressure=factor * load.pressure)

@@ -192,6 +192,9 @@ def answers():
         *(la.stable(own) for own in (stone, unsafe())),
     ]
     found += [la.sensitivity(la.solve(own)) for own in (portal(), mixed())]
+    sway = {"H": [la.PointForce("portal", "B", (1, 0))]}
+    sway["V"] = [la.PointForce("portal", (2, 3), (0, -1))]
+    found.append(la.envelope(portal(), sway, n=6))
     return [*found, replace(found[1], status=la.Search.SAME_SIDE, of=LONG)]
 
 

@@ -1,0 +1,171 @@
+"""Yield surfaces in several loads: between closed forms, proven from inside and outside."""
+
+import numpy as np
+import pytest
+
+import lacore as la
+from tests.lacore.models import deformable_block, square
+from tests.lacore.shown import portal, unsafe, wall
+
+H = [la.PointForce("portal", "B", (1, 0))]
+V = [la.PointForce("portal", (2, 3), (0, -1))]
+
+
+def footing(bond=la.BOND, nx=12, ny=5):
+    """A rigid block of width 1 on clay of k = 1, free to turn; what acts on it is asked."""
+    mesh = la.meshes.rectangle((-3, 3), (-1.5, 0), nx, ny)
+    block = la.RigidBlock([(-0.5, 0), (0.5, 0), (0.5, 0.25), (-0.5, 0.25)])
+    return la.Problem(
+        {"soil": la.Body(mesh, la.VonMises(1.0)), "footing": block},
+        VERTICAL,
+        [la.Fix("soil", side) for side in ("bottom", "left", "right")],
+        [la.Interface(("footing", lambda x: x[1] == 0), ("soil", "top"), bond)],
+    )
+
+
+VERTICAL = [la.PointForce("footing", (0, 0), (0, -1))]
+ASIDE = [la.PointForce("footing", (0, 0), (1, 0))]
+TURNING = [
+    la.PointForce("footing", (-0.5, 0.0), (0, 1)),
+    la.PointForce("footing", (0.5, 0.0), (0, -1)),
+]
+
+
+def green(h):
+    """Vertical load of a strip footing beside a horizontal one, both per width and k (Green 1954).
+
+    ``1 + pi/2 + arccos(h) + sqrt(1 - h^2)``: 2 + pi without h, half of it where the base slides.
+    """
+    return 1 + np.pi / 2 + np.arccos(abs(h)) + np.sqrt(1 - h * h)
+
+
+def test_portal_frame_is_its_polygon():
+    """M_p = 10, h = 3, span 4: sway 4 M_p/h, beam 8 M_p/L, and both, 3 H + 2 V = 6 M_p."""
+    found = la.envelope(portal(), {"H": H, "V": V}, n=16)
+    assert found.bounded
+    assert found.width <= 1e-6  # the residuals of its states
+    corners = [(40 / 3, 10), (20 / 3, 20), (-20 / 3, 20), (-40 / 3, 10)]
+    for corner in corners:
+        for sign in (1, -1):
+            wanted = sign * np.array(corner)
+            assert np.abs(found.outer - wanted).max(axis=1).min() <= 1e-4
+            assert found.contains(tuple(0.999 * wanted)) is True
+            assert found.contains(tuple(1.001 * wanted)) is False
+    assert found.contains((0, 0)) is True
+    # Nothing tells a load from its opposite: one direction counts for both.
+    assert len(found.table) <= 8
+
+
+def test_each_mechanism_bounds_every_combination():
+    """Planes of outer hold for load factors in directions that were never asked."""
+    found = la.envelope(portal(), {"H": H, "V": V}, n=5)
+    rng = np.random.default_rng(1)
+    for way in rng.normal(size=(6, 2)):
+        loads = [la.PointForce("portal", "B", (way[0], 0))]
+        loads.append(la.PointForce("portal", (2, 3), (0, -way[1])))
+        alpha = la.solve(portal().with_loads(loads)).load_factor
+        assert found.contains(tuple(0.9999 * alpha * way)) is not False
+        assert found.contains(tuple(1.0001 * alpha * way)) is not True
+
+
+@pytest.mark.slow
+def test_a_footing_that_may_turn_contains_the_points_of_green():
+    found = la.envelope(footing(), {"V": VERTICAL, "H": ASIDE}, n=24, target_width=0.012)
+    assert len(found.table) == 24
+    assert found.width <= 0.02
+    assert "strict bounds of the continuum" in found.rigor
+    for h in np.linspace(-1, 1, 41):
+        for sign in (1, -1):
+            point = np.array([sign * green(h), h])
+            assert found.contains(tuple(point)) is not False
+            assert found.contains(tuple(0.98 * point)) is True
+            assert found.contains(tuple(1.02 * point)) is False
+
+
+@pytest.mark.slow
+def test_vertical_horizontal_moment():
+    """The surface of a footing on clay in three components, of bounds on one coarse mesh."""
+    loads = {"V": VERTICAL, "H": ASIDE, "M": TURNING}
+    found = la.envelope(footing(nx=12, ny=4), loads, n=20)
+    assert found.bounded
+    assert found.inner.shape[1] == found.outer.shape[1] == 3
+    for h in (0.0, 0.5, 1.0):
+        assert found.contains((green(h), h, 0.0)) is not False
+    assert found.contains((1.0, 0.2, 0.1)) is True
+    assert found.contains((0.0, 0.0, 2.0)) is False  # more than a footing on scoops carries
+
+
+def test_coulomb_friction_gives_points():
+    """A stone wall: what lies between its certified states is not said."""
+    stone = wall()
+    loads = {"push": [la.BodyForce("wall", (1, 0))], "load": [la.BodyForce("wall", (0, -1))]}
+    found = la.envelope(stone, loads, n=8)
+    assert not found.convex
+    assert found.contains((0, 0)) is None
+    assert len(found.planes) == len(found.outer) == 0
+    solved = found.table[found.table["status"] == "solved"]
+    assert len(found.inner) == len(solved) > 4
+    # Sliding: |push| <= mu (1 + load), mu = .65, wherever it does not topple.
+    for push, load in found.inner:
+        assert abs(push) <= 0.65 * (1 + load) * (1 + 1e-6) + 1e-6
+
+
+def test_what_is_locked_is_unbounded():
+    """A dilatant wall carries its own weight any number of times."""
+    stone = wall(la.Coulomb(0.65, associated=True))
+    loads = {"push": [la.BodyForce("wall", (1, 0))], "load": [la.BodyForce("wall", (0, -1))]}
+    found = la.envelope(stone, loads, n=8)
+    assert found.convex
+    assert not found.bounded
+    assert found.width == np.inf
+    assert "unbounded" in found.message
+    assert found.contains((0.6, 0.0)) is True
+    assert found.contains((0.7, 0.0)) is False
+    assert found.contains((0.0, -1.1)) is False  # more than lifts it
+
+
+REFUSED = {
+    "one component": ({"H": H}, "not two or three components"),
+    "the same twice": ({"H": H, "2 H": [la.PointForce("portal", "B", (2, 0))]}, "combination"),
+    "on a support": (
+        {"H": H, "V": [la.PointForce("portal", "A", (0, -1))]},
+        r"loads\['V'\]: reference_loads: they do no power",
+    ),
+    "nothing": ({"H": H, "V": []}, "there is none"),
+    "no such node": ({"H": H, "V": [la.PointForce("portal", "X", (0, -1))]}, "known names"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_components_that_are_none_are_refused_before_any_solve(case, monkeypatch):
+    monkeypatch.setattr("lacore.questions.envelope.solve", None)
+    loads, said = REFUSED[case]
+    with pytest.raises(la.InputError, match=said):
+        la.envelope(portal(), loads)
+
+
+def test_pressure_that_an_incompressible_body_takes_does_no_power(monkeypatch):
+    """All around a clay: its mean stress carries it, whatever moves."""
+    monkeypatch.setattr("lacore.questions.envelope.lower_bound", None)
+    problem = la.Problem(
+        {"block": square()},
+        [la.Traction("block", "top", (1, 0))],
+        [la.Fix("block", "bottom")],
+    )
+    around = [la.Pressure("block", side) for side in ("left", "right", "top")]
+    shear = [la.Traction("block", "top", (1, 0))]
+    with pytest.raises(la.InputError, match="keeps volumes"):
+        la.envelope(problem, {"p": around, "t": shear})
+
+
+def test_footings_that_cannot_turn_are_refused():
+    under = [la.RigidFooting("block", "top", (0, -1))]
+    push = [la.Traction("block", "left", (1, 0))]
+    with pytest.raises(la.InputError, match="neither turns"):
+        la.envelope(deformable_block(la.Tresca(0.3)), {"V": under, "H": push})
+
+
+def test_dead_loads_that_fall_have_no_envelope():
+    loads = {"push": [la.BodyForce("wall", (1, 0))], "load": [la.BodyForce("wall", (0, -1))]}
+    with pytest.raises(la.InputError, match="alone collapse"):
+        la.envelope(unsafe(), loads)
