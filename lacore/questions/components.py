@@ -26,6 +26,7 @@ class Components:
     Attributes:
         names: of them.
         loads: of each.
+        associated: whether all flow and friction is, so that what is carried is convex.
         even: whether opposite loads have opposite mechanisms: nothing opens, no strength depends on
             pressure, no dead load tells one sense from the other.
 
@@ -49,7 +50,7 @@ class Components:
         # With nodes wherever a force acts on a frame, so that unknowns are the same ones for all.
         every = [load for own in self.loads for load in own]
         self.problem = problem.with_loads(every, problem.dead_loads)
-        self.even = True
+        self.even = self.associated = True
         columns = [self._vector(number) for number in range(len(self.names))]
         sizes = np.linalg.svd(np.stack(columns, axis=1), compute_uv=False)
         if sizes[-1] <= _DEPENDENT * sizes[0]:
@@ -92,9 +93,13 @@ class Components:
             program = discretise(self.problem.with_loads(self.loads[number])).program
         except InputError as wrong:
             inner = wrong.field.removeprefix("Problem.")
-            raise InputError(f"loads[{name!r}]: {inner}", wrong.value, wrong.why, wrong.mend) from None
+            raise InputError(
+                f"loads[{name!r}]: {inner}", wrong.value, wrong.why, wrong.mend
+            ) from None
         opens = program.contact.count > 0 or program.presses
         self.even = self.even and not (opens or bool(np.any(program.dead_load)))
+        coulomb = bool(program.contact.coulomb.any())
+        self.associated = self.associated and not (coulomb or program.frictional)
         force = program.reference_load
         if not _left(program, force) > _NOTHING:
             raise InputError(

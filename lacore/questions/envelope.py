@@ -13,7 +13,6 @@ from lacore.adaptive.refine import bracket
 from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.bounds.enclosing import has_coulomb
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.conditions.loads import Load
@@ -22,6 +21,7 @@ from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.components import Components
+from lacore.questions.directions import apart, corners, spread
 from lacore.questions.hulls import Hulls, gauge, hulls
 from lacore.questions.worth import error, worth
 from lacore.showing import Facts, Picture, Shown, counted
@@ -140,9 +140,10 @@ def envelope(
     Along each direction of the loads a lower bound is a point of the yield surface or within it.
     The mechanism of an upper bound is more: the same velocity bounds every combination, by a half-
     plane. Directions go first along the components, then where the corners of the outer polygon are
-    farthest from the inner one. Where nothing tells a load from its opposite, no contact, no dead load,
-    no strength that depends on pressure, each direction counts for both. With Coulomb friction what is carried need not be convex: then each
-    direction gives a certified point, and no more.
+    farthest from the inner one. Where nothing tells a load from its opposite, no contact, no dead
+    load, no strength that depends on pressure, each direction counts for both. With Coulomb
+    friction what is carried need not be convex: then each direction gives a certified point, and no
+    more.
 
     Args:
         problem: the structure, with its dead loads, which stay; its reference loads do not act.
@@ -168,9 +169,10 @@ def envelope(
     components = Components(problem, loads)
     k = len(components.names)
     if n < 2 * k + 1:
-        raise InputError("n", n, "fewer directions than there are axes", f"give {2 * k + 1} or more")
-    bodies = of_kind(problem.bodies, Body).values()
-    convex = not (has_coulomb(problem) or any(body.form.frictional for body in bodies))
+        raise InputError(
+            "n", n, "fewer directions than there are axes", f"give {2 * k + 1} or more"
+        )
+    convex, deforms = components.associated, bool(of_kind(problem.bodies, Body))
     run = _Run(
         components=components,
         backend=backend,
@@ -178,7 +180,7 @@ def envelope(
         target=target_width,
         convex=convex,
         even=convex and components.even,
-        deforms=bool(bodies),
+        deforms=deforms,
         tell=on_direction,
     )
     centre = np.zeros(k)
@@ -240,7 +242,10 @@ class _Run:
                 "they alone collapse the structure, so that no surface has them inside",
                 "reduce them, or add what holds them up",
             )
-        point = centre + lower * direction if np.isfinite(lower) else None
+        reach = lower
+        if lower == np.inf:  # it is carried at any size, so at the one that was asked, too
+            reach = 1.0 if self.convex else np.nan
+        point = None if np.isnan(reach) else centre + reach * direction
         if point is not None:
             self.points += [sign * point for sign in self._senses]
         if plane is not None:
@@ -265,23 +270,21 @@ class _Run:
             self.tell(self.rows[-1])
         return point is not None or plane is not None
 
-    def _state(
-        self, stated: Problem
-    ) -> tuple[float, float, str, tuple[Floats, Problem] | None]:
+    def _state(self, stated: Problem) -> tuple[float, float, str, tuple[Floats, Problem] | None]:
         """Of rigid parts: one load factor, exact but for its residuals; or a Coulomb state."""
         state = solve(stated, self.backend, options=self.options)
         value, wrong = worth(state), error(state)
         if state.status is Status.SOLVED:
             self.rigors.add(state.rigor)
+        if state.status is Status.LOCKED:
+            return np.inf, np.inf, state.status.label, None
         if not np.isfinite(value):
             return np.nan, np.nan, state.status.label, None
         if not self.convex:
             return value, np.nan, state.status.label, None
         return value - wrong, value + wrong, state.status.label, _mechanism(state)
 
-    def _bounds(
-        self, stated: Problem
-    ) -> tuple[float, float, str, tuple[Floats, Problem] | None]:
+    def _bounds(self, stated: Problem) -> tuple[float, float, str, tuple[Floats, Problem] | None]:
         """Strict bounds of the continuum, on the mesh or on refined ones."""
         if self.target is not None:
             found = bracket(stated, self.target, backend=self.backend, options=self.options)
@@ -291,7 +294,8 @@ class _Run:
             above = upper_bound(stated, self.backend, options=self.options)
             ends = {below.status, above.status} - {Status.SOLVED}
             status = min((end.label for end in ends), default=Status.SOLVED.label)
-        lower = below.load_factor if below.status is Status.SOLVED else np.nan
+        proven = below.status in (Status.SOLVED, Status.LOCKED)
+        lower = below.load_factor if proven else np.nan
         if above.status is not Status.SOLVED:
             return lower, np.nan, status, None
         self.rigors |= {above.rigor} | ({below.rigor} if np.isfinite(lower) else set())
@@ -328,8 +332,8 @@ class _Run:
     def refine(self, centre: Floats, scale: Floats, n: int) -> None:
         """Directions to where the outer side is farthest from the inner one."""
         tried: list[Floats] = []
-        axes, corners = len(self.rows), _corners(centre.size)
-        for corner in corners[: len(corners) // 2] if self.even else corners:
+        axes, between = len(self.rows), corners(centre.size)
+        for corner in between[: len(between) // 2] if self.even else between:
             if len(self.rows) < n:
                 self.ask(centre, scale * corner)
         while len(self.rows) < n and len(tried) < _TRIES:
@@ -342,7 +346,7 @@ class _Run:
             for number in order:
                 way = (found.outer[number] - centre) / scale
                 way /= np.linalg.norm(way)
-                if all(_apart(way, own) for own in [*known, *tried]):
+                if all(apart(way, own) for own in [*known, *tried]):
                     break
             else:
                 return
@@ -351,7 +355,7 @@ class _Run:
 
     def around(self, centre: Floats, scale: Floats, n: int) -> None:
         """Directions at equal angles, or on a spiral around a sphere."""
-        for way in _spread(centre.size, n - len(self.rows)):
+        for way in spread(centre.size, n - len(self.rows)):
             self.ask(centre, scale * way)
 
     def hulls(self, centre: Floats) -> Hulls | None:
@@ -374,26 +378,3 @@ def _mechanism(state: LimitState) -> tuple[Floats, Problem] | None:
     if state.point is None or state.status is not Status.SOLVED:
         return None
     return state.point.velocity, state.discretisation.problem
-
-
-def _corners(k: int) -> Floats:
-    """Between the axes."""
-    signs = np.array(np.meshgrid(*[[1.0, -1.0]] * k)).reshape(k, -1).T
-    return np.asarray(signs / np.sqrt(k))
-
-
-def _spread(k: int, count: int) -> Floats:
-    number = np.arange(count) + 0.5
-    if k == 2:
-        angle = 2 * np.pi * number / max(count, 1)
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    height = 1 - 2 * number / max(count, 1)
-    angle = np.pi * (1 + 5**0.5) * number
-    ring = np.sqrt(1 - height**2)
-    return np.stack([ring * np.cos(angle), ring * np.sin(angle), height], axis=1)
-
-
-def _apart(one: Floats, other: Floats) -> bool:
-    """Whether directions differ by more than a tenth of a degree."""
-    cosine = float(one @ other) / float(np.linalg.norm(one) * np.linalg.norm(other))
-    return cosine < np.cos(np.radians(0.1))

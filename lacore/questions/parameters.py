@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import singledispatch
+from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +13,7 @@ from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.section import Section
 from lacore.conditions.loads import (
     BodyForce,
     Load,
@@ -97,12 +99,17 @@ def _joints(body: BlockAssembly) -> Iterator[tuple[str, Any]]:
 @_strong.register(Frame)
 def _members(body: Frame) -> Iterator[tuple[str, Any]]:
     yield "plastic_moment", body.plastic_moment
+    yield "sections", body.sections
 
 
 def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
     """Positive numbers in a thing: where, their values, and the thing with another one there."""
     if is_number(thing) and thing > 0:
         yield "", float(thing), lambda value: value
+    elif isinstance(thing, Section):
+        size = thing.plastic_moment or thing.squash_load
+        if isfinite(size) and size > 0:
+            yield " (strength)", size, _stronger(thing, size)
     elif isinstance(thing, Mapping):
         for key, own in thing.items():
             for path, value, changed in _numbers(own):
@@ -115,6 +122,17 @@ def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
             if is_number(own) or is_dataclass(own) or isinstance(own, Mapping):
                 for path, value, changed in _numbers(own):
                     yield f".{entry.name}{path}", value, _in_field(thing, entry.name, changed)
+
+
+def _stronger(section: Section, size: float) -> Callable[[float], Section]:
+    """A section whose moments and forces grow alike."""
+
+    def changed(value: float) -> Section:
+        factor = value / size
+        corners = tuple((factor * axial, factor * moment) for axial, moment in section.corners)
+        return replace(section, corners=corners)
+
+    return changed
 
 
 def _in_mapping(

@@ -78,7 +78,8 @@ def _marked(problem: Problem, body: str, frame: Frame) -> dict[str, str]:
             found |= {frame.names[node]: "support" for node in nodes}
     for load in problem.loads.values():
         if load.body == body and (name := _loaded_node(load, frame)) is not None:
-            found[name] = f"{found[name]} and force" if name in found else "force"
+            held = found.get(name, "").startswith("support")
+            found[name] = "support and force" if held else "force"
     return found
 
 

@@ -55,7 +55,32 @@ def plate(criterion):
     )
 
 
+def braced():
+    """A portal whose sections carry axial force and moment together."""
+    section = la.sections.rectangle(0.2, 0.3, 100.0)
+    nodes = {"A": (0, 0), "B": (0, 3), "C": (4, 3), "D": (4, 0)}
+    frame = la.Frame(nodes, [("A", "B"), ("B", "C"), ("C", "D")], sections=section)
+    return la.Problem(
+        {"frame": frame},
+        [la.PointForce("frame", "B", (1, 0))],
+        [la.Fix("frame", "A", "clamped"), la.Fix("frame", "D", "clamped")],
+        dead_loads=[la.PointForce("frame", node, (0, -1)) for node in ("B", "C")],
+    )
+
+
+def layered():
+    """Two regions of one mesh."""
+    problem = soil(la.VonMises(1.0))
+    mesh = problem.bodies["soil"].mesh.with_subdomains(
+        {"upper": lambda x: x[1] > -1, "lower": lambda x: x[1] < -1}
+    )
+    criteria = {"upper": la.MohrCoulomb(1.0, 20.0), "lower": la.VonMises(0.3)}
+    return replace(problem, bodies={"soil": la.Body(mesh, criteria)})
+
+
 PROBLEMS = {
+    "sections": braced,
+    "regions": layered,
     "frame with clamped feet": portal,
     "beam with a line load": beam,
     "dilatant arch": lambda: arch(0.15, DILATANT(0.5)),
