@@ -74,8 +74,6 @@ from .process.isolation import SolverProcess as SolverProcess
 from .questions.critical import Critical as Critical
 from .questions.critical import Search as Search
 from .questions.critical import critical as critical
-from .questions.envelope import Envelope as Envelope
-from .questions.envelope import envelope as envelope
 from .questions.load_cases import LoadCases as LoadCases
 from .questions.load_cases import load_cases as load_cases
 from .questions.position import WorstPosition as WorstPosition
@@ -85,6 +83,8 @@ from .questions.sensitivity import sensitivity as sensitivity
 from .questions.stable import Stable as Stable
 from .questions.stable import stable as stable
 from .questions.thickness import limit_thickness as limit_thickness
+from .questions.yield_surface.envelope import Envelope as Envelope
+from .questions.yield_surface.envelope import envelope as envelope
 from .ranges.coulomb import CoulombRange as CoulombRange
 from .ranges.coulomb import coulomb_range as coulomb_range
 from .ranges.safety import SafetyFactor as SafetyFactor

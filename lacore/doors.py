@@ -16,7 +16,9 @@ views.picture.makers |= {
     "lacore.questions.load_cases:LoadCases": (
         "lacore.pictures.questions.load_cases:plot_load_cases"
     ),
-    "lacore.questions.envelope:Envelope": "lacore.pictures.questions.envelope:plot_envelope",
+    "lacore.questions.yield_surface.envelope:Envelope": (
+        "lacore.pictures.questions.envelope:plot_envelope"
+    ),
     "lacore.questions.critical:Critical": "lacore.pictures.questions.along:plot_critical",
     "lacore.questions.position:WorstPosition": (
         "lacore.pictures.questions.along:plot_worst_position"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
 from lacore.arrays import Floats
-from lacore.questions.envelope import Envelope
+from lacore.questions.yield_surface.envelope import Envelope
 from lacore.showing import cut
 
 _SIZE, _PANEL = (6.4, 5.2), (4.2, 4.6)  # inches: of one picture, and of one of several

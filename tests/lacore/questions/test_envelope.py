@@ -138,7 +138,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_components_that_are_none_are_refused_before_any_solve(case, monkeypatch):
-    monkeypatch.setattr("lacore.questions.envelope.solve", None)
+    monkeypatch.setattr("lacore.questions.yield_surface.envelope.solve", None)
     loads, said = REFUSED[case]
     with pytest.raises(la.InputError, match=said):
         la.envelope(portal(), loads)
@@ -146,7 +146,7 @@ def test_components_that_are_none_are_refused_before_any_solve(case, monkeypatch
 
 def test_pressure_that_an_incompressible_body_takes_does_no_power(monkeypatch):
     """All around a clay: its mean stress carries it, whatever moves."""
-    monkeypatch.setattr("lacore.questions.envelope.lower_bound", None)
+    monkeypatch.setattr("lacore.questions.yield_surface.envelope.lower_bound", None)
     problem = la.Problem(
         {"block": square()},
         [la.Traction("block", "top", (1, 0))],

@@ -20,10 +20,10 @@ from lacore.errors import InputError, require_count, require_positive
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.components import Components
-from lacore.questions.directions import apart, corners, spread
-from lacore.questions.hulls import Hulls, gauge, hulls
 from lacore.questions.worth import error, worth
+from lacore.questions.yield_surface.components import Components
+from lacore.questions.yield_surface.directions import apart, corners, spread
+from lacore.questions.yield_surface.hulls import Hulls, gauge, hulls
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.status import Rigor, Status
 

@@ -1,0 +1,1 @@
+"""Which combinations of loads are carried: convex bodies between points and planes (T82)."""
