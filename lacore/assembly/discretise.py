@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.assembly.bonds import joined_parts, ties
 from lacore.assembly.contact_checks import movable_points, shared_corners
 from lacore.assembly.discretisation import Discretisation
@@ -38,6 +39,14 @@ def touching(
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
     return contact_rows(interfaces, segments, unknowns.dofs, unknowns.assemblies, unknowns.n)
+
+
+def held_in_members(unknowns: Unknowns) -> Floats:
+    """Forces in balance by which members differ in tension and compression, shape (n,), N/m."""
+    force = np.zeros(unknowns.n)
+    for own in unknowns.frames.values():
+        force[own.offset : own.offset + own.count] = own.held
+    return force
 
 
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
@@ -83,9 +92,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         reference_load=load_vector(
             acting(problem, problem.reference_loads), dofs, continua, unknowns.footings, n
         ),
-        dead_load=load_vector(
-            acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n
-        ),
+        dead_load=held_in_members(unknowns)
+        + load_vector(acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n),
         parts=joined_parts(unknowns.parts, problem, dofs),
     )
     program = reduced(full, held.basis)

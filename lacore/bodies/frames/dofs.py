@@ -210,6 +210,22 @@ class FrameDofs(Compact):
         along = np.sum(line_load(load, self.body) * pieces.along, axis=0) * pieces.length
         return np.concatenate([nodal(load, self.body).ravel(), along[own]])
 
+    @property
+    def held(self) -> Floats:
+        """Forces on the unknowns of the tension that sections hold in the middle, (count,), N/m.
+
+        Strength that differs in tension and compression is a strength alike in both, and this
+        force, which is in balance by itself.
+        """
+        pieces = self.body.pieces
+        force = np.zeros((len(self.body.names), 2))
+        middle = np.array([self.body.section_of[m].middle for m in pieces.member])
+        pull = (middle * pieces.along).T
+        np.add.at(force, pieces.start, pull)
+        np.subtract.at(force, pieces.end, pull)
+        total = np.concatenate([force, np.zeros((len(force), 1))], axis=1).ravel()
+        return np.append(total, np.zeros(self.count - self.nodal))
+
     def line_loads(self, loads: Iterable[Load]) -> Floats:
         """Loads of this frame along members on all pieces together, N/m per m, (2, P)."""
         every = [line_load(load, self.body) for load in loads]

@@ -30,6 +30,7 @@ class Modes(Compact):
         turn: t, (K,).
         strength: N m per unit thickness, (K,).
         slides: pieces with an unknown slide, (S,).
+        middle: tension that the end of each mode holds beside what its modes carry, N/m, (K,).
     """
 
     piece: Ints
@@ -39,6 +40,7 @@ class Modes(Compact):
     turn: Floats
     strength: Floats
     slides: Ints
+    middle: Floats
 
     @property
     def ends(self) -> tuple[Ints, Ints]:
@@ -53,7 +55,7 @@ class Modes(Compact):
             np.bincount(self.end, own * stress, count).astype(np.float64)
             for own in (self.stretch, self.turn)
         )
-        return axial, moment
+        return axial + self.middle[np.unique(self.end, return_index=True)[1]], moment
 
     def with_forces(self, stress: Floats, axial: Floats, moment: Floats) -> Floats:
         """What modes carry, changed as little as it takes for other forces of the ends, (K,)."""
@@ -97,7 +99,8 @@ def modes_of(frame: Frame) -> Modes:
     piece, side, end_of = columns[:3].astype(np.int64)
     stretch, turn, strengths = columns[3:]
     every = np.array(slides, dtype=np.int64)
-    return Modes(piece, side, end_of, stretch, turn, strengths, every)
+    middle = np.array([frame.section_of[m].middle for m in pieces.member[piece]])
+    return Modes(piece, side, end_of, stretch, turn, strengths, every, middle.astype(np.float64))
 
 
 def rate_rows(frame: Frame, modes: Modes, offset: int, n: int) -> Sparse:

@@ -1,9 +1,10 @@
 """Cross-sections of members: what axial force and moment they carry together.
 
-A section yields on a polygon of N and M, symmetric about both axes. Such a polygon is a sum of
-segments, one a pair of opposite sides: ``(N, M) = sum s_j (n_j, m_j)/2``, ``|s_j| <= 1`` (a
-zonogon). Stretched by D and turned by theta it dissipates ``sum |n_j D + m_j theta|/2``: as if
-it consisted of fibres, each with a strength of its own; so N-M interaction stays a linear program.
+A section yields on a polygon of N and M, symmetric about ``M = 0`` and about a middle N_0. Such a
+polygon is a sum of segments, one a pair of opposite sides: ``(N, M) = (N_0, 0) + sum s_j (n_j,
+m_j)/2``, ``|s_j| <= 1`` (a zonogon). Stretched by D and turned by theta it dissipates ``N_0 D + sum
+|n_j D + m_j theta|/2``: as if it consisted of fibres, each with a strength of its own, and held a
+force N_0; so N-M interaction stays a linear program.
 """
 
 from collections.abc import Sequence
@@ -29,22 +30,28 @@ class Section(Compact):
             to it: ``((-inf, M_p), (inf, M_p))``.
         name: for messages and tables.
         plastic_moment: the largest M of the polygon, N.
-        squash_load: the largest N, N/m.
+        squash_load: half the width of the polygon, N/m: the largest N of what bears as much in
+            tension as in compression.
+        middle: N_0, N/m.
 
     Raises:
-        InputError: corners that are no upper half of a convex polygon symmetric about ``N = 0``.
+        InputError: corners that are no upper half of a convex polygon symmetric about a middle N,
+            or that leave ``N = 0`` outside.
     """
 
     corners: tuple[tuple[float, float], ...]
     name: str = ""
     plastic_moment: float = field(init=False)
     squash_load: float = field(init=False)
+    middle: float = field(init=False)
 
     def __post_init__(self) -> None:
         corners = _read(self.corners)
         object.__setattr__(self, "corners", tuple(map(tuple, corners.tolist())))
         object.__setattr__(self, "plastic_moment", float(corners[:, 1].max()))
-        object.__setattr__(self, "squash_load", float(corners[-1, 0]))
+        first, last = corners[[0, -1], 0].tolist()
+        object.__setattr__(self, "squash_load", (last - first) / 2)
+        object.__setattr__(self, "middle", (first + last) / 2 if isfinite(last) else 0.0)
 
     @property
     def extends(self) -> bool:
@@ -72,8 +79,12 @@ class Section(Compact):
 
     @property
     def sides(self) -> tuple[Floats, Floats]:
-        """Sides where N and M >= 0, ``n N + m M <= reach``: (n, m) of shape (k, 2), and (k,)."""
-        corners = np.array([*self.corners, (self.squash_load, 0.0)])
+        """Sides where N >= N_0 and M >= 0: ``n (N - N_0) + m M <= reach``.
+
+        Returns:
+            (n, m), shape (k, 2), and reach, (k,).
+        """
+        corners = np.array([*self.corners, (self.corners[-1][0], 0.0)]) - [self.middle, 0.0]
         along = np.diff(corners, axis=0)
         normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
         reach = np.sum(normal * corners[:-1], axis=1)
@@ -82,7 +93,7 @@ class Section(Compact):
 
     def use(self, axial: Floats, moment: Floats) -> Floats:
         """Factor by which N and M are beyond the polygon, at most 1 inside, shapes (k,)."""
-        axial, moment = np.abs(axial), np.abs(moment)
+        axial, moment = np.abs(axial - self.middle), np.abs(moment)
         if self.rigid or not (self.bends or self.extends):
             return np.zeros(moment.shape)
         if not self.extends:
@@ -108,16 +119,19 @@ def _read(corners: Sequence[Sequence[float]]) -> Floats:
         require_range(field, *corner)
     points = np.array(corners, dtype=np.float64)
     largest = np.maximum(np.abs(points).max(axis=0), np.finfo(float).tiny)
-    mirrored = points[::-1] * [-1.0, 1.0]
+    ends = points[0, 0] + points[-1, 0]
+    mirrored = points[::-1] * [-1.0, 1.0] + [ends, 0.0]
     if np.any(np.abs(points - mirrored) > _ROUND_OFF * largest):
         raise InputError(
             field,
             [tuple(own) for own in corners],
-            "not symmetric about N = 0",
-            "give the same strength in tension and compression, the lower one to be safe: others"
-            " are no sum of segments",
+            "not symmetric about a middle N, and no sum of segments",
+            "give a symmetric polygon inside, to be safe, or one around it",
         )
-    points = (points + mirrored) / 2
+    points = np.asarray((points + mirrored) / 2)
+    if not points[0, 0] <= 0 <= points[-1, 0]:
+        why = "a section that yields under no force"
+        raise InputError(field, [tuple(own) for own in corners], why, "let N = 0 lie inside")
     along = np.diff(points, axis=0)
     turning = along[:-1, 0] * along[1:, 1] - along[:-1, 1] * along[1:, 0]
     convex = np.all(turning <= _ROUND_OFF * np.prod(largest))

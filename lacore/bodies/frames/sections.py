@@ -14,7 +14,15 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.bodies.frames.profiles import PROFILES, Profile
 from lacore.bodies.frames.section import Section
-from lacore.errors import InputError, require_count, require_known, require_positive, suggest
+from lacore.errors import (
+    InputError,
+    is_number,
+    require_count,
+    require_known,
+    require_positive,
+    require_range,
+    suggest,
+)
 
 __all__ = ["Section", "bar", "i_section", "plastic", "rectangle", "rigid", "standard"]
 
@@ -33,15 +41,26 @@ def rigid() -> Section:
     return Section(((-inf, inf), (inf, inf)), "rigid")
 
 
-def bar(strength: float = inf) -> Section:
-    """A pin-ended strut: axial strength alone, N/m, in tension and compression; inf: rigid.
+def bar(tension: float = inf, compression: float | None = None) -> Section:
+    """A pin-ended strut: axial strength alone, N/m; without any rigid.
 
     It carries no moment, so that members of it take no loads along them, and have their ends
     nowhere but at nodes.
+
+    Args:
+        tension: strength; 0 of a prop that only presses.
+        compression: the same where it is None; less of what buckles, 0 of a cable.
     """
-    if strength != inf:
-        require_positive("strength", strength)
-    return Section(((-float(strength), 0.0), (float(strength), 0.0)), "bar")
+    compression = tension if compression is None else compression
+    if tension != inf or compression != inf:
+        for name, value in (("tension", tension), ("compression", compression)):
+            if not (is_number(value) and value >= 0):
+                mend = "give N/m; of one that is far above the other a number, too"
+                raise InputError(name, value, "not a strength", mend)
+            require_range(name, value)
+        if not tension + compression > 0:
+            raise InputError("tension", tension, "a bar that bears nothing", "leave it out")
+    return Section(((-float(compression), 0.0), (float(tension), 0.0)), "bar")
 
 
 def rectangle(

@@ -209,6 +209,48 @@ def test_the_peak_between_nodes_is_that_of_both_forces():
     assert state.load_factor == pytest.approx(1 / most, rel=BAR)
 
 
+@pytest.mark.parametrize("backend", ["clarabel", "highs", "cvxpy"])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_strut_bears_more_in_one_sense(sign, backend):
+    """Pulled to the right the left bar stretches, the right one shortens: t + c, either way."""
+    nodes = {"a": (-1, 0), "o": (0, 0), "b": (2, 0)}
+    given = {"left": la.sections.bar(2.0, 0.5), "right": la.sections.bar(0.0, 3.0)}
+    pair = la.Frame(nodes, {"left": ("a", "o"), "right": ("o", "b")}, sections=given)
+    held = [(("a", "b"), "xy"), ("o", "y")]
+    state = solved(pair, [force("o", (sign, 0.0))], held, backend=backend)
+    expected = {1.0: 2.0 + 3.0, -1.0: 0.5 + 0.0}[sign]
+    assert state.load_factor == pytest.approx(expected, rel=BAR)
+    forces = {1.0: [2.0, -3.0], -1.0: [-0.5, 0.0]}[sign]
+    assert state.hinges["axial_force"].to_numpy() == pytest.approx(forces, abs=1e-5)
+    pull = state.support_reactions.groupby("x")["force_x"].sum()
+    assert pull[-1.0] == pytest.approx(-forces[0], abs=1e-5)
+    assert pull[2.0] == pytest.approx(forces[1], abs=1e-5)
+    assert state.certify().holds(1e-6)
+
+
+@pytest.mark.parametrize(("weight", "stands"), [(0.9, True), (1.1, False)])
+def test_whether_a_weight_on_a_cable_stands(weight, stands):
+    """What the bar holds in its middle is no load: the weight alone is judged."""
+    hung = la.Frame(
+        {"a": (0, 0), "o": (0, -1)}, {"c": ("a", "o")}, sections=la.sections.bar(1.0, 0.0)
+    )
+    fixed = [la.Fix("frame", "a"), la.Fix("frame", "o", "x")]
+    dead = [force("o", (0, -weight))]
+    state = la.solve(la.Problem({"frame": hung}, [force("o", (0, -1))], fixed, dead_loads=dead))
+    assert state.load_factor == pytest.approx(1 - weight, abs=BAR)
+    assert (state.stability.standing is la.Standing.STANDS) == stands
+
+
+def test_a_column_that_bears_no_tension():
+    """N from -4 to 0, M largest at -2: a push at the top of h needs weight, as a pier does."""
+    pier = la.sections.Section(((-4.0, 0.0), (-2.0, 1.0), (0.0, 0.0)))
+    column = la.Frame({"A": (0, 0), "B": (0, 2)}, {"c": ("A", "B")}, sections=pier)
+    for weight, moment in ((1.0, 0.5), (2.0, 1.0), (3.0, 0.5)):
+        dead = [force("B", (0, -weight))]
+        state = solved(column, [force("B", RIGHT)], [("A", "clamped")], dead)
+        assert state.load_factor == pytest.approx(moment / 2, rel=BAR)
+
+
 def test_beam_column_of_a_rolled_section():
     """Clamped, under N = 0.4 N_p: M reduced as the stresses of the exact section say."""
     inner, outer = (
@@ -285,19 +327,25 @@ WRONG = {
     "no section": (lambda: two(plastic_moment=1.0, sections={"B-C": 5.0}), "not a section"),
     "no sections": (lambda: two(sections=7.0), "not a section; give a section of lacore.sections"),
     "name": (lambda: la.sections.standard("IPE 310", 1.0), "no section of the table.*IPE 3"),
-    "strength": (lambda: la.sections.bar(-1.0), "strength"),
+    "strength": (lambda: la.sections.bar(-1.0), "tension = -1.0: not a strength"),
     "web": (lambda: la.sections.i_section(0.1, 0.1, 0.2, 0.01, 0.0, 1.0), "do not fit"),
     "polygon": (
         lambda: la.sections.rectangle(1, 1, 1, polygon="middle"),
         "did you mean 'inner'|polygon",
     ),
     "tension": (
-        lambda: la.sections.Section(((-2.0, 0.0), (1.0, 0.0))),
-        "not symmetric about N = 0; give the same strength in tension and compression",
+        lambda: la.sections.Section(((-2.0, 0.0), (0.0, 1.0), (1.0, 0.0))),
+        "not symmetric about a middle N",
     ),
     "hollow": (
         lambda: la.sections.Section(((-2, 0), (-1, 0.1), (0, 1), (1, 0.1), (2, 0))),
         "no upper half of a convex polygon",
+    ),
+    "nothing": (lambda: la.sections.bar(0.0), "a bar that bears nothing"),
+    "one without limit": (lambda: la.sections.bar(inf, 1.0), "tension = inf: not a strength"),
+    "yields alone": (
+        lambda: la.sections.Section(((1.0, 0.0), (2.0, 1.0), (3.0, 0.0))),
+        "let N = 0 lie inside",
     ),
     "numbers": (lambda: la.sections.Section(((-2, 0), "ab")), r"not \(N, M\)"),
     "bar with a node": (
