@@ -187,10 +187,12 @@ def frame(body: Frame) -> Table:
 def _section(own: Section) -> Any:
     if own.rigid:
         return "rigid"
+    if not own.bends:
+        low, high = own.corners[0][0], own.corners[-1][0]
+        given = {"tension": high} if -low == high else {"tension": high, "compression": -low}
+        return {key: inf if isinf(value) else plain(value) for key, value in given.items()}
     if not own.extends:
         return {"plastic_moment": plain(own.plastic_moment)}
-    if not own.bends and isinf(own.squash_load):
-        return {"strength": inf}
     name = {"name": own.name} if own.name else {}
     return {"corners": plain(own.corners), **name}
 

@@ -31,8 +31,10 @@ class Bar(Entry):
     """A pin-ended strut: axial strength alone."""
 
     maker: ClassVar[str] = "la.sections.bar"
-    strength: Strut
-    """Infinite of what never yields."""
+    tension: Strut
+    """Strength; infinite of what never yields."""
+    compression: Strut | None = None
+    """The same if it is left out; 0 of a cable."""
 
 
 class Plastic(Entry):
@@ -52,7 +54,8 @@ class Polygon(Entry):
 
 _KEYS = {
     "corners": "~polygon",
-    "strength": "~bar",
+    "tension": "~bar",
+    "compression": "~bar",
     "plastic_moment": "~plastic",
     "width": "~rectangle",
     "height": "~rectangle",

@@ -124,7 +124,7 @@ members = { left = ["A", "B"], beam = ["B", "C"], right = ["C", "D"], stay = ["C
 sections.left = { name = "HEA 200", yield_stress = "235 MPa" }
 sections.beam = { width = "10 cm", height = "20 cm", yield_stress = "235 MPa" }
 sections.right = "rigid"
-sections.stay = { strength = "50 kN" }
+sections.stay = { tension = "50 kN", compression = 0 }
 [[supports]]
 body = "portal"
 where = ["A", "D", "E"]
@@ -141,7 +141,7 @@ vector = ["10 kN", 0]
         "left": la.sections.standard("HEA 200", 235e6),
         "beam": la.sections.rectangle(0.1, 0.2, 235e6),
         "right": la.sections.rigid(),
-        "stay": la.sections.bar(50e3),
+        "stay": la.sections.bar(50e3, 0),
     }
     own = la.Frame(frame.nodes, frame.members, sections=sections)
     load = la.solve(problem).load_factor
@@ -150,6 +150,16 @@ vector = ["10 kN", 0]
     la.write_problem(problem, tmp_path / "again.toml")
     again = la.read_problem(tmp_path / "again.toml")
     assert la.solve(again).load_factor == pytest.approx(load, rel=1e-12)
+
+
+@pytest.mark.parametrize("given", [(), (2.0,), (2.0, 0.5), (0.0, 3.0)])
+def test_bars_come_back_from_a_file(tmp_path, given):
+    bar = la.Frame({"a": (0, 0), "b": (1, 0)}, {"m": ("a", "b")}, sections=la.sections.bar(*given))
+    fixed = [la.Fix("f", "a"), la.Fix("f", "b", "y")]
+    problem = la.Problem({"f": bar}, [la.PointForce("f", "b", (1, 0))], fixed)
+    la.write_problem(problem, tmp_path / "bar.toml")
+    again = la.read_problem(tmp_path / "bar.toml").bodies["f"]
+    assert again.section_of[0].corners == bar.section_of[0].corners
 
 
 def test_places_and_functions_by_numbers():
