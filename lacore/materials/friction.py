@@ -96,10 +96,10 @@ class Coulomb(Compact):
             return FrictionTerms(0.0, limit, self.mu, self.tension)
         return FrictionTerms(self.mu, limit, 0.0, self.tension)
 
-    def frictionless(self) -> "Coulomb":
-        """What it carries whatever presses: a cylinder inside its cone (T14)."""
+    def frictionless(self) -> "Coulomb | Tresca":
+        """What it carries whatever presses: a cylinder inside its cone (T14); SMOOTH of none."""
         limit = max(self.adhesion - self.mu * self.tension, 0.0)
-        return replace(self, mu=0.0, adhesion=limit)
+        return replace(self, mu=0.0, adhesion=limit) if limit or self.tension else SMOOTH
 
     def divided(self, factor: float) -> "Coulomb":
         """With all strengths divided by a factor; the apex stays, and no tension is beyond it."""
