@@ -32,6 +32,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "block-incline-vertical",
         "block-slide",
         "block-topple",
+        "bonded-layers",
         "cavity-cylinder",
         "cavity-expansion",
         "cavity-sphere",
