@@ -73,8 +73,8 @@ def test_the_two_problems_around_a_coulomb_one():
         assert apart.status is frozen.status
     assert not has_coulomb(deformable_block(la.Tresca(0.3)))
     # What sticks keeps what it carries at any pressure.
-    bedded = frictionless(deformable_block(la.Coulomb(0.5, adhesion=0.3, tension=0.2)))
-    assert bedded.interfaces[0].law == la.Coulomb(0.0, adhesion=0.2, tension=0.2)
+    bedded = frictionless(deformable_block(la.Coulomb(0.5, adhesion=0.75, tension=0.5)))
+    assert bedded.interfaces[0].law == la.Coulomb(0.0, adhesion=0.5, tension=0.5)
 
 
 @pytest.mark.slow
