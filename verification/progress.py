@@ -131,16 +131,21 @@ def watching(total: int) -> Iterator[Watch]:
 
 
 @contextmanager
-def status(text: str) -> Iterator[None]:
-    """What is being done, of which it is not known how much there is."""
+def status(text: str) -> Iterator[Callable[[str], None]]:
+    """What is being done, of which it is not known how much there is; it can be told how far."""
     console = Console(stderr=True)
     if console.is_terminal:
-        with console.status(text):
-            yield
+        with console.status(text) as shown:
+            yield lambda more: shown.update(f"{text}: {more}")
         return
-    begin = time.monotonic()
-    with _repeating(lambda: f"{text}, {_clock(time.monotonic() - begin)}"):
-        yield
+    begin, far = time.monotonic(), ""
+
+    def tell(more: str) -> None:
+        nonlocal far
+        far = f": {more}"
+
+    with _repeating(lambda: f"{text}{far}, {_clock(time.monotonic() - begin)}"):
+        yield tell
 
 
 @contextmanager

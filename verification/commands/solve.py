@@ -51,8 +51,8 @@ def solve(
     begin with. Nothing in it is run. Beside the answer come a page with pictures, tables, a file
     for ParaView, and the same problem as Python.
 
-    Exit codes: 0 a load factor is certified, and all else that is asked for; 1 it is not, or there
-    is none; 2 bad input.
+    Exit codes: 0 a load factor is certified, and all else that is asked for, a bracket as narrow;
+    1 it is not, or there is none; 2 bad input.
 
     \b
     Examples:

@@ -1,19 +1,21 @@
 """What is asked of a problem, and what came out."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
-from lacore.errors import InputError
+from lacore.coupling.names import COUPLINGS
+from lacore.errors import InputError, require_known, require_positive
 from lacore.files.problem.reading import Stated
 
 _NARROW = 1e-3  # of a range: below it its ends are one
 
-Status = Callable[[str], AbstractContextManager[None]]
+Status = Callable[[str], AbstractContextManager[Callable[[str], None]]]
 
 
 @dataclass(frozen=True)
@@ -56,14 +58,14 @@ class Answer:
 
     @property
     def good(self) -> bool:
-        """Whether all that was asked for is certified."""
+        """Whether all that was asked for is certified, and as narrow as asked for."""
         proven = [self.state.status is la.Status.SOLVED]
         if self.bracket is not None:
-            proven.append(self.bracket.lower > -float("inf") and self.bracket.upper < float("inf"))
+            proven.append(self.bracket.width <= self.bracket.target_width)
         if self.range is not None:
             proven.append(self.range.lowest is not None)
         if self.safety is not None:
-            proven.append(self.safety.lower == self.safety.lower)
+            proven.append(not isnan(self.safety.width))
         return all(proven)
 
 
@@ -74,8 +76,18 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         stated: the file.
         backend: in place of that of the file.
         more: `bracket`, `range`, `safety`, where they are asked for.
+
+    Raises:
+        InputError: an unknown backend or coupling, a width that is none; of the file with its line.
     """
     own = stated.asked
+    if backend is not None:
+        la.find_backend(backend)
+    for key, check in _CHECKS.items():
+        try:
+            check(getattr(own, key))
+        except InputError as error:
+            raise stated.source.error(("solve", key), error.value, error.why, error.mend) from error
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,
@@ -111,8 +123,10 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             stability = state.stability
     bracket = found = safety = None
     if question.bracket is not None:
-        with doing("closing in from both sides"):
-            bracket = la.bracket(problem, question.bracket, backend=question.backend)
+        with doing("closing in from both sides") as tell:
+            bracket = la.bracket(
+                problem, question.bracket, backend=question.backend, on_step=_telling(tell)
+            )
     if question.range:
         with doing("searching for other load factors"):
             found = _range(problem, question.backend)
@@ -121,6 +135,27 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             safety = la.safety_factor(problem, backend=question.backend)
     seconds = time.perf_counter() - begin
     return Answer(state, interval, stability, bracket, found, safety, seconds)
+
+
+def _telling(tell: Callable[[str], None]) -> Callable[[Any], None]:
+    return lambda step: tell(f"{step.lower:.5g} to {step.upper:.5g}, {step.elements} elements")
+
+
+def _check_bracket(width: float | None) -> None:
+    if width is not None:
+        require_positive("bracket", width)
+
+
+def _check_coupling(name: str | None) -> None:
+    if name is not None:
+        require_known("coupling", name, COUPLINGS)
+
+
+_CHECKS: Mapping[str, Callable[[Any], object]] = {
+    "backend": la.find_backend,
+    "coupling": _check_coupling,
+    "bracket": _check_bracket,
+}
 
 
 def _range(problem: la.Problem, backend: str) -> la.CoulombRange | la.SoilRange:

@@ -34,6 +34,7 @@ def written(
     files = {SCRIPT: "the same problem as Python"}
     script = as_python(stated, question, folder)
     _write(folder / SCRIPT, script)
+    (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
         answer.state.to_vtu(folder / STATE)
         files[STATE] = "velocities and stresses for ParaView"

@@ -3,7 +3,7 @@
 from math import radians
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, StrictBool, Tag, model_validator
 
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
@@ -133,7 +133,7 @@ class Wall(_Blocks):
     """In place of wide and courses: widths, openings below 0."""
     block: Point | None = None
     """Width and height of a block."""
-    base: bool | None = None
+    base: StrictBool | None = None
 
     @model_validator(mode="after")
     def _either(self) -> "Wall":

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, StrictBool, Tag
 
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
@@ -155,7 +155,7 @@ class RigidFooting(_Load):
     direction: tuple[Number, Number]
     pressure: Stress | None = None
     """Mean pressure; 1 Pa if left out."""
-    rough: bool | None = None
+    rough: StrictBool | None = None
 
 
 class WaterTable(Entry):

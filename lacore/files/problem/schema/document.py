@@ -2,6 +2,8 @@
 
 from typing import Any, ClassVar
 
+from pydantic import StrictBool
+
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.bodies import Body
 from lacore.files.problem.schema.conditions import Interface, Load, Support
@@ -16,9 +18,9 @@ class Asked(Entry):
     coupling: str | None = None
     bracket: Number | None = None
     """Width of a proven bracket, per its mean."""
-    range: bool = False
+    range: StrictBool = False
     """Whether all load factors are searched, not one."""
-    safety: bool = False
+    safety: StrictBool = False
     """Whether the factor of safety on strength is asked for."""
 
 

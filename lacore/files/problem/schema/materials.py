@@ -3,7 +3,7 @@
 from math import radians, tan
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, model_validator
 
 from lacore.files.problem.calls import Call, Name
 from lacore.files.problem.places import Path
@@ -106,7 +106,7 @@ class FrictionLaw(Entry):
     """Shear strength of Coulomb friction without pressure."""
     tension: Stress | None = None
     """Strength in tension of Coulomb friction."""
-    associated: bool = False
+    associated: StrictBool = False
     """Whether sliding dilates, as bounds assume."""
 
     @model_validator(mode="after")

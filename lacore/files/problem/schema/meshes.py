@@ -3,7 +3,15 @@
 from pathlib import Path as File
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    StrictBool,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
@@ -85,7 +93,7 @@ class Rectangle(_Shape):
     y: Interval
     nx: Count
     ny: Count
-    crossed: bool | None = None
+    crossed: StrictBool | None = None
     grade_x: tuple[Length, Number] | None = None
     """[at, largest per smallest]."""
     grade_y: tuple[Length, Number] | None = None
@@ -117,7 +125,7 @@ class Fan(_Shape):
     sectors: Annotated[int, Whole(4)]
     rings: Count
     grade: Number | None = None
-    crossed: bool | None = None
+    crossed: StrictBool | None = None
 
 
 class Layered(_Shape):
@@ -131,7 +139,7 @@ class Layered(_Shape):
     nx: Count
     ny: Count
     """Cells in all of the height."""
-    crossed: bool | None = None
+    crossed: StrictBool | None = None
     grade_x: tuple[Length, Number] | None = None
     """[At, largest cell per smallest]."""
 
@@ -146,7 +154,7 @@ class QuarterRing(_Shape):
     outer: Length
     n_radial: Count
     n_angular: Count
-    crossed: bool | None = None
+    crossed: StrictBool | None = None
     grade: Number | None = None
 
 
@@ -172,7 +180,7 @@ class Patches(Entry):
     tag: ClassVar[str] = "shape"
     shape: Literal["patches"]
     parts: tuple[Patch, ...]
-    crossed: bool | None = None
+    crossed: StrictBool | None = None
 
 
 def _kind(given: Any) -> str:
