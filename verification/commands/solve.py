@@ -60,12 +60,12 @@ def solve(
       lacore solve footing.toml
       lacore solve footing.toml --bracket 0.05 --out answer
     """  # noqa: D301  # click reads the backspace
-    from lacore.files.problem.reading import read
-    from verification import progress
-    from verification.problems import answers, records, words, writing
-
     folder = out or Path("reports") / file.stem
-    try:
+    try:  # to import all of it takes a second, too
+        from lacore.files.problem.reading import read
+        from verification import progress
+        from verification.problems import answers, records, words, writing
+
         stated = read(file)
         question = answers.asked(stated, backend, bracket=bracket, range=whole_range, safety=safety)
         writing.require_writable(folder)
