@@ -1,8 +1,11 @@
 """The mechanism of a soil that comes to where it is held is told, with the name of the boundary."""
 
+from dataclasses import replace
+
 import pytest
 
 import lacore as la
+from verification.catalogue.catalogue import catalogue, find
 
 
 def strip(width, depth, nx=16, ny=9, angle=20.0, bottom="xy"):
@@ -41,8 +44,57 @@ def test_coarse_elements_beside_a_support_say_little():
     assert "reaches" not in la.solve(strip(4.0, 1.4, nx=5, ny=2)).message
 
 
-def test_what_may_slide_along_a_support_is_no_far_boundary():
-    assert "reaches" not in la.solve(strip(4.0, 0.7, bottom="y")).message
+@pytest.mark.parametrize("cells", [(5, 2), (16, 9)])
+@pytest.mark.parametrize(("width", "reached"), [(4.0, False), (3.0, True)])
+def test_rollers_at_the_end_of_a_box_are_named_on_any_mesh(cells, width, reached):
+    """Nothing holds the soil back along them, so that coarse elements show it moving, too."""
+    problem = strip(width, 1.4, *cells)
+    left, _, bottom = problem.supports
+    rolling = replace(problem, supports=[left, la.Fix("soil", "right", "x"), bottom])
+    message = la.solve(rolling).message
+    assert ("soil.right: where that is no plane of symmetry" in message) == reached
+    assert "soil.left" not in message  # where the footing begins
+
+
+def test_a_smooth_base_of_a_box_is_named():
+    message = la.solve(strip(4.0, 0.7, bottom="y")).message
+    assert "reaches soil.bottom: where that is no plane of symmetry" in message
+
+
+def test_planes_of_symmetry_of_a_block_are_no_box():
+    """They do not face each other, and soil slides along both."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 0.5), nx=4, ny=2)
+    quarter = la.Problem(
+        {"block": la.Body(mesh, la.MohrCoulomb(1.0, 30.0))},
+        [la.RigidFooting("block", "top", (0, -1))],
+        supports=[la.Fix("block", "left", "x"), la.Fix("block", "bottom", "y")],
+    )
+    assert "reaches" not in la.solve(quarter).message
+
+
+def test_sides_that_hold_no_motion_across_them_are_no_box():
+    """A layer in simple shear grows at its sides, which are held along themselves."""
+    case, (variant, *_) = find("simple-shear-layer:phi-20")
+    message = la.solve(case.problem(variant, "medium"), coupling="associated").message
+    assert "reaches layer.bottom: where the ground goes on" in message
+    assert "layer.left" not in message
+
+
+_SOILS = [
+    (name, variant.name)
+    for name, case in catalogue().items()
+    if case.surfaces
+    for variant in case.variants
+    if (name, variant.name[:3]) != ("simple-shear-layer", "phi")  # it shears on its base
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "variant"), _SOILS)
+def test_no_case_of_the_catalogue_is_told_that_it_is_too_small(name, variant):
+    case, (found,) = find(f"{name}:{variant}")
+    problem = case.problem(found, next(iter(case.meshes)))
+    assert "reaches" not in la.solve(problem, coupling="associated").message
 
 
 def test_a_metal_is_held_where_it_ends():
