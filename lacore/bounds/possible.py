@@ -65,14 +65,13 @@ def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Flo
     fastest = max(float(np.abs(g.cone_vectors(velocity)).max(initial=0.0)) for g in program.groups)
     kept = min(_ROUND_OFF * fastest, max(-float(within.max()), 0.0) / 2)
     wrong = out > -kept
-    room = np.maximum(out[wrong] - within[wrong], np.finfo(float).tiny)
-    share = float(np.max((out[wrong] + kept) / room, initial=0.0))
+    missing, room = out[wrong] + kept, out[wrong] - within[wrong]
+    share = float(np.max(missing / np.maximum(room, missing), initial=0.0))
     for _ in range(_DOUBLED):
-        share = min(share, 1.0)
         moved = (1 - share) * velocity + share * inside
         if not _outside(program, moved).max(initial=0.0) > 0:
             break
-        share = 2 * max(share, 1e-9)
+        share = min(2 * max(share, 1e-9), 1.0)
     return np.asarray(moved)
 
 

@@ -46,6 +46,7 @@ from lacore.status import Rigor, Status
 
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided
+_INSIDE = 1e-4  # residual of a velocity that is inside, and need not be the best
 _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
 
 
@@ -159,7 +160,8 @@ def upper_bound(
     point = point_in_program(discretisation, state.point)
     if program.presses:
         engine = find_backend(state.backend)
-        with preparing(engine, read_options(engine, state.options)) as prepare:
+        options = read_options(engine, state.options)
+        with preparing(engine, options, good=_INSIDE) as prepare:
             candidates = [possible_velocity(program, point.velocity, prepare)]
     else:
         candidates = [admissible_velocity(program, point.velocity)]
