@@ -99,7 +99,8 @@ class ConicSolver:
             standing.solver = None
             # A wall of thousands of blocks that is almost solved is neither locked nor unsafe.
             almost = form.linear and str(found.status) == "AlmostSolved"
-            again = self._start(form, cost, offset, left, refine=True, equilibrate=almost)
+            other = form.presses and not form.gentle
+            again = self._start(form, cost, offset, left, refine=True, equilibrate=almost or other)
             found = again.solve()
         native, steps = str(found.status), int(found.iterations)
         return Answer(native, steps, np.array(found.x), np.array(found.z), form)
@@ -131,8 +132,8 @@ class ConicSolver:
         equilibration, which costs feasible ones a digit. On the linear programs of walls of 33 to
         5 000 blocks 1e-8 leaves a third of the penetration and slip residuals of 1e-7, and 1e-9
         ends "AlmostSolved". With hardening 1e-9 and no equilibration solve what 1e-7 with it does
-        not, or in a third of the iterations; softened, 1e-8 with it does. Where strength depends
-        on pressure 1e-8 takes half of the iterations of 1e-7; 1e-9 fails at 0.1 degrees.
+        not, or in a third of the iterations; softened, 1e-8 with it does. So it is where strength
+        depends on pressure, but for angles below 5 degrees: these need refinement from the start.
         docs/measured.md.
         """
         settings = clarabel.DefaultSettings()
@@ -141,14 +142,13 @@ class ConicSolver:
         settings.direct_solve_method = "qdldl"
         settings.presolve_enable = False
         settings.chordal_decomposition_enable = False
-        small = form.linear or form.presses
-        settings.static_regularization_constant = 1e-8 if small else 1e-7
-        settings.iterative_refinement_enable = refine
-        settings.equilibrate_enable = equilibrate
-        if form.hardens:
-            exact = self._penalty is None
-            settings.static_regularization_constant = 1e-9 if exact and not refine else 1e-8
-            settings.equilibrate_enable = equilibrate and not exact
+        exact = self._penalty is None
+        bare = exact and (form.hardens or (form.presses and not (form.gentle or refine)))
+        small = form.linear or form.presses or form.hardens
+        least = 1e-9 if bare and not refine else 1e-8
+        settings.static_regularization_constant = least if small else 1e-7
+        settings.iterative_refinement_enable = refine or (exact and form.gentle)
+        settings.equilibrate_enable = equilibrate and not bare
         settings.max_iter = self._limits.max_iterations
         settings.time_limit = time_limit
         settings.tol_gap_abs = settings.tol_gap_rel = self._limits.tolerance

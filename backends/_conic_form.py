@@ -28,6 +28,8 @@ from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, in
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
+_GENTLE = 0.08  # slope of a surface: friction of 5 degrees
+
 
 @dataclass(frozen=True)
 class Pattern:
@@ -125,6 +127,7 @@ class ConicForm:
         linear: whether it could be written as a linear program.
         hardens: whether lengths of strain rates have a quadratic cost.
         presses: whether strength depends on pressure.
+        gentle: whether somewhere so little that it hardly does.
     """
 
     def __init__(
@@ -222,6 +225,11 @@ class ConicForm:
                 spring = _wide(group.rows, columns, root)
                 self.quadratic = csc_matrix(self.quadratic + triu(spring.T @ spring))
         self.hardens, self.presses = program.hardens, program.presses
+        self.gentle = any(
+            np.any((group.surfaces.slope > 0) & (group.surfaces.slope < _GENTLE))
+            for group in program.groups
+            if group.surfaces is not None
+        )
         self.linear = (
             not self.hardens
             and penalty is None
