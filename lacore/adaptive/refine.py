@@ -34,7 +34,7 @@ Bound = LowerBound | UpperBound
 _GROWTH = 2.0  # of a mesh from solve to solve
 _LEAST_GROWTH = 1.2
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
-_PRESSED = 1e-5  # the same of soils: what flows as it cannot is worst in the least element (T45)
+_PRESSED = 1e-5  # of soils: what flows as it cannot is worst in the least element (T45)
 _LOOSEST, _TIGHTEST = 2e-5, 1e-9
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
 _RECENT = 2  # refinements whose gains count
@@ -270,11 +270,10 @@ class _Run:
     def _solved(self, kind: str, problem: Problem) -> Bound:
         # What this mesh will about prove decides how close a solve must come.
         width = max(self.width / self.growth if self.rows else np.inf, self.target)
-        if self.coulomb:  # it may stay wide
-            width = self.target
+        width = self.target if self.coulomb else width  # which may stay wide
         pressed = any(body.pressed for body in of_kind(problem.bodies, Body).values())
-        loose = _PRESSED if pressed else _LOOSE
-        tolerance = float(np.clip(loose * width, _TIGHTEST, _LOOSEST))
+        loose = width * (_PRESSED if pressed else _LOOSE)
+        tolerance = float(np.clip(loose, _TIGHTEST, _LOOSEST))
         bound = self._bound(kind, problem, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
             bound = self._bound(kind, problem, {})
