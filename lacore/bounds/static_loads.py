@@ -7,7 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.boundaries import facet_geometry
-from lacore.bodies.continuum.loaded import facets_of
+from lacore.bodies.continuum.loaded import elements_of, facets_of
 from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.loads import BodyForce, Load, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
@@ -33,8 +33,9 @@ def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
 
 @multiplied.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
-    force = dofs.areas * np.reshape(load.vector, (2, 1))
-    return _at(dofs, dofs.element_nodes, force)
+    part = elements_of(load, dofs.body, "BodyForce.where")
+    force = dofs.areas[part] * np.reshape(load.vector, (2, 1))
+    return _at(dofs, dofs.element_nodes[part], force)
 
 
 @multiplied.register(StandingWater)

@@ -146,7 +146,8 @@ class BodyForce(Compact):
     Attributes:
         body: name of the body.
         vector: N/m^3.
-        where: the block (or blocks) of an assembly that it acts on; None: on all of the body.
+        where: the block (or blocks) of an assembly that it acts on, or the region (or regions) of
+            a continuum, by the names of ``mesh.subdomains``; None: on all of the body.
     """
 
     body: str

@@ -15,7 +15,7 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.nodal import element_means, node_means
 from lacore.bodies.continuum.plasticity import plasticity
-from lacore.bodies.continuum.regions.gathering import by_body, gathered
+from lacore.bodies.continuum.regions.gathering import by_body, gathered, region_numbers
 from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
@@ -48,8 +48,8 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     """A limit state as a VTU file.
 
     At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
-    continua means over each element of `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see
-    `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
+    continua `region`, its number in the body, and means over each element of
+    `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
     tensors of ParaView; of axisymmetric bodies rr zz tt rz), where there is water in pores also
     `effective_stress` and `pore_pressure` (Pa). Blocks are polygons, members lines,
     and have NaN there.
@@ -208,7 +208,7 @@ def _continuum(
 ) -> _Part:
     # Nodes of an element stand in the order of VTK: vertices, edges from the first on, the centre.
     cells = dofs.element_nodes.T
-    columns = {"body": np.full(len(cells), body), **at_cells}
+    columns = {"body": np.full(len(cells), body), "region": region_numbers(dofs.body), **at_cells}
     return _Part(_CELLS[cells.shape[1]], cells, dofs.nodes, at_points, columns)
 
 

@@ -47,7 +47,7 @@ class Field(Compact):
 
     def __mul__(self, factor: float) -> "Field":
         """All values times a factor, Pa."""
-        return replace(self, factor=self.factor * float(factor))
+        return self._scaled(self.factor * float(factor))
 
     __rmul__ = __mul__
 
@@ -59,7 +59,13 @@ class Field(Compact):
         """Less a multiple of itself, Pa."""
         if other.values is not self.values:
             raise ValueError("a field less another one is no multiple of it")
-        return replace(self, factor=self.factor - other.factor)
+        return self._scaled(self.factor - other.factor)
+
+    def _scaled(self, factor: float) -> "Field":
+        """With another factor; its values are the same object, by which it is known again."""
+        scaled = replace(self, factor=factor)
+        object.__setattr__(scaled, "values", self.values)
+        return scaled
 
     @property
     def told(self) -> str:

@@ -18,6 +18,7 @@ from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.following import moving_along
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.loads import Load, PointForce
@@ -263,7 +264,7 @@ def _curved(name: str, body: object) -> Body:
                 "let it be None",
             )
     space = isoparametric(body.mesh, body.space)
-    return replace(body, mesh=_quadratic(body.mesh, space), space=space.name)
+    return moving_along(replace(body, mesh=_quadratic(body.mesh, space), space=space.name))
 
 
 def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
@@ -272,7 +273,9 @@ def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
         return mesh
     curved = space.curved.from_mesh(mesh)
     assert np.array_equal(curved.facets, mesh.facets)
-    return curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
+    curved = curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
+    regions = {n: np.asarray(own) for n, own in (mesh.subdomains or {}).items()}
+    return curved.with_subdomains(regions) if regions else curved
 
 
 def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names") -> Obstacle:

@@ -17,19 +17,23 @@ from lacore.bounds.gap_identity import GapIdentity
 from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.regions import shaded
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
 _FEW = 10  # boundaries that have a colour
-_FACE = "#efe3c8"
 
 
 def plot_body(body: Body) -> Figure:
-    """Its elements, and its named boundaries."""
+    """Its elements, by regions, and its named boundaries."""
     figure, axes = _page({"body": body})
-    faces = PolyCollection(list(outlines(body.mesh)), facecolors=_FACE)
-    _draw_edges(faces, body.mesh)
-    axes.add_collection(faces)
+    corners = outlines(body.mesh)
+    for region, colour in shaded(body):
+        faces = PolyCollection(list(corners[region.elements]), facecolors=colour)
+        _draw_edges(faces, body.mesh)
+        if region.name:
+            faces.set_label(f"{region.name}: {region.criterion.label}")
+        axes.add_collection(faces)
     colours = matplotlib.colormaps["tab10"]
     for index, (name, facets) in enumerate(list((body.mesh.boundaries or {}).items())[:_FEW]):
         lines = edge_lines(body.mesh, np.asarray(facets, dtype=np.int64))

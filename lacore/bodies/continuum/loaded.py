@@ -22,7 +22,7 @@ from lacore.conditions.loads import (
     Traction,
 )
 from lacore.conditions.water import PorePressure, StandingWater
-from lacore.errors import InputError
+from lacore.errors import InputError, suggest_all
 from lacore.meshes.curved import is_curved
 
 if TYPE_CHECKING:
@@ -54,8 +54,25 @@ def _check_point(load: PointForce, body: "Body", field: str) -> None:
 
 @check_load.register(BodyForce)
 def _check_volume(load: BodyForce, body: "Body", field: str) -> None:
-    if load.where is not None:
-        raise InputError(f"{field}.where", load.where, "a continuum has no blocks", "leave it out")
+    elements_of(load, body, f"{field}.where")
+
+
+def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
+    """Elements that a body force acts on: all, or those of regions of the mesh, ascending.
+
+    Raises:
+        InputError: names that the mesh lacks.
+    """
+    if load.where is None:
+        return np.arange(body.mesh.nelements)
+    known = body.mesh.subdomains or {}
+    names = (load.where,) if isinstance(load.where, str) else load.where
+    for name in names:
+        if name not in known:
+            mend = suggest_all(str(name), known) if known else "the mesh has none: leave it out"
+            raise InputError(field, name, "no such region of the mesh", mend)
+    parts = [np.asarray(known[name], dtype=np.int64) for name in names]
+    return np.unique(np.concatenate(parts))
 
 
 @check_load.register(PorePressure)
@@ -91,7 +108,8 @@ def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
 
 @force.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
-    basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_load_order(dofs))
+    part = None if load.where is None else elements_of(load, dofs.body, "BodyForce.where")
+    basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_load_order(dofs), elements=part)
     return _power(dofs, basis, np.zeros(2), np.reshape(load.vector, (2, 1, 1)))
 
 

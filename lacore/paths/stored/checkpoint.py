@@ -234,6 +234,8 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
             arrays[f"{key}/p"], arrays[f"{key}/t"] = mesh.doflocs, mesh.t
             for part, facets in enumerate((mesh.boundaries or {}).values()):
                 arrays[f"{key}/boundary/{part}"] = np.asarray(facets, dtype=np.int64)
+            for part, elements in enumerate((mesh.subdomains or {}).values()):
+                arrays[f"{key}/region/{part}"] = np.asarray(elements, dtype=np.int64)
     head = {
         "bodies": names,
         "here": {
@@ -257,7 +259,12 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
             {
                 "step": own.step,
                 "meshes": [
-                    [name, type(mesh).__name__, list(mesh.boundaries or {})]
+                    [
+                        name,
+                        type(mesh).__name__,
+                        list(mesh.boundaries or {}),
+                        list(mesh.subdomains or {}),
+                    ]
                     for name, mesh in own.meshes.items()
                 ],
             }
@@ -340,8 +347,8 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
                 step=own["step"],
                 nodes=unpack(f"made/{place}/nodes"),
                 meshes={
-                    name: _mesh(arrays, f"made/{place}/mesh/{number}", kind, parts)
-                    for number, (name, kind, parts) in enumerate(own["meshes"])
+                    name: _mesh(arrays, f"made/{place}/mesh/{number}", kind, parts, regions)
+                    for number, (name, kind, parts, *regions) in enumerate(own["meshes"])
                 },
             )
             for place, own in enumerate(head["made"])
@@ -349,8 +356,18 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
     )
 
 
-def _mesh(arrays: Mapping[str, Any], key: str, kind: str, parts: Sequence[str]) -> Mesh:
-    mesh = _KINDS[kind](arrays[f"{key}/p"], arrays[f"{key}/t"])
-    return mesh.with_boundaries(
+def _mesh(
+    arrays: Mapping[str, Any],
+    key: str,
+    kind: str,
+    parts: Sequence[str],
+    regions: Sequence[Sequence[str]],
+) -> Mesh:
+    """A mesh by its arrays; those without regions have no list of their names."""
+    mesh = _KINDS[kind](arrays[f"{key}/p"], arrays[f"{key}/t"]).with_boundaries(
         {name: arrays[f"{key}/boundary/{part}"] for part, name in enumerate(parts)}
     )
+    named = {
+        name: arrays[f"{key}/region/{part}"] for own in regions for part, name in enumerate(own)
+    }
+    return mesh.with_subdomains(named) if named else mesh

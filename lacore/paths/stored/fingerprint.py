@@ -39,7 +39,9 @@ def _described(field: str, value: Any) -> Any:
     kind = type(value).__qualname__
     if isinstance(value, Mesh):
         named = {name: np.asarray(facets) for name, facets in (value.boundaries or {}).items()}
-        return [kind, *(_described(field, part) for part in (value.doflocs, value.t, named))]
+        parts = [_described(field, part) for part in (value.doflocs, value.t, named)]
+        regions = {name: np.asarray(part) for name, part in (value.subdomains or {}).items()}
+        return [kind, *parts, *([_described(field, regions)] if regions else [])]
     if is_dataclass(value) and not isinstance(value, type):
         own = {entry.name: getattr(value, entry.name) for entry in fields(value)}
         return [kind, _described(field, own)]

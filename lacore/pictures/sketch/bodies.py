@@ -17,10 +17,11 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.blocks import FIXED, fill_blocks
+from lacore.pictures.regions import GROUND, shaded
 from lacore.pictures.sketch.sheet import Label, Sheet
 from lacore.problem.problem import Problem
 
-SOIL, _BLOCK, _OUTLINE, _NAME = "#efe3c8", "#ece7dc", "#333333", "#555555"
+SOIL, _BLOCK, _OUTLINE, _NAME = GROUND, "#ece7dc", "#333333", "#555555"
 
 
 @singledispatch
@@ -34,18 +35,23 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     mesh = body.mesh
     corners = outlines(mesh)
     # Edges in the colour of the faces leave no hairlines between them.
-    fill = PolyCollection(
-        list(corners), facecolors=SOIL, edgecolors=SOIL, linewidths=0.5, zorder=1.5
-    )
-    sheet.axes.add_collection(fill)
+    for region, colour in shaded(body):
+        fill = PolyCollection(
+            list(corners[region.elements]),
+            facecolors=colour,
+            edgecolors=colour,
+            linewidths=0.5,
+            zorder=1.5,
+        )
+        sheet.axes.add_collection(fill)
+        symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", region.criterion.label)
+        title = region.name or "rigid-plastic"
+        sheet.handles[f"{title}, {symbols}"] = Patch(facecolor=colour, edgecolor=_OUTLINE)
     outer = edge_lines(mesh, mesh.boundary_facets())
     sheet.axes.add_collection(
         LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
-    symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", body.label)
-    text = f"rigid-plastic, {symbols}"
-    sheet.handles[text] = Patch(facecolor=SOIL, edgecolor=_OUTLINE)
 
 
 @draw_body.register

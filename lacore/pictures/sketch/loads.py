@@ -15,6 +15,7 @@ from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.loaded import named
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.loaded import elements_of
 from lacore.bodies.continuum.water import in_pores
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.loaded import line_load
@@ -135,7 +136,8 @@ def _volumes(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
 
 @_volumes.register
 def _of_elements(body: Body, load: BodyForce) -> tuple[Floats, Floats]:
-    parts = shapely.polygons(outlines(body.mesh))
+    part = elements_of(load, body, "BodyForce.where")
+    parts = shapely.polygons(outlines(body.mesh)[part])
     centroids = shapely.get_coordinates(shapely.centroid(parts)).T
     return shapely.area(parts) * body.thickness(centroids), centroids
 

@@ -293,7 +293,7 @@ def two_blocks(**changes):
                 {"soil": la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), la.VonMises(1.0))},
                 [la.BodyForce("soil", (1, 0), where="a")],
             ),
-            ("reference_loads[0].where = 'a'", "a continuum has no blocks"),
+            ("reference_loads[0].where = 'a'", "no such region of the mesh; the mesh has none"),
         ),
         (
             lambda: la.Problem(

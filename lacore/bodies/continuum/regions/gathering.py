@@ -45,6 +45,14 @@ def region_count(bodies: Mapping[str, HasBody]) -> int:
     return sum(len(dofs.body.regions) for dofs in bodies.values())
 
 
+def region_numbers(body: HasRegions) -> Floats:
+    """Number of the region of each element, in the order of the regions, shape (elements,)."""
+    parts = [
+        np.full(region.elements.size, float(number)) for number, region in enumerate(body.regions)
+    ]
+    return gathered(body, parts)
+
+
 def gathered(body: HasRegions, parts: Sequence[Floats]) -> Floats:
     """Values of the elements of each region, first axes, as one array over all elements."""
     if len(parts) == 1:
