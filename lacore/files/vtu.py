@@ -49,8 +49,9 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
 
     At points: `velocity` (m/s at ``F0.u = 1``). At cells: `body`, its number in the problem; of
     continua `region`, its number in the body, and means over each element of
-    `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see `LimitState.dissipation`), `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric
-    tensors of ParaView; of axisymmetric bodies rr zz tt rz), where there is water in pores also
+    `equivalent_strain_rate` (1/s), `dissipation` (W/m^3, see `LimitState.dissipation`),
+    `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric tensors of ParaView; of
+    axisymmetric bodies rr zz tt rz), where there is water in pores also
     `effective_stress` and `pore_pressure` (Pa). Blocks are polygons, members lines,
     and have NaN there.
 

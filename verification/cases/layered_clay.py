@@ -1,6 +1,6 @@
-r"""A rough rigid strip footing of half width 1/2 on two layers of clay, the upper half a width thick.
+r"""A rough rigid strip footing of half width 1/2 on two layers of clay.
 
-The right half is modelled; the upper layer has a shear strength k1 = 1 and is 1/2 thick.
+The right half is modelled; the upper layer, half a width thick, has a shear strength k1 = 1.
 
               alpha
               | | | |

@@ -17,9 +17,9 @@ The stronger the ground below, the shallower the mechanism: fans are no longer c
 lines bend upwards, and beneath most of a rough footing nothing slides. Davis and Booker write the
 load as F (5.14 + rho/4), F from 1 to 1.7.
 
-The strength is given as a function of place. It is linear, so that bounds take it as it is: stresses
-that are linear in an element are within it where they are at its vertices, and what flow dissipates
-is known by the strengths of four places.
+The strength is given as a function of place. It is linear, so that bounds take it as it is:
+stresses that are linear in an element are within it where they are at its vertices, and what flow
+dissipates is integrated exactly over the interpolant of strain rates.
 """
 
 import numpy as np
@@ -96,13 +96,13 @@ CASE = Case(
     unit="mean footing pressure / k0",
     explanation=__doc__,
     hand_calculation="""\
-by F (2 + pi + rho/4):
-rough  rho = 1:   1.225843 * 5.391593 =  6.609245
-       rho = 4:   1.486657 * 6.141593 =  9.130441
-       rho = 16:  1.706726 * 9.141593 = 15.602195
-smooth rho = 1:   1.109473 * 5.391593 =  5.981829
-       rho = 4:   1.273089 * 6.141593 =  7.818793
-       rho = 16:  1.437281 * 9.141593 = 13.139041
+by p = F (2 + pi + rho/4):
+rough  rho =  1:  F =  6.609245/5.391593 = 1.22584
+       rho =  4:  F =  9.130441/6.141593 = 1.48666
+       rho = 16:  F = 15.602195/9.141593 = 1.70673
+smooth rho =  1:  F =  5.981829/5.391593 = 1.10947
+       rho =  4:  F =  7.818793/6.141593 = 1.27309
+       rho = 16:  F = 13.139041/9.141593 = 1.43728
 """,
     meshes={
         "coarse": {"nx": 10, "ny": 6, "ratio": 4.0},

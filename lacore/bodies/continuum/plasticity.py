@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from lacore.bodies.continuum.dofs import BodyDofs
 
 VERTEX_RULE = (np.eye(3) + 1) / 4
-"""Strengths that the vertex rule takes at vertices, from those there: the integral of what is
-linear times what is at most the interpolant of a norm is exact."""
+"""Strengths that the vertex rule takes at vertices, from those there (T85)."""
 
 
 def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, ...]:

@@ -2,8 +2,8 @@
 
 The vertex rule of each triangle of the lattice is above the integral of the convex dissipation.
 Where strengths are linear in the element it takes in the triangle at vertex i
-``(k_i + k_1 + k_2 + k_3)/4``: the integral of k times the interpolant, which is above the
-dissipation of k at each place.
+``(k_i + k_1 + k_2 + k_3)/4``: the integral of k times an interpolant that is above the
+dissipation per k at each place (T85).
 """
 
 from functools import cache
