@@ -1,5 +1,6 @@
 """Bodies of several regions, and strengths that vary from place to place."""
 
+from itertools import pairwise
 from math import cos, radians, sin
 
 import numpy as np
@@ -8,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.bounds.equilibrium import element_geometry
+from lacore.bounds.upper import plastic_power
 
 EXACT = 1e-6  # the mechanism lies in every space: what is left is the bar of the certificate
 # Shares of a gap are sums of the two solves' round-off and residuals, here of load factors of 1.
@@ -201,3 +204,93 @@ def test_bounds_of_any_strengths_enclose_and_scale(plane, second, factor):
     scaled = la.lower_bound(problem(factor)).load_factor
     assert scaled == pytest.approx(factor * lower.load_factor, rel=1e-6)
     assert la.lower_bound(problem(1.0, 0.5)).load_factor > lower.load_factor
+
+
+def test_a_path_takes_strengths_along():
+    """Of regions and of places: bars side by side carry the sum while they are stretched."""
+    ways = (
+        ({"low": la.VonMises(1.0), "high": la.MohrCoulomb(lambda x: 2.0 + 0 * x[0], 25)}, None),
+        (la.VonMises(lambda x: 1.0 + 4.0 * x[1]), 2.0 * 3.0),
+    )
+    for criterion, exact in ways:
+        path = la.sequential(pulled(criterion, "p2-gauss"), travel=0.1, steps=2)
+        first = (2.0 + tension(2.0, 25)) / 2 if exact is None else exact
+        # Soil grows beside metal that keeps its volume: its share of the height, by 1 % a step.
+        rest = 1e-2 if exact is None else EXACT
+        assert path.history["load_factor"].to_numpy() == pytest.approx(first, rel=rest)
+
+
+def test_weights_act_in_regions():
+    """Half of the weight is that of the upper layer, and both are that of the body."""
+    body = la.Body(halves(), la.VonMises(1.0))
+
+    def stated(*where):
+        loads = [la.BodyForce("bar", (0, -1), where=part) for part in where]
+        return la.Problem({"bar": body}, loads, [la.Fix("bar", "bottom")])
+
+    whole, parts = (la.discretise(stated(*w)).full for w in ((None,), ("low", "high")))
+    assert parts.reference_load == pytest.approx(whole.reference_load, abs=1e-14)
+    bounds = [la.lower_bound(stated(part)).load_factor for part in ("high", None)]
+    assert bounds[0] > bounds[1] > 0
+    with pytest.raises(la.InputError, match=r"where = 'hih': no such region .* 'high'"):
+        stated("hih")
+
+
+@pytest.mark.parametrize(
+    "criterion",
+    [
+        {"low": la.VonMises(1.0), "high": la.VonMises(4.0)},
+        {"low": la.VonMises(1.0), "high": la.MohrCoulomb(lambda x: 1.0 + x[1], 20)},
+        la.MohrCoulomb(np.linspace(1, 2, 64), 20),
+    ],
+)
+def test_meshes_that_are_refined_keep_regions_and_values(criterion):
+    body = la.Body(halves(), criterion)
+    problem = la.Problem({"bar": body}, [la.Pressure("bar", "top")], [la.Fix("bar", "bottom")])
+    bracket = la.bracket(problem, target_width=0.04, max_elements=600)
+    finer = bracket.lower_bound.model.bodies["bar"].body
+    areas = [
+        [element_geometry(own)[0][region.elements].sum() for region in own.regions]
+        for own in (body, finer)
+    ]
+    assert finer.mesh.nelements > body.mesh.nelements
+    assert areas[0] == pytest.approx(areas[1], rel=1e-12)
+    assert bracket.lower <= bracket.upper
+    identity = la.gap_identity(la.upper_bound(problem), la.lower_bound(problem))
+    assert identity.least >= -ROUND_OFF * bracket.upper
+
+
+def test_factors_of_safety_weaken_all_regions():
+    """Without friction anywhere the factor is the load factor."""
+    body = la.Body(halves(), {"low": la.VonMises(4.0), "high": la.VonMises(lambda x: 2.0 + x[1])})
+    problem = la.Problem({"bar": body}, [la.BodyForce("bar", (0, -1))], [la.Fix("bar", "bottom")])
+    factor = la.safety_factor(problem)
+    assert factor.lower == pytest.approx(la.lower_bound(problem).load_factor, rel=2e-3)
+    assert factor.upper == pytest.approx(la.upper_bound(problem).load_factor, rel=2e-3)
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p2-disc", "p1-disc"])
+@given(st.lists(st.floats(0.1, 3.0), min_size=3, max_size=3), st.integers(0, 100))
+def test_rules_are_above_the_dissipation_of_strengths_that_vary(space, plane, seed):
+    """On finer lattices they fall, in each element, towards the integral; of any velocity."""
+    a, b, c = plane
+    criterion = {
+        "low": la.VonMises(lambda x: a + b * x[0] + c * x[1]),
+        "high": la.VonMises(lambda x: a + b * (2 - x[0]) + c * (1 - x[1])),
+    }
+    d = la.discretise(pulled(criterion, space, halves(2, 2)))
+    velocity = np.random.default_rng(seed).normal(size=d.full.n)
+    powers = [plastic_power(d, velocity, parts)["bar"] for parts in (1, 2, 16)]
+    for coarse, fine in pairwise(powers):
+        assert np.all(coarse >= fine * (1 - 1e-12))
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p2-disc"])
+@pytest.mark.parametrize("parts", [1, 3])
+def test_what_is_linear_twice_is_integrated_exactly(space, parts):
+    """u = (y^2, 0) shears by 2 y, against k = 1 + 2 x + 3 y: int k 2 y = 2 (1 + 2) + 3 (4/3)."""
+    d = la.discretise(pulled(la.VonMises(lambda x: 1 + 2 * x[0] + 3 * x[1]), space))
+    dofs, velocity = d.bodies["bar"], np.zeros(d.full.n)
+    velocity[dofs.dofs[0]] = dofs.nodes[1] ** 2
+    power = plastic_power(d, velocity, parts)["bar"].sum()
+    assert power == pytest.approx(2 * (1 + 2) + 3 * 4 / 3, rel=1e-9)  # 1e-6 inside of elements

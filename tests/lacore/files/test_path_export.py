@@ -103,7 +103,14 @@ def test_series(tmp_path, made, kind):
         )
         at = {name: values for name, (values,) in mesh.cell_data.items()}
         assert at.keys() == {
-            *("body", "equivalent_strain", "equivalent_strain_rate", "yield_stress", "dissipation")
+            *(
+                "body",
+                "region",
+                "equivalent_strain",
+                "equivalent_strain_rate",
+                "yield_stress",
+                "dissipation",
+            )
         }
         assert at["equivalent_strain"] @ now.volumes == pytest.approx(
             float(np.sum(now.weights * strain)), abs=ROUND_OFF
