@@ -23,6 +23,7 @@ from lacore.conditions.loads import (
     Traction,
 )
 from lacore.errors import is_number
+from lacore.materials.fields import Field
 from lacore.problem.problem import Problem
 from lacore.questions.places import places
 
@@ -110,6 +111,8 @@ def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
         size = thing.plastic_moment or thing.squash_load
         if isfinite(size) and size > 0:
             yield " (strength)", size, _stronger(thing, size)
+    elif isinstance(thing, Field):  # not how steep it is at most, which is no strength
+        yield " (factor)", thing.factor, lambda value: thing * (value / thing.factor)
     elif isinstance(thing, Mapping):
         for key, own in thing.items():
             for path, value, changed in _numbers(own):

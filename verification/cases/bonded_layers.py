@@ -96,7 +96,7 @@ def band(elements: int, below: float) -> Band:
 CASE = Case(
     id="bonded-layers",
     title="Rough footing on two bonded layers of clay",
-    tags=("continuum", "singular point", "upper bound", "bracket", "several bodies"),
+    tags=("continuum", "contact", "singular point", "upper bound", "bracket", "several bodies"),
     unit="mean footing pressure / k of the upper layer",
     explanation=__doc__,
     hand_calculation="""\

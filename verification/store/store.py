@@ -245,6 +245,10 @@ def _check(database: sqlite3.Connection, path: Path) -> None:
         raise InputError(
             "store", str(path), f"has schema {schema}, this lacore knows {SCHEMA}", "update lacore"
         )
+    (pages,) = database.execute("PRAGMA page_count").fetchone()
+    (size,) = database.execute("PRAGMA page_size").fetchone()
+    if path.stat().st_size < pages * size:  # a last page that is cut may pass what follows
+        raise _damaged(path, f"{path.stat().st_size} bytes of {pages * size}")
     (verdict,) = database.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
         raise _damaged(path, " ".join(verdict.split()))

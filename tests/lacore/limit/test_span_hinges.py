@@ -190,7 +190,10 @@ def test_feet_with_friction_under_a_line_load():
 def test_parabolas():
     """Simply supported, q = -1 (down), L = 2: q L^2/8 below the member; with ends of its own."""
     moments = SpanMoments(
-        np.array([[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]]), -np.ones(3), np.full(3, 2.0)
+        ends=np.array([[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]]),
+        axial=np.full((3, 2), np.nan),
+        load=-np.ones(3),
+        length=np.full(3, 2.0),
     )
     assert moments.at(np.array([0.5]))[:, 0] == pytest.approx([-0.5, 0.0, 2.0])
     assert moments.peaks[:2] == pytest.approx([0.5, 0.75])

@@ -225,3 +225,12 @@ def test_a_range_of_coulomb_loads_is_no_function():
     assert state.status is la.Status.SOLVED
     with pytest.raises(la.InputError, match="carries every load factor"):
         la.sensitivity(state)
+
+
+def test_a_field_counts_by_its_factor():
+    """Strength alone: its elasticity is 1; how steep it is at most is no strength."""
+    varies = la.VonMises(la.Field(lambda x: 1 + 0.1 * x[0], steepest=0.2))
+    table = la.sensitivity(la.solve(soil(varies, dead=()), throw=True)).table
+    (row,) = table[table["kind"] == "strength"].to_dict("records")
+    assert row["parameter"].endswith("(factor)")
+    assert row["elasticity"] == pytest.approx(1, rel=1e-6)

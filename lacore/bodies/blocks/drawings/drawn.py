@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import shapely
@@ -106,7 +107,7 @@ class DrawnBlocks(Shown):
         counts = [f"{len(self.named(name))} in {name!r}" for name in self.layers]
         left = f"; {listed(self.ignored)} ignored" if self.ignored else ""
         told = {
-            "drawing": f"{self.path}, in {self.unit}",
+            "drawing": f"{Path(self.path).name}, in {self.unit}",
             "layers": ", ".join(counts) + left,
             "snap": f"{self.snap:.3g} m; vertices moved by {self.moved:.2g} m at most",
         }
