@@ -19,7 +19,7 @@ from lacore.errors import InputError, require_count, require_positive
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.sharing import solved
-from lacore.questions.worth import worth
+from lacore.questions.worth import proven, worth
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Rigor, Status
 
@@ -39,12 +39,13 @@ class LoadCases(Shown):
     Attributes:
         table: a row a case: ``case``, ``status``, ``load_factor`` (inf where it is locked, -inf
             where the dead loads alone collapse it, 0 where it moves freely, NaN where nothing is
-            certified; of a bracket NaN), proven bounds ``lower`` and ``upper`` (-inf and inf where
-            there is none), ``rigor``, largest ``residual``, ``seconds``, ``governs``, ``message``.
+            certified; of a bracket NaN), ``lower`` and ``upper``, between which every load factor
+            is proven to be (of a continuum that of the continuum; -inf and inf where nothing is),
+            ``rigor``, largest ``residual``, ``seconds``, ``governs``, ``message``.
         results: `LimitState` or `Bracket` of each case, by name.
         governing: the case with the least load factor; empty where none is certified.
-        sure: whether it is proven to be that: every case has a load factor, and where brackets
-            enclose them the one that governs lies below all others.
+        sure: whether it is proven to govern: its ``upper`` is not above the ``lower`` of any other.
+            States of deformable bodies prove no lower bound, nor do states with Coulomb friction.
         solve_time: s, wall clock.
     """
 
@@ -68,8 +69,16 @@ class LoadCases(Shown):
         if self.failed:
             said += f" of those that are certified; not certified: {listed(self.failed)}"
         elif not self.sure:
-            others = self.table["case"][self.table["lower"] < self._least["upper"]]
-            said = f"one of {listed([repr(name) for name in others])} governs: brackets overlap"
+            below = self.table["lower"] < self._least["upper"]
+            others = self.table["case"][below | self.table["governs"]]
+            named = listed([repr(name) for name in others])
+            said = f"one of {named} governs: brackets overlap"
+            if not np.isnan(self._least["load_factor"]):
+                said = (
+                    f"{self.governing!r} has the least load factor; that it governs is not proven"
+                    f" against {listed([repr(one) for one in others if one != self.governing])}:"
+                    f" take target_width for deformable bodies, lacore.coulomb_range for friction"
+                )
         return said
 
     @property
@@ -189,15 +198,11 @@ def _stated(
 
 
 def _of_state(name: str, state: LimitState) -> dict[str, Any]:
-    value, lower, upper = worth(state), -np.inf, np.inf
-    if state.bracket is not None:
-        lower, upper = state.bracket
-    elif state.rigor is Rigor.UPPER:
-        upper = value
+    lower, upper = proven(state)
     return {
         "case": name,
         "status": state.status.label,
-        "load_factor": value,
+        "load_factor": worth(state),
         "lower": lower,
         "upper": upper,
         "rigor": state.rigor.label,
@@ -235,6 +240,4 @@ def _sure(table: pd.DataFrame) -> bool:
     if not _known(table).all():
         return False
     least, others = table[table["governs"]].iloc[0], table[~table["governs"]]
-    if not table["load_factor"].isna().any():
-        return True
     return bool((others["lower"] >= least["upper"]).all())

@@ -1,9 +1,10 @@
-"""What a state says of the load factor, as one number with its error."""
+"""What a state says of the load factor: one number with its error, and what of it is proven."""
 
 import numpy as np
 
+from lacore.limit.solve import strict_bound
 from lacore.limit.state import LimitState
-from lacore.status import Status
+from lacore.status import Rigor, Scope, Status
 
 _PROVEN = {Status.LOCKED: np.inf, Status.UNSAFE: -np.inf, Status.FREE: 0.0}
 
@@ -29,3 +30,28 @@ def error(state: LimitState) -> float:
     u, full = state.point.velocity, state.discretisation.full
     dead = abs(float(full.dead_load @ u))
     return state.certificate.worst[1] * (2 * abs(state.load_factor) + 2 * dead)
+
+
+def proven(state: LimitState) -> tuple[float, float]:
+    """What encloses every load factor of the problem of a state; -inf and inf where nothing does.
+
+    Of blocks and frames without Coulomb friction the load factor itself, within its error. Of a
+    deformable body what is found on one mesh is an upper bound at most, of Coulomb friction one of
+    several load factors, maybe.
+    """
+    exact = state.discretisation.scope is Scope.ITSELF
+    if state.status is Status.LOCKED:
+        return (np.inf, np.inf) if exact else (-np.inf, np.inf)
+    if state.status is Status.UNSAFE:
+        return -np.inf, -np.inf if strict_bound(state.discretisation) else np.inf
+    if exact and state.bracket is not None:
+        return state.bracket
+    if state.rigor is not Rigor.UPPER:
+        return -np.inf, np.inf
+    value = state.load_factor
+    # Members under line loads hinge where moments are too large by the tolerance at most.
+    near = max(error(state), 2 * state.tolerance * abs(value))
+    normal = not (
+        state.discretisation.full.contact.coulomb.any() or state.discretisation.full.frictional
+    )
+    return value - near if exact and normal else -np.inf, value + near

@@ -61,6 +61,34 @@ def test_brackets_that_overlap_do_not_decide():
     assert (table["upper"] > 2 + np.pi).all()
 
 
+def test_load_factors_of_one_mesh_do_not_decide():
+    """Strict upper bounds of both say nothing of how low the other case may lie."""
+    problem = punch(6, 4)
+    twice = [la.RigidFooting("soil", under_footing, (0, -1), pressure=2.0)]
+    found = la.load_cases(problem, {"once": problem.reference_loads, "twice": twice})
+    assert found.governing == "twice"
+    assert not found.sure
+    assert "not proven against 'once'" in found.message
+    assert (found.table["lower"] == -np.inf).all()
+    # Enclosed, they decide: 2 + pi and half of it.
+    enclosed = la.load_cases(
+        problem, {"once": problem.reference_loads, "twice": twice}, target_width=0.4
+    )
+    assert enclosed.sure
+
+
+@pytest.mark.parametrize(("friction", "sure"), [(0.65, False), (la.Tresca(2.0), True)])
+def test_a_coulomb_load_factor_of_several_does_not_decide(friction, sure):
+    """Stones that slide by Coulomb's law may have another state, with a lower load factor."""
+    stone = wall(friction)
+    push = stone.reference_loads
+    cases = {"push": push, "half": stone.with_loads(reference_loads=[*push, *push])}
+    found = la.load_cases(stone, cases)
+    assert found.governing == "half"
+    assert found.sure == sure
+    assert ("coulomb_range" in found.message) == (not sure)
+
+
 def test_a_case_that_is_not_certified_is_named():
     cases = {"wind": WIND, "snow": SNOW}
     found = la.load_cases(portal(), cases, options={"max_iterations": 1})
