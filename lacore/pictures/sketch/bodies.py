@@ -18,9 +18,10 @@ from lacore.bodies.frames.frame import Frame
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.regions import GROUND, shaded
-from lacore.pictures.sketch.sheet import Label, Sheet
+from lacore.pictures.sketch.sheet import Label, Sheet, quantity, typeset
 from lacore.problem.problem import Problem
 
+_FEW = 6  # regions, that have their own entries of the legend
 SOIL, _BLOCK, _OUTLINE, _NAME = GROUND, "#ece7dc", "#333333", "#555555"
 
 
@@ -34,6 +35,7 @@ def draw_body(body: AnyBody, sheet: Sheet, name: str, problem: Problem) -> None:
 def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     mesh = body.mesh
     corners = outlines(mesh)
+    many = len(body.regions) > _FEW
     # Edges in the colour of the faces leave no hairlines between them.
     for region, colour in shaded(body):
         fill = PolyCollection(
@@ -44,14 +46,22 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
             zorder=1.5,
         )
         sheet.axes.add_collection(fill)
-        symbols = re.sub(r"(\w+ = [^\s,]+)", r"$\1$", region.criterion.label)
-        title = region.name or "rigid-plastic"
-        sheet.handles[f"{title}, {symbols}"] = Patch(facecolor=colour, edgecolor=_OUTLINE)
+        text = f"{region.name or 'rigid-plastic'}, {_symbols(region.criterion.label)}"
+        if many:
+            text = f"rigid-plastic, {len(body.regions)} regions"
+        sheet.handles[text] = Patch(facecolor=colour, edgecolor=_OUTLINE)
     outer = edge_lines(mesh, mesh.boundary_facets())
     sheet.axes.add_collection(
         LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
+
+
+def _symbols(label: str) -> str:
+    """The label of a criterion with its symbols and numbers in mathtext."""
+    raised = re.sub(r"(= [\d.]+)e([-+]\d+)", lambda m: rf"{m[1]} \times 10^{{{int(m[2])}}}", label)
+    told = re.sub(r"(\w+ = [^\s,]+(?: \\times \S+)?)", r"$\1$", raised)
+    return re.sub(r"\b(\w) varies", r"$\1$ varies", told)
 
 
 @draw_body.register
@@ -80,8 +90,10 @@ def _frame(frame: Frame, sheet: Sheet, name: str, problem: Problem) -> None:
             sheet.handles[kind] = Line2D([], [], color=_OUTLINE, lw=2.6)
     if finite.size:
         low, high = finite.min(), finite.max()
-        size = f"{low:.4g}" if np.isclose(low, high) else rf"{low:.4g} \ldots {high:.4g}"
-        sheet.handles[rf"member, $M_p = {size}$ N"] = Line2D([], [], color=_OUTLINE, lw=2.6)
+        most, unit = quantity(high, "N")
+        least = typeset(low * (1e-3 if unit == "kN" else 1e-6 if unit == "MN" else 1.0))
+        size = most if np.isclose(low, high) else rf"{least} \ldots {most}"
+        sheet.handles[rf"member, $M_p = {size}$ {unit}"] = Line2D([], [], color=_OUTLINE, lw=2.6)
 
 
 @draw_body.register

@@ -16,7 +16,7 @@ from lacore.contact.segments import interface_segments
 from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
-from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
+from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced, typeset
 
 _HELD = "#3c3c3c"
 _LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")
@@ -127,13 +127,13 @@ def law_text(law: Friction) -> str:
     if isinstance(law, Coulomb):
         told = rf"$\mu = {law.mu:.4g}$"
         if law.adhesion:
-            told += rf", $c_a = {law.adhesion:.4g}$ Pa"
+            told += ", $c_a = {}$ {}".format(*quantity(law.adhesion, "Pa"))
         if law.tension:
-            told += rf", $t_n \geq -{law.tension:.4g}$ Pa"
+            told += r", $t_n \geq -{}$ {}".format(*quantity(law.tension, "Pa"))
         return told + (", associated" if law.associated else "")
     if law in (SMOOTH, STICK):
         return "smooth" if law == SMOOTH else "stick"
-    return rf"$|t_t| \leq {law.limit:.4g}$ Pa"
+    return r"$|t_t| \leq {}$ {}".format(*quantity(law.limit, "Pa"))
 
 
 def law_colours(texts: Sequence[str]) -> dict[str, str]:
@@ -156,7 +156,9 @@ def joint_laws(body: BlockAssembly) -> list[str]:
             adhesion = float(limit + mu * tension)
             laws.append(law_text(Coulomb(mu, bool(dilatancy > 0), adhesion, float(tension))))
         else:
-            laws.append("stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"{limit:.4g}")
+            laws.append(
+                "stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"${typeset(limit)}$"
+            )
     return laws
 
 

@@ -33,7 +33,7 @@ from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
 from lacore.pictures.sketch.bodies import SOIL
-from lacore.pictures.sketch.sheet import Label, Sheet, middle, spaced
+from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
 _WATER = "#1f77b4"
@@ -63,7 +63,8 @@ def _legend(sheet: Sheet, live: bool) -> None:
 
 
 def _worth(size: float, unit: str, live: bool) -> str:
-    return rf"$\alpha \cdot {size:.4g}$ {unit}" if live else f"${size:.4g}$ {unit}"
+    told, unit = quantity(size, unit)
+    return rf"$\alpha \cdot {told}$ {unit}" if live else f"${told}$ {unit}"
 
 
 @singledispatch

@@ -22,6 +22,7 @@ from lacore.problem.problem import Problem
 _POINTS = 72.0  # an inch
 _PAGE, _TALLEST = 5.6, 3.9  # inches: the structure alone
 _NARROWEST = 4.6  # inches: the legend needs that
+_LEFT = 45.0  # points: of the legend stand the numbers of an axis
 _FLAT = 0.08  # a single beam has no height
 _FEW = 6  # contacts, that have their own labels; blocks, that have names
 
@@ -99,18 +100,24 @@ def _finish(figure: Figure, sheet: Sheet) -> None:
         handle.set_label(text)
     width, height = (high - low + 2 * margin) / sheet.point / _POINTS
     page = max(width + 0.65, _NARROWEST)
-    columns = max(int(page / 1.65), 2)
-    axes.legend(
-        handles=list(sheet.handles.values()),
-        loc="lower left",
-        bbox_to_anchor=(0, 1.0),
-        ncols=columns,
-        frameon=False,
-        fontsize=8,
-        handlelength=1.6,
-        columnspacing=1.2,
-        borderaxespad=0.2,
-    )
+    # As many columns as the page is wide enough for, whatever the texts are.
+    columns = len(sheet.handles) + 1
+    shown = np.inf
+    while columns > 1 and shown > page * _POINTS:
+        columns -= 1
+        legend = axes.legend(
+            handles=list(sheet.handles.values()),
+            loc="lower left",
+            bbox_to_anchor=(0, 1.0),
+            ncols=columns,
+            frameon=False,
+            fontsize=8,
+            handlelength=1.6,
+            columnspacing=1.2,
+            borderaxespad=0.2,
+        )
+        shown = legend.get_window_extent().width * _POINTS / figure.dpi + _LEFT
+    page = max(page, shown / _POINTS)
     rows = -(-len(sheet.handles) // columns)
     figure.set_size_inches(page, height + 0.6 + 0.2 * rows)
     figure.draw_without_rendering()

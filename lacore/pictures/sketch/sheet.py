@@ -13,11 +13,26 @@ from matplotlib.textpath import TextPath
 from lacore.arrays import Floats
 from lacore.bodies.touching import Edges
 
+_KILO, _MEGA = 1e4, 1e7  # from which sizes on units have those prefixes
 TEXT = 9.0  # points
 _GAP = 2.0  # points, around labels and arrows
 _TURNS = np.radians(np.arange(0, 360, 22.5))
 _REACHES = (1.5, 5.0, 10.0, 17.0, 27.0)  # points, between anchor and label
 _ON_SYMBOL, _ON_BODY, _FAR, _ASIDE = 10.0, 0.6, 0.03, 0.3  # what a place costs
+
+
+def typeset(size: float) -> str:
+    r"""A number in mathtext, its power of ten raised: ``5.2 \times 10^{-5}``."""
+    digits, _, power = f"{size:.4g}".partition("e")
+    return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
+
+
+def quantity(size: float, unit: str) -> tuple[str, str]:
+    """A size in mathtext, and its unit: large ones in thousands and millions of an SI unit."""
+    for least, factor, prefix in ((_MEGA, 1e6, "M"), (_KILO, 1e3, "k")):
+        if abs(size) >= least:
+            return typeset(size / factor), prefix + unit
+    return typeset(size), unit
 
 
 @dataclass(frozen=True)

@@ -214,6 +214,26 @@ def test_two_bodies_are_named_as_they_are():
     assert {"rigid-plastic, $k = 1$ Pa", "rigid-plastic, $k = 2$ Pa"} <= set(legend(figure))
 
 
+def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_structure():
+    mesh = la.meshes.layered((0, 8), {"fill": (-1, 0), "clay": (-4, -1)}, nx=4, ny=4)
+    sand = la.MohrCoulomb(2e3, 32)
+    criterion = {"fill": sand, "clay": la.VonMises(la.Linear(1e4, (0, -2e3), (0, 0)))}
+    one, two = (
+        la.Problem(
+            bodies={"soil": la.Body(mesh, own)},
+            supports=[la.Fix("soil", "bottom"), la.Fix("soil", "left", "x")],
+            reference_loads=[la.Traction("soil", "top", (0, -5e4))],
+            dead_loads=[la.BodyForce("soil", (0, -18e3))],
+        ).plot()
+        for own in (sand, criterion)
+    )
+    assert {r"fill, $c = 2000$ Pa, $φ = 32°$", "clay, $k$ varies"} <= set(legend(two))
+    assert {r"$\alpha \cdot 50$ kPa", "$576$ kN/m"} <= set(labels(two))
+    page = two.axes[0].get_legend().get_window_extent()
+    assert page.x1 <= two.bbox.x1
+    assert two.get_size_inches()[0] == one.get_size_inches()[0]
+
+
 def test_a_strength_that_hardens_is_the_first():
     law = la.hardening.Linear(3**0.5, 2.0)
     figure = continuum(bodies={"soil": la.Body(SOIL, la.VonMises(hardening=law))}).plot()
