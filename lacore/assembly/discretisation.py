@@ -13,7 +13,7 @@ from lacore.contact.rows import ContactPoints
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, Scales
 from lacore.showing import Facts, Picture, Shown, counted, listed, sized
-from lacore.status import Scope
+from lacore.status import Rigor, Scope
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,6 +62,16 @@ class Discretisation(Shown):
     def scope(self) -> Scope:
         """Of which problem its load factors are."""
         return Scope.DISCRETE if self.bodies else Scope.ITSELF
+
+    def worth(self, rigor: Rigor) -> str:
+        """What a load factor proves; where nothing is discretised, it bounds no continuum."""
+        if self.scope is Scope.DISCRETE or rigor not in (Rigor.UPPER, Rigor.DISCRETE):
+            return rigor.value
+        if not (self.full.contact.coulomb.any() or self.full.frictional):
+            return "exact: rigid blocks and frames have no discretisation"
+        if rigor is Rigor.UPPER:
+            return "strict upper bound of Coulomb load factors: friction dilates, or sticks"
+        return "certified Coulomb state: no bound, there may be several"
 
     @property
     def jumping(self) -> list[Jumps]:

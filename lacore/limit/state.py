@@ -324,7 +324,8 @@ class LimitState(Shown):
             f" after {self.build_time:.3g} s of assembly"
         )
         told["size"] = self.discretisation.contents
-        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
+        worth = self.discretisation.worth(self.rigor).partition(":")[0]
+        return Facts(f"LimitState: load factor {self.load_factor:.7g}, {worth}", told)
 
     def picture(self) -> Picture:
         """The mechanism, or where there is none the problem."""
@@ -335,7 +336,8 @@ class LimitState(Shown):
     def __str__(self) -> str:
         """What was found, what it is worth, and `stability`, which is computed for it."""
         named = f"{self.backend}, {self.coupling} coupling, {self.status.label}"
-        lines = [f"load factor {self.load_factor:.6g} ({self.rigor.value}; {named})"]
+        worth = self.discretisation.worth(self.rigor)
+        lines = [f"load factor {self.load_factor:.6g} ({worth}; {named})"]
         if self.certificate is not None:
             residual, size = self.certificate.worst
             lines.append(f"largest residual {size:.1e} ({residual})")

@@ -225,7 +225,8 @@ def _block_size(state: LimitState, extent: Floats) -> float:
 
 def _title(state: LimitState) -> str:
     if state.status is Status.SOLVED:
-        first = f"load factor {state.load_factor:.6g}   ({state.rigor.value})"
+        worth = state.discretisation.worth(state.rigor).partition(":")[0]
+        first = f"load factor {state.load_factor:.6g}   ({worth})"
     elif state.status is Status.UNSAFE:
         first = "UNSAFE: what falls under the dead loads alone"
     else:

@@ -45,11 +45,10 @@ def lines(answer: Answer) -> dict[str, str]:
 
 def worth(state: la.LimitState) -> str:
     """What a load factor proves."""
-    if state.rigor is la.Rigor.DISCRETE:
-        deforms = bool(state.discretisation.bodies)
-        own = "an estimate: certified on this mesh, no bound" if deforms else "certified"
-        return own if state.status is la.Status.SOLVED else state.rigor.phrase
-    return state.rigor.phrase
+    deforms = bool(state.discretisation.bodies)
+    if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
+        return "an estimate: certified on this mesh, no bound"
+    return state.discretisation.worth(state.rigor).partition(":")[0]
 
 
 def mechanism(state: la.LimitState) -> str:

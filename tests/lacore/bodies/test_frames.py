@@ -438,3 +438,12 @@ def test_copies_and_pickles():
     assert list(twin.bodies["frame"].nodes) == ["A", "B", "C", "D", "beam(2, 2)"]
     assert solved(twin).load_factor == pytest.approx(solved(problem).load_factor, rel=ROUND_OFF)
     assert twin.bodies["frame"] != problem.bodies["frame"]
+
+
+def test_nothing_is_discretised_so_the_value_is_exact():
+    beam = la.Frame({"A": (0, 0), "B": (2, 0), "C": (4, 0)}, [("A", "B"), ("B", "C")], 1.0)
+    loads = [la.PointForce("beam", "B", (0, -1))]
+    supports = [la.Fix("beam", "A", "xy"), la.Fix("beam", "C", "y")]
+    state = la.solve(la.Problem({"beam": beam}, reference_loads=loads, supports=supports))
+    assert "exact" in repr(state)
+    assert "continuum" not in f"{state!r} {state}"
