@@ -89,18 +89,20 @@ CASE = Case(
     unit="mean footing pressure / k1",
     explanation=__doc__,
     hand_calculation="""\
-one clay, k1 all through:        2 + pi = 5.141593, reaches 0.354 to 0.707 deep
+one clay, k1 all through:        2 + pi = 5.141593,
+                                 reaches 0.354 to 0.707 deep
 stiff below, a mechanism of the upper layer alone is as good as before:
-                                 at least 5.141593 where smooth, more where rough
+                                 at least 5.141593 where smooth,
+                                 more where rough
 soft below, a footing as wide as it is:
   sides shear off, 2 H/B k1:     1.000000
   ground at the base, 2 + pi:    2.570796 (k2 = 1/2)
   together                       3.570796; it is carried a little wider
 """,
     meshes={
-        "coarse": {"nx": 10, "ny": 6, "ratio": 4.0},
-        "medium": {"nx": 16, "ny": 10, "ratio": 4.5},
-        "fine": {"nx": 36, "ny": 22, "ratio": 6.0},
+        "coarse": {"nx": 5, "ny": 2, "ratio": 4.0},
+        "medium": {"nx": 16, "ny": 9, "ratio": 4.5},
+        "fine": {"nx": 44, "ny": 26, "ratio": 6.0},
     },
     build=build,
     reference=reference,

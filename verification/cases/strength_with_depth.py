@@ -105,9 +105,9 @@ smooth rho =  1:  F =  5.981829/5.391593 = 1.10947
        rho = 16:  F = 13.139041/9.141593 = 1.43728
 """,
     meshes={
-        "coarse": {"nx": 10, "ny": 6, "ratio": 4.0},
-        "medium": {"nx": 16, "ny": 10, "ratio": 4.5},
-        "fine": {"nx": 36, "ny": 22, "ratio": 6.0},
+        "coarse": {"nx": 3, "ny": 3, "ratio": 4.0},
+        "medium": {"nx": 16, "ny": 9, "ratio": 4.5},
+        "fine": {"nx": 44, "ny": 26, "ratio": 6.0},
     },
     build=build,
     reference=reference,

@@ -44,13 +44,6 @@ def tagged(thing: object, field: str) -> Table:
     if isinstance(thing, VonMises) and thing.hardening is not None:
         mend = "give its initial strength: VonMises(shear_strength=...)"
         raise InputError(f"{field}.hardening", thing.hardening, "a file has no laws of it", mend)
-    for name, value in varying(thing).items():
-        raise InputError(
-            f"{field}.{name}",
-            value,
-            "a file has numbers, no functions or values of elements",
-            "keep this problem in Python",
-        )
     own = {name: value for name, value in vars(thing).items() if value is not None}
     for name, value in varying(thing).items():
         own[name] = _function(value.values, f"{field}.{name}")
@@ -66,13 +59,6 @@ def other(thing: object, field: str) -> Table:
     """What has no table of its own name."""
     kind = type(thing).__name__
     raise InputError(field, thing, f"no file can state a {kind}", "keep this problem in Python")
-
-
-@other.register
-def _(thing: dict, field: str) -> Table:  # type: ignore[type-arg]
-    raise InputError(
-        field, list(thing), "a file has one material a body", "keep this problem in Python"
-    )
 
 
 @other.register
