@@ -72,6 +72,7 @@ from .problem.matching import matching as matching
 from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess
 from .questions.critical import Critical as Critical
+from .questions.critical import Crossing as Crossing
 from .questions.critical import Search as Search
 from .questions.critical import critical as critical
 from .questions.load_cases import LoadCases as LoadCases

@@ -18,6 +18,7 @@ from lacore.problem.problem import Problem
 from lacore.questions.kept import Found, digest, keep, recall
 from lacore.questions.sharing import solved
 from lacore.questions.worth import error, worth
+from lacore.showing import counted
 from lacore.status import Status
 
 ProblemAt = Callable[[float], Problem]
@@ -125,6 +126,13 @@ class Along:
         }
         if self.on_value is not None:
             self.on_value(value, found.value)
+
+
+def solved_by(table: pd.DataFrame, seconds: float) -> str:
+    """In words how many load factors of a table were solved, in what time, and how many kept."""
+    kept = int(table["kept"].sum())
+    solves = f"{counted(len(table) - kept, 'solve')} in {seconds:.3g} s"
+    return f"{solves}, {kept} kept" if kept else solves
 
 
 def read_range(within: tuple[float, float]) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from itertools import pairwise
 from math import isnan, nan
@@ -17,9 +17,9 @@ from lacore import views
 from lacore.errors import InputError, is_number, require_positive, require_whole
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.along import Along, read_range
+from lacore.questions.along import Along, read_range, solved_by
 from lacore.questions.kept import folder_of
-from lacore.showing import Facts, Picture, Shown, counted
+from lacore.showing import Compact, Facts, Picture, Shown, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,17 +54,40 @@ class Search(Enum):
 
 
 @dataclass(frozen=True, repr=False)
-class Critical(Shown):
-    """A critical value of a parameter, between two at which certificates prove the side.
+class Crossing(Compact):
+    """A range of a parameter at whose ends load factors are proven to lie on different sides.
 
     Attributes:
-        status: whether it was found, and if not, why.
-        low, high: the two values; NaN where none was found.
-        at_low, at_high: their states; None where none was found, or supports take the whole load.
+        low, high: its ends: as near to each other as was asked for where it was found, else those
+            that were seen.
+        rises: whether the load factor rises through the target.
+        status: whether it was narrowed down, and if not, why.
+        at_low, at_high: states at its ends; None where supports take the whole load there.
+    """
+
+    low: float
+    high: float
+    rises: bool
+    status: Search
+    at_low: LimitState | None = field(default=None, repr=False)
+    at_high: LimitState | None = field(default=None, repr=False)
+
+    @property
+    def value(self) -> float:
+        """The middle of both; NaN where it was not narrowed down."""
+        return (self.low + self.high) / 2 if self.status is Search.FOUND else nan
+
+
+@dataclass(frozen=True, repr=False)
+class Critical(Shown):
+    """Critical values of a parameter, each between two at which certificates prove the side.
+
+    Attributes:
+        crossings: every one that was seen, by the parameter; there may be more between values that
+            were not asked.
+        status: of the first of them; without any, why there is none.
         target: load factor that is crossed.
         of: what `load_factor` is of.
-        crossings: ranges of the parameter whose ends were seen on different sides, the one that
-            was searched first; there may be more between values that were not asked.
         table: a row a value that was asked, in order: ``parameter``, ``load_factor`` (inf where it
             is locked, -inf where the dead loads alone collapse it), its ``error`` by residuals,
             ``status``, ``residual``, ``seconds``, whether it was ``kept`` in the folder.
@@ -72,51 +95,73 @@ class Critical(Shown):
     """
 
     status: Search
-    low: float
-    high: float
-    at_low: LimitState | None
-    at_high: LimitState | None
+    crossings: tuple[Crossing, ...]
     target: float
     of: str
-    crossings: tuple[tuple[float, float], ...]
     table: pd.DataFrame
     solve_time: float
 
     @property
+    def first(self) -> Crossing | None:
+        """The one at the least value of the parameter, if it was narrowed down."""
+        return self.crossings[0] if self.status is Search.FOUND else None
+
+    @property
     def value(self) -> float:
-        """The middle of the two; NaN where there are none."""
-        return (self.low + self.high) / 2
+        """The first critical value; NaN where there is none."""
+        return self.first.value if self.first else nan
+
+    @property
+    def low(self) -> float:
+        """Lower end of the first one; NaN where there is none."""
+        return self.first.low if self.first else nan
+
+    @property
+    def high(self) -> float:
+        """Upper end of the first one; NaN where there is none."""
+        return self.first.high if self.first else nan
+
+    @property
+    def at_low(self) -> LimitState | None:
+        """State at the lower end; None where there is none, or supports take the whole load."""
+        return self.first.at_low if self.first else None
+
+    @property
+    def at_high(self) -> LimitState | None:
+        """State at the upper end; None where there is none, or supports take the whole load."""
+        return self.first.at_high if self.first else None
 
     @property
     def rises(self) -> bool | None:
-        """Whether the load factor rises through the target; None where nothing was found."""
-        if self.status is not Search.FOUND:
-            return None
-        by = self.table.set_index("parameter")["load_factor"]
-        return bool(by[self.low] < by[self.high])
+        """Whether the load factor rises through the target there; None where nothing was found."""
+        return self.first.rises if self.first else None
+
+    @property
+    def failed(self) -> tuple[float, ...]:
+        """Values that were asked and have no certified load factor."""
+        return tuple(self.table["parameter"][self.table["load_factor"].isna()])
 
     @property
     def message(self) -> str:
         """The status in words, and what else was seen."""
         said = self.status.value
         if len(self.crossings) > 1:
-            more = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in self.crossings[1:])
-            said += f"; it changes sides elsewhere, too: in {more}"
+            more = ", ".join(_told(own) for own in self.crossings[1:])
+            said += f"; the first of {len(self.crossings)} that were seen: also {more}"
+        if self.failed and self.status is not Search.NOT_CERTIFIED:
+            said += f"; not certified at {listed([f'{value:.6g}' for value in self.failed])}"
         return said
 
     def facts(self) -> Facts:
         """The value, between what, and what proves it."""
         title = f"Critical: {self.status.label}"
-        if self.status is Search.FOUND:
-            title = f"Critical: {self.value:.7g}, in [{self.low:.10g}, {self.high:.10g}]"
         told = {"status": self.message}
         if self.status is Search.FOUND:
+            title = f"Critical: {self.value:.7g}, in [{self.low:.10g}, {self.high:.10g}]"
             by = self.table.set_index("parameter")["load_factor"]
             first, last = (by[end] - self.target for end in (self.low, self.high))
             told["proven"] = f"{self.target:g} {first:+.1e} and {last:+.1e} there, of: {self.of}"
-        kept = int(self.table["kept"].sum())
-        solves = counted(len(self.table) - kept, "solve")
-        told["solved by"] = f"{solves} in {self.solve_time:.3g} s" + (f", {kept} kept" * (kept > 0))
+        told["solved by"] = solved_by(self.table, self.solve_time)
         return Facts(title, told)
 
     def picture(self) -> Picture:
@@ -142,11 +187,12 @@ def critical(
     folder: str | Path | None = None,
     on_value: Callable[[float, float], None] | None = None,
 ) -> Critical:
-    """The value of a parameter at which the load factor is the target.
+    """The values of a parameter at which the load factor is the target.
 
-    Nothing is assumed of how the load factor depends on it: what is found is a range so narrow that
-    its ends, with certificates, lie on different sides of the target. Load factors of meshes that
-    change with the parameter jump a little, and so may the sides.
+    Nothing is assumed of how the load factor depends on it: what is found are ranges so narrow that
+    their ends, with certificates, lie on different sides of the target, one for each change of
+    sides between values that were asked. Load factors of meshes that change with the parameter jump
+    a little, and so may the sides.
 
     Args:
         problem_at: the problem at a value.
@@ -193,20 +239,16 @@ def crossing(
         values = np.linspace(low, high, _SCANNED + 2).tolist()
         along.ask(values)
     changes = seen.changes(values)
-    status, ends = Search.SAME_SIDE, None
-    if any(isnan(seen.side(value)) for value in values) and not changes:
+    within = tolerance * max(abs(low), abs(high))
+    crossings = tuple(seen.crossing(*change, within) for change in changes)
+    status = Search.SAME_SIDE
+    if any(isnan(seen.side(value)) for value in values):
         status = Search.NOT_CERTIFIED
-    if changes:
-        status, ends = seen.searched(*changes[0], tolerance * max(abs(low), abs(high)))
     return Critical(
-        status=status,
-        low=ends[0] if ends else nan,
-        high=ends[1] if ends else nan,
-        at_low=along.state_if(ends[0]) if ends else None,
-        at_high=along.state_if(ends[1]) if ends else None,
+        status=crossings[0].status if crossings else status,
+        crossings=crossings,
         target=float(target),
         of=of,
-        crossings=tuple(changes),
         table=along.table,
         solve_time=time.perf_counter() - begin,
     )
@@ -233,7 +275,16 @@ class _Seen:
         told = [value for value in values if abs(self.side(value)) == 1]
         return [(a, b) for a, b in pairwise(told) if self.side(a) != self.side(b)]
 
-    def searched(
+    def crossing(self, low: float, high: float, within: float) -> Crossing:
+        """A change of sides, narrowed down as far as certificates allow."""
+        rises = self.side(low) < self.side(high)
+        status, ends = self._searched(low, high, within)
+        if ends is None:
+            return Crossing(low, high, rises, status)
+        states = (self.along.state_if(end) for end in ends)
+        return Crossing(*ends, rises, status, *states)
+
+    def _searched(
         self, low: float, high: float, within: float
     ) -> tuple[Search, tuple[float, float] | None]:
         """Narrow a change of sides down; the values next to it whose sides are proven."""
@@ -267,6 +318,12 @@ class _Seen:
     @property
     def _scale(self) -> float:
         return abs(self.target) or 1.0
+
+
+def _told(own: Crossing) -> str:
+    if own.status is Search.FOUND:
+        return f"{own.value:.7g}"
+    return f"in [{own.low:.6g}, {own.high:.6g}] ({own.status.label})"
 
 
 class _NoNumberError(Exception):

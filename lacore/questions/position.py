@@ -16,9 +16,9 @@ from lacore.arrays import Floats
 from lacore.errors import InputError, require_count, require_positive
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.along import Along, read_range
+from lacore.questions.along import Along, read_range, solved_by
 from lacore.questions.kept import folder_of
-from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.showing import Facts, Picture, Shown, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,9 +75,7 @@ class WorstPosition(Shown):
         told = {"status": self.message}
         if self.state is not None and self.state.certificate is not None:
             told["residual"] = self.state.certificate.summary
-        kept = int(self.table["kept"].sum())
-        solves = counted(len(self.table) - kept, "solve")
-        told["solved by"] = f"{solves} in {self.solve_time:.3g} s" + (f", {kept} kept" * (kept > 0))
+        told["solved by"] = solved_by(self.table, self.solve_time)
         title = f"WorstPosition: {self.position:.7g}, load factor {self.load_factor:.7g}"
         return Facts(title, told)
 

@@ -33,6 +33,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ENVELOPE, DIFFERENCES = "multipliers", "differences"
+_METHODS = {
+    ENVELOPE: "by multipliers of the state (envelope theorem)",
+    DIFFERENCES: (
+        "by differences of certified load factors on either side, good to some 1e-3 of an"
+        " elasticity: friction or flow that is not associated has no envelope theorem"
+    ),
+}
 _COLUMNS = [
     *("parameter", "kind", "value", "derivative", "elasticity", "left", "right"),
     *("unique", "method", "why"),
@@ -70,11 +77,13 @@ class Sensitivity(Shown):
     @property
     def message(self) -> str:
         """How derivatives were found, and of which there are none."""
-        method = ", ".join(dict.fromkeys(self.table["method"]))
+        said = ", ".join(_METHODS[name] for name in dict.fromkeys(self.table["method"]))
         kinked = self.table["parameter"][~self.table["unique"]]
-        said = f"by {method}"
         if len(kinked):
-            said += f"; one-sided, as mechanisms are not unique: {listed(list(kinked))}"
+            said += (
+                f"; one-sided, `left` and `right` of a kink, with none between:"
+                f" {listed(list(kinked))}"
+            )
         without = self.table["parameter"][self.table["why"] != ""]
         if len(without):
             said += f"; none of {listed(list(without))} (see the table)"

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from lacore.questions.critical import Critical, Search
 from lacore.questions.position import WorstPosition
-from lacore.showing import cut
+from lacore.showing import cut, listed
 
 _SIZE = (7.0, 3.8)  # inches
 _LINE, _FOUND, _WRONG = "#2b6a99", "#b2182b", "#999999"
@@ -17,7 +17,7 @@ _HIGHEST = 4.0  # of a picture of the least, per the middle one: others would fl
 
 
 def plot_critical(found: Critical) -> Figure:
-    """Load factors over the parameter, the target, and where both meet.
+    """Load factors over the parameter, the target, and wherever both were found to meet.
 
     Values without a finite load factor stand at the border, with their status.
     """
@@ -28,9 +28,10 @@ def plot_critical(found: Critical) -> Figure:
         f"target {found.target:g}", (0.995, found.target), (0, 3), ha="right", fontsize=8,
         xycoords=("axes fraction", "data"), textcoords="offset points",
     )  # fmt: skip
-    if found.status is Search.FOUND:
-        axes.axvline(found.value, color=_FOUND, lw=1.0, zorder=1)
-        axes.plot([found.value], [found.target], "o", color=_FOUND, ms=7, zorder=4)
+    for own in found.crossings:
+        if own.status is Search.FOUND:
+            axes.axvline(own.value, color=_FOUND, lw=1.0, zorder=1)
+            axes.plot([own.value], [found.target], "o", color=_FOUND, ms=7, zorder=4)
     axes.set_ylabel(found.of.replace(", ", ",\n"), fontsize=9)
     axes.set_xlabel("parameter", fontsize=9)
     return figure
@@ -51,6 +52,9 @@ def plot_worst_position(found: WorstPosition) -> Figure:
 def _heading(found: Critical) -> str:
     if found.status is not Search.FOUND:
         return f"{found.status.label}: {found.status.value}"
+    crossed = [own.value for own in found.crossings if own.status is Search.FOUND]
+    if len(crossed) > 1:
+        return f"it crosses the target at {listed([f'{value:.7g}' for value in crossed])}"
     return f"{found.value:.7g}: between {found.low:.9g} and {found.high:.9g} it crosses the target"
 
 

@@ -21,7 +21,8 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
     table = found.table.dropna(subset="elasticity").head(_MOST)
     figure = Figure(figsize=(_WIDTH, _REST + _ROW * max(len(table), 1)), layout="constrained")
     figure.set_facecolor("white")
-    heading = f"load factor {found.state.load_factor:.6g}: what it depends on"
+    methods = " and ".join(dict.fromkeys(found.table["method"]))
+    heading = f"load factor {found.state.load_factor:.6g}: what it depends on, by {methods}"
     figure.suptitle(heading, fontsize=11, x=0.01, ha="left")
     axes = figure.add_subplot()
     for place, row in enumerate(table.to_dict("records")):

@@ -106,9 +106,16 @@ def test_a_load_factor_that_comes_back_is_seen():
 
     # alpha = min(mu W, W b/(2 y)), W = 4: 1 up to y = 2, then 2/y.
     found = la.critical(lambda x: stone(2.0 + 2.0 * abs(x)), (-0.5, 0.9), target=0.8, scan=6)
-    assert len(found.crossings) == 2
-    assert found.value == pytest.approx(-0.25, rel=1e-6)
-    assert "changes sides elsewhere" in found.message
+    assert [own.value for own in found.crossings] == pytest.approx([-0.25, 0.25], rel=1e-6)
+    assert [own.rises for own in found.crossings] == [True, False]
+    for own in found.crossings:
+        assert own.status is la.Search.FOUND
+        assert own.high - own.low <= 1e-7
+        above = own.at_low.load_factor - 0.8, own.at_high.load_factor - 0.8
+        assert min(above) < 0 < max(above)
+    assert found.value == found.crossings[0].value
+    assert found.rises is True
+    assert "the first of 2 that were seen: also 0.25" in found.message
 
 
 def test_what_was_found_is_kept(tmp_path):

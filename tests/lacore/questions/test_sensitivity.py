@@ -156,9 +156,37 @@ def test_where_two_mechanisms_meet_derivatives_are_one_sided():
 
 
 def test_coulomb_derivatives_say_that_they_are_differences():
-    table = la.sensitivity(la.solve(deformable_block(0.4))).table
-    assert set(table["method"]) == {"differences"}
-    assert set(la.sensitivity(la.solve(portal())).table["method"]) == {"multipliers"}
+    found = la.sensitivity(la.solve(wall()))
+    assert set(found.table["method"]) == {"differences"}
+    assert found.message.startswith("by differences")
+    assert found.plot().get_suptitle().endswith("by differences")
+    by_theorem = la.sensitivity(la.solve(portal()))
+    assert set(by_theorem.table["method"]) == {"multipliers"}
+    assert by_theorem.message.startswith("by multipliers")
+
+
+def test_a_coulomb_kink_has_two_differences():
+    """Where a stone slides and topples at one push, each way has a derivative of its own."""
+    height = 2.0  # alpha = min(mu W, W b/(2 y)): 1/4 against 1/4, W = 4
+
+    def stone(mu):
+        block = la.RigidBlock([(0, 0), (1, 0), (1, 4), (0, 4)])
+        return la.Problem(
+            {"stone": block},
+            [la.PointForce("stone", (0.0, height), (1, 0))],
+            interfaces=[la.Interface(("stone", lambda x: x[1] == 0), la.RigidObstacle(), mu)],
+            dead_loads=[la.BodyForce("stone", (0, -1))],
+        )
+
+    found = la.sensitivity(la.solve(stone(0.25)))
+    (friction,) = (row for row in found.table.to_dict("records") if ".mu" in row["parameter"])
+    assert friction["method"] == "differences"
+    assert not friction["unique"]
+    assert np.isnan(friction["derivative"])
+    # W below, where it slides; 0 above, where it topples: differences of states certified to 1e-6.
+    assert (friction["left"], friction["right"]) == pytest.approx((4.0, 0.0), abs=1e-2)
+    assert "one-sided" in found.message
+    assert friction["parameter"] in found.message
 
 
 def test_associated_states_of_coulomb_problems_have_multipliers():
