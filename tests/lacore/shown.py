@@ -195,6 +195,7 @@ def answers():
     sway = {"H": [la.PointForce("portal", "B", (1, 0))]}
     sway["V"] = [la.PointForce("portal", (2, 3), (0, -1))]
     found.append(la.envelope(portal(), sway, n=6))
+    found += found[1].crossings
     return [*found, replace(found[1], status=la.Search.SAME_SIDE, of=LONG)]
 
 
