@@ -21,9 +21,9 @@ from .bounds.lower import lower_bound as lower_bound
 from .bounds.upper import UpperBound as UpperBound
 from .bounds.upper import upper_bound as upper_bound
 from .certificate import Certificate as Certificate
+from .conditions.body_forces import BodyForce as BodyForce
 from .conditions.linear import ByLevel as ByLevel
 from .conditions.linear import Linear as Linear
-from .conditions.loads import BodyForce as BodyForce
 from .conditions.loads import Fix as Fix
 from .conditions.loads import PointForce as PointForce
 from .conditions.loads import Pressure as Pressure

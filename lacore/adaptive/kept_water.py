@@ -1,4 +1,4 @@
-"""Water that is the same on all meshes of a bracket: that of the first (T64).
+"""Loads that are the same on all meshes of a bracket: those of the first (T64).
 
 In an element pressures are linear between its vertices. On a finer mesh those of a function would
 be others, and bounds on different meshes bounds of different problems.
@@ -13,6 +13,7 @@ from skfem import MeshTri
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.body_forces import free_of_mesh
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.loads import Load
@@ -49,7 +50,7 @@ class Interpolated(Compact):
 @singledispatch
 def kept(load: Load, body: Body) -> Load:
     """A load as it is on the mesh of a body, for any mesh of the same domain."""
-    return load
+    return free_of_mesh(load, body)
 
 
 @kept.register(PorePressure)

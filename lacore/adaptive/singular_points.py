@@ -1,7 +1,7 @@
 """Where strain rates may be unbounded, and how finely elements turn around there (T26b)."""
 
 from functools import singledispatch
-from math import ceil, hypot, pi, sqrt
+from math import ceil, pi, sqrt
 
 import numpy as np
 from skfem import MeshTri
@@ -10,8 +10,10 @@ from lacore.adaptive.whole import continua, whole
 from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.body_forces import largest
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.conditions.loads import BodyForce, Load
+from lacore.conditions.body_forces import BodyForce
+from lacore.conditions.loads import Load
 from lacore.meshes.joined import Joined
 from lacore.meshes.refinement import facets_between
 from lacore.problem.problem import Problem
@@ -115,7 +117,7 @@ def friction_of(body: Body) -> float:
 def _loose(problem: Problem, name: str) -> bool:
     """Whether a body carries next to nothing along a free edge, by its weight."""
     body = of_kind(problem.bodies, Body)[name]
-    weight = sum(_per_volume(load) for load in problem.dead_loads if load.body == name)
+    weight = sum(_per_volume(load, body) for load in problem.dead_loads if load.body == name)
     carried = [
         2 * float(np.min(region.seen(one.strength))) / (1 - one.slope[0])
         for region in body.regions
@@ -126,14 +128,14 @@ def _loose(problem: Problem, name: str) -> bool:
 
 
 @singledispatch
-def _per_volume(load: Load) -> float:
+def _per_volume(load: Load, body: Body) -> float:
     """Size of a force per volume, N/m^3; none of what acts on boundaries."""
     return 0.0
 
 
 @_per_volume.register(BodyForce)
-def _of_volume(load: BodyForce) -> float:
-    return hypot(*load.vector)
+def _of_volume(load: BodyForce, body: Body) -> float:
+    return largest(load, body, "BodyForce")
 
 
 def _angles(mesh: MeshTri) -> Floats:

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.body_forces import force_field
 from lacore.bodies.continuum.boundaries import facet_geometry
-from lacore.bodies.continuum.loaded import elements_of, facets_of
+from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.water import in_pores, on_facets
-from lacore.conditions.loads import BodyForce, Load, Pressure, Traction
+from lacore.conditions.body_forces import BodyForce
+from lacore.conditions.loads import Load, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 
 if TYPE_CHECKING:
@@ -33,9 +35,8 @@ def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
 
 @multiplied.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "EquilibriumDofs") -> Floats:
-    part = elements_of(load, dofs.body, "BodyForce.where")
-    force = dofs.areas[part] * np.reshape(load.vector, (2, 1))
-    return _at(dofs, dofs.element_nodes[part], force)
+    own = force_field(load, dofs.body, "BodyForce")
+    return _at(dofs, dofs.element_nodes[own.elements], dofs.areas[own.elements] * own.mean)
 
 
 @multiplied.register(StandingWater)

@@ -22,7 +22,9 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
     named_criterion,
     require_associated_flow,
+    require_known_forces,
     require_known_strengths,
+    require_level_forces,
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
@@ -236,6 +238,8 @@ def _check_statable(problem: Problem) -> None:
     deforming = of_kind(problem.bodies, Body)
     require_associated_flow(of_kind(problem.bodies, Body))
     require_known_strengths(of_kind(problem.bodies, Body))
+    require_known_forces(problem)
+    require_level_forces(problem)
     for field, load in problem.loads.items():
         if load.point is not None and load.body in deforming:
             raise InputError(

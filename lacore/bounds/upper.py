@@ -19,7 +19,11 @@ from lacore.bodies.continuum.regions.gathering import (
     region_count,
 )
 from lacore.bodies.continuum.regions.lattices import on_lattice
-from lacore.bounds.enclosing import require_associated_flow, require_known_strengths
+from lacore.bounds.enclosing import (
+    require_associated_flow,
+    require_known_forces,
+    require_known_strengths,
+)
 from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
@@ -145,6 +149,7 @@ def upper_bound(
             " bound of every Coulomb load factor",
         )
     require_known_strengths(of_kind(given.bodies, Body))
+    require_known_forces(given)
     for name, dofs in discretisation.bodies.items():
         if dofs.body.pressed and not dofs.space.strict:
             raise InputError(

@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.conditions.body_forces import BodyForce, acting
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.conditions.where import Where, where_name
 from lacore.errors import (
@@ -140,33 +141,6 @@ class Pressure(Compact):
 
 
 @dataclass(frozen=True, repr=False)
-class BodyForce(Compact):
-    """Uniform force per volume [N/m^3].
-
-    Attributes:
-        body: name of the body.
-        vector: N/m^3.
-        where: the block (or blocks) of an assembly that it acts on, or the region (or regions) of
-            a continuum, by the names of ``mesh.subdomains``; None: on all of the body.
-    """
-
-    body: str
-    vector: tuple[float, float]
-    where: str | tuple[str, ...] | None = None
-    boundary: ClassVar[None] = None
-    point: ClassVar[None] = None
-
-    def __post_init__(self) -> None:
-        _check_vector("BodyForce.vector", self.vector, "N/m^3")
-
-    @property
-    def told(self) -> str:
-        """In a few words."""
-        part = "" if self.where is None else f".{where_name(self.where)}"
-        return f"{short(self.vector)} N/m^3 in {self.body}{part}"
-
-
-@dataclass(frozen=True, repr=False)
 class PointForce(Compact):
     """A single force.
 
@@ -275,10 +249,14 @@ def acts(load: Load) -> bool:
 
 
 @acts.register(Traction)
-@acts.register(BodyForce)
 @acts.register(PointForce)
-def _along(load: Traction | BodyForce | PointForce) -> bool:
+def _along(load: Traction | PointForce) -> bool:
     return bool(np.any(load.vector))
+
+
+@acts.register(BodyForce)
+def _anywhere(load: BodyForce) -> bool:
+    return any(map(acting, load.vector))
 
 
 @acts.register(Pressure)

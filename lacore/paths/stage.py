@@ -21,6 +21,7 @@ from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.following import moving_along
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
 from lacore.bodies.touching import TOUCH
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load, PointForce
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.conditions.where import Where
@@ -138,6 +139,17 @@ def _no_water(load: PorePressure | StandingWater, field: str) -> None:
         "leave it out, or give Pressure along the boundary; `solve` takes it in the shape that is"
         " given",
     )
+
+
+@_check_load.register(BodyForce)
+def _uniform(load: BodyForce, field: str) -> None:
+    if not load.uniform:
+        raise InputError(
+            field,
+            load.told,
+            "varies by place or by element, and the body moves and gets other meshes",
+            "give a number for each region: BodyForce(body, (x, y), where=region)",
+        )
 
 
 def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:

@@ -1,6 +1,6 @@
 """Bodies on meshes that match where they touch: the same vertices on both sides."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +9,9 @@ from skfem.mesh import MeshTri1
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.body_forces import free_of_mesh
 from lacore.bodies.continuum.regions import inheriting
+from lacore.conditions.loads import Load
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments
 from lacore.errors import InputError
@@ -30,16 +32,31 @@ def matching(problem: Problem) -> Problem:
         InputError: a body with such an edge that is not of straight triangles.
     """
     for _ in range(_ROUNDS):
-        bodies = dict(problem.bodies)
+        finer: dict[str, Body] = {}
         for name, body in of_kind(problem.bodies, Body).items():
             facets, places = _hanging(problem, name)
             if facets.size:
                 mesh = with_vertices(_triangles(name, body), facets, places)
-                bodies[name] = inheriting.on_mesh(body, mesh, body.space)
-        if all(bodies[name] is problem.bodies[name] for name in bodies):
+                finer[name] = inheriting.on_mesh(body, mesh, body.space)
+        if not finer:
             return problem
-        problem = replace(problem, bodies=bodies)
+        problem = _on_finer(problem, finer)
     return problem
+
+
+def _on_finer(problem: Problem, finer: Mapping[str, Body]) -> Problem:
+    """The problem with bodies on other meshes, and the same loads there."""
+    coarse = of_kind(problem.bodies, Body)
+
+    def held(load: Load) -> Load:
+        return free_of_mesh(load, coarse[load.body]) if load.body in finer else load
+
+    return replace(
+        problem,
+        bodies={**problem.bodies, **finer},
+        reference_loads=[held(load) for load in problem.reference_loads],
+        dead_loads=[held(load) for load in problem.dead_loads],
+    )
 
 
 def glued(problem: Problem, bonded: bool) -> list[Glued]:

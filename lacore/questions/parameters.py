@@ -14,8 +14,8 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import (
-    BodyForce,
     Load,
     PointForce,
     Pressure,
@@ -181,10 +181,16 @@ def size_of(load: Load) -> float | None:
 
 
 @size_of.register(Traction)
-@size_of.register(BodyForce)
 @size_of.register(PointForce)
-def _length(load: Traction | BodyForce | PointForce) -> float:
+def _length(load: Traction | PointForce) -> float:
     return float(np.linalg.norm(load.vector))
+
+
+@size_of.register(BodyForce)
+def _per_volume(load: BodyForce) -> float:
+    if not load.uniform:
+        return 1.0  # a factor of all of it
+    return float(np.linalg.norm(np.asarray(load.vector, dtype=np.float64)))
 
 
 @size_of.register(Pressure)
@@ -204,11 +210,15 @@ def times(load: Any, factor: float) -> Load:
 
 
 @times.register(Traction)
-@times.register(BodyForce)
 @times.register(PointForce)
-def _longer(load: Traction | BodyForce | PointForce, factor: float) -> Load:
+def _longer(load: Traction | PointForce, factor: float) -> Load:
     x, y = load.vector
     return replace(load, vector=(factor * x, factor * y))
+
+
+@times.register(BodyForce)
+def _heavier(load: BodyForce, factor: float) -> Load:
+    return load.times(factor)
 
 
 @times.register(Pressure)

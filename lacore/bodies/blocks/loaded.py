@@ -8,12 +8,15 @@ import numpy as np
 import shapely
 
 from lacore.arrays import Floats, Ints
-from lacore.conditions.loads import BodyForce, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.body_forces import BodyForce
+from lacore.conditions.loads import Load, PointForce, Pressure, RigidFooting, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError, suggest
 
 if TYPE_CHECKING:
     from lacore.bodies.blocks.block_assembly import BlockAssembly
+
+_BENT = 1e-9  # of the largest value: what is linear, up to round-off
 
 Carried = tuple[Ints, Floats, Floats]
 """Blocks (k,), points of attack (2, k) in m, forces (2, k) in N/m."""
@@ -61,7 +64,38 @@ def _water(load: PorePressure | StandingWater, body: "BlockAssembly") -> Carried
 @carried.register(BodyForce)
 def _volume(load: BodyForce, body: "BlockAssembly") -> Carried:
     blocks = named(body, load.where, "BodyForce.where")
-    return blocks, body.centroid[:, blocks], np.outer(load.vector, body.area[blocks])
+    count = len(body.names)
+    if load.piecewise_uniform:
+        places = body.centroid[:, blocks]
+        return blocks, places, load.at(places, blocks, count, "BodyForce") * body.area[blocks]
+    triangles, owners = _triangles(body, blocks)
+    corner = triangles.transpose(2, 1, 0)  # (2, 3, triangles)
+    middle = (corner + np.roll(corner, -1, axis=1)) / 2  # of edges: exact of degree 2
+    parts = np.tile(owners, 3)
+    force = load.at(middle.reshape(2, -1), parts, count, "BodyForce").reshape(middle.shape)
+    ends = load.at(corner.reshape(2, -1), parts, count, "BodyForce").reshape(middle.shape)
+    bent = np.abs(ends + np.roll(ends, -1, axis=1) - 2 * force).max()
+    if bent > _BENT * np.abs(ends).max():
+        raise InputError(
+            "BodyForce.vector",
+            load.told,
+            "is not linear in each block",
+            "give a value for each block, or a lacore.Linear",
+        )
+    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = np.abs(u[0] * v[1] - u[1] * v[0]) / 2
+    return parts, middle.reshape(2, -1), (force * area / 3).reshape(2, -1)
+
+
+def _triangles(body: "BlockAssembly", blocks: Ints) -> tuple[Floats, Ints]:
+    """Triangles of blocks, shape (t, 3, 2), m, and the block of each, shape (t,)."""
+    names = [body.names[block] for block in blocks]
+    cut = [
+        shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(ring)))
+        for ring in (body.polygons[name] for name in names)
+    ]
+    rings = shapely.get_coordinates(np.concatenate(cut)).reshape(-1, 4, 2)
+    return rings[:, :3], np.repeat(blocks, [len(own) for own in cut])
 
 
 @carried.register(PointForce)

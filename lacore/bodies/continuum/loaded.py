@@ -10,10 +10,11 @@ from skfem.assembly.basis import AbstractBasis
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.body_forces import elements_of, force_field
 from lacore.bodies.continuum.boundaries import boundary_facets, vertex_at
 from lacore.bodies.continuum.water import in_pores, on_facets
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import (
-    BodyForce,
     Fix,
     Load,
     PointForce,
@@ -22,7 +23,7 @@ from lacore.conditions.loads import (
     Traction,
 )
 from lacore.conditions.water import PorePressure, StandingWater
-from lacore.errors import InputError, suggest_all
+from lacore.errors import InputError
 from lacore.meshes.curved import is_curved
 
 if TYPE_CHECKING:
@@ -54,25 +55,7 @@ def _check_point(load: PointForce, body: "Body", field: str) -> None:
 
 @check_load.register(BodyForce)
 def _check_volume(load: BodyForce, body: "Body", field: str) -> None:
-    elements_of(load, body, f"{field}.where")
-
-
-def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
-    """Elements that a body force acts on: all, or those of regions of the mesh, ascending.
-
-    Raises:
-        InputError: names that the mesh lacks.
-    """
-    if load.where is None:
-        return np.arange(body.mesh.nelements)
-    known = body.mesh.subdomains or {}
-    names = (load.where,) if isinstance(load.where, str) else load.where
-    for name in names:
-        if name not in known:
-            mend = suggest_all(str(name), known) if known else "the mesh has none: leave it out"
-            raise InputError(field, name, "no such region of the mesh", mend)
-    parts = [np.asarray(known[name], dtype=np.int64) for name in names]
-    return np.unique(np.concatenate(parts))
+    force_field(load, body, field)
 
 
 @check_load.register(PorePressure)
@@ -108,9 +91,15 @@ def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
 
 @force.register(BodyForce)
 def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
-    part = None if load.where is None else elements_of(load, dofs.body, "BodyForce.where")
-    basis = Basis(dofs.body.mesh, dofs.basis.elem, intorder=_load_order(dofs), elements=part)
-    return _power(dofs, basis, np.zeros(2), np.reshape(load.vector, (2, 1, 1)))
+    body, field = dofs.body, "BodyForce"
+    part = None if load.where is None else elements_of(load, body, f"{field}.where")
+    order = _load_order(dofs) if load.piecewise_uniform else _CURVED_ORDER
+    basis = Basis(body.mesh, dofs.basis.elem, intorder=order, elements=part)
+    elements = np.arange(body.mesh.nelements) if part is None else part
+    places = np.asarray(basis.global_coordinates())  # (2, elements, points)
+    numbers = np.repeat(elements, places.shape[2])
+    vector = load.at(places.reshape(2, -1), numbers, body.mesh.nelements, field)
+    return _power(dofs, basis, np.zeros(2), vector.reshape(places.shape))
 
 
 @force.register(PointForce)

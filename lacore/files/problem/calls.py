@@ -15,6 +15,7 @@ from lacore.bodies.frames import sections
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
 from lacore.conditions import loads, water
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
@@ -75,7 +76,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.Fix": loads.Fix,
     "la.Traction": loads.Traction,
     "la.Pressure": loads.Pressure,
-    "la.BodyForce": loads.BodyForce,
+    "la.BodyForce": BodyForce,
     "la.PointForce": loads.PointForce,
     "la.RigidFooting": loads.RigidFooting,
     "la.PorePressure": water.PorePressure,

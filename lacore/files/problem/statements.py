@@ -9,6 +9,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
 from lacore.conditions import loads, water
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.where import Where
 from lacore.conditions.within import Along, Beyond, Within
@@ -29,7 +30,7 @@ _TAGS: Mapping[type, tuple[str, str]] = {
     VonMises: ("criterion", "von-mises"),
     loads.Traction: ("load", "traction"),
     loads.Pressure: ("load", "pressure"),
-    loads.BodyForce: ("load", "body-force"),
+    BodyForce: ("load", "body-force"),
     loads.PointForce: ("load", "point-force"),
     loads.RigidFooting: ("load", "rigid-footing"),
 }

@@ -13,15 +13,15 @@ from matplotlib.tri import Triangulation
 from lacore.arrays import Floats
 from lacore.bodies.any_body import AnyBody
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.bodies.blocks.loaded import named
+from lacore.bodies.blocks.loaded import carried
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.loaded import elements_of
+from lacore.bodies.continuum.body_forces import elements_of
 from lacore.bodies.continuum.water import in_pores
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.loaded import line_load
 from lacore.bodies.touching import Edges
+from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import (
-    BodyForce,
     Load,
     PointForce,
     Pressure,
@@ -45,6 +45,7 @@ _SPACING = 15.0  # points, in a row
 _ALONG = 0.25  # cosine to the normal, below which a traction acts along a boundary
 _BAR = (2.0, 7.0)  # points: a footing, from its body on
 _ROLL = 5.0  # points: the rollers under a smooth one
+_NOTHING = 1e-9  # of all parts of a body force: what they leave together
 _STEP, _TRIES = 4.0, 10  # points: rows give way to what is there
 
 
@@ -116,37 +117,37 @@ def _inner_length(sheet: Sheet, place: Floats, along: Floats, block: shapely.Pol
 def _body_force(
     load: BodyForce, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
-    volumes, centroids = _volumes(body, load)
-    volume = float(volumes.sum())
-    place = centroids @ volumes / volume
-    vector = np.asarray(load.vector, dtype=np.float64)
-    size = float(np.linalg.norm(vector))
-    text = _worth(size * volume, _force_unit(body), live)
-    _draw_single(sheet, place, vector / size, True, _OF_BODY, text, colour, gid)
+    forces, centroids = _volume_forces(body, load)
+    weights = np.linalg.norm(forces, axis=0)
+    total = forces.sum(axis=1)
+    size = float(np.linalg.norm(total))
+    if not size > _NOTHING * weights.sum():
+        return  # what cancels has no arrow
+    place = centroids @ weights / weights.sum()
+    text = _worth(size, _force_unit(body), live)
+    _draw_single(sheet, place, total / size, True, _OF_BODY, text, colour, gid)
     sheet.axes.scatter(place[0], place[1], s=14, color=colour, zorder=6, gid=gid)
 
 
 @singledispatch
-def _volumes(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
-    """Volumes (k,) of the parts that a body force acts on, m^3, or m^2 per unit thickness.
-
-    And their centroids, (2, k), m.
-    """
+def _volume_forces(body: AnyBody, load: BodyForce) -> tuple[Floats, Floats]:
+    """Forces (2, k) on the parts that a body force acts on, and their centroids, (2, k), m."""
     raise TypeError(f"has no volume: {type(body).__name__}")
 
 
-@_volumes.register
+@_volume_forces.register
 def _of_elements(body: Body, load: BodyForce) -> tuple[Floats, Floats]:
     part = elements_of(load, body, "BodyForce.where")
     parts = shapely.polygons(outlines(body.mesh)[part])
     centroids = shapely.get_coordinates(shapely.centroid(parts)).T
-    return shapely.area(parts) * body.thickness(centroids), centroids
+    volumes = shapely.area(parts) * body.thickness(centroids)
+    return volumes * load.at(centroids, part, body.mesh.nelements, "BodyForce"), centroids
 
 
-@_volumes.register
+@_volume_forces.register
 def _of_blocks(body: BlockAssembly, load: BodyForce) -> tuple[Floats, Floats]:
-    blocks = named(body, load.where, "BodyForce.where")
-    return body.area[blocks], body.centroid[:, blocks]
+    _, places, forces = carried(load, body)
+    return forces, places
 
 
 def _force_unit(body: AnyBody) -> str:

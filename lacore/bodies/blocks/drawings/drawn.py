@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from lacore.bodies.blocks.block_assembly import BlockAssembly
-from lacore.conditions.loads import BodyForce
+from lacore.conditions.body_forces import BodyForce
 from lacore.errors import InputError, is_number, is_plane_vector, require_known, require_range
 from lacore.materials.friction import Friction, friction_law
 from lacore.showing import Compact, Facts, Shown, counted, listed

@@ -11,15 +11,13 @@ from skfem import Mesh
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.regions.looking import looked_at
 from lacore.errors import InputError
 from lacore.materials.fields import Field
 from lacore.meshes.curved import vertices
 from lacore.showing import Compact
 
-_INSIDE = 1e-6  # of the way to its centre: as near to its corners as an element is looked at
-_LINEAR = 1e-12  # of the largest value: what is linear, up to round-off
 _STEEPER = 1e-9  # of a slope: round-off
-_PARTS = 4  # into which edges are divided for places where functions are looked at
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,22 +89,16 @@ def _listed(place: str, values: Floats, mesh: Mesh, elements: Ints) -> Varying:
 
 
 def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
-    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (2, a, e)
+    def at(places: Floats, _: Ints) -> Floats:
+        return own.at(places, place)
+
+    values, vertex, linear = looked_at(at, mesh, elements)
     if not isinstance(mesh, MeshTri1):
-        shares = _pulled(np.eye(len(mesh.t)))
-        places = np.einsum("pa,xae->xep", shares, corner)
-        values = own.at(places.reshape(2, -1), place).reshape(elements.size, -1)
-        return Varying(values, None, None, linear=False)
-    shares = _pulled(_places())
-    places = np.einsum("pa,xae->xep", shares, corner)
-    values = own.at(places.reshape(2, -1), place).reshape(elements.size, -1)
-    middle = values[:, :3].mean(axis=1, keepdims=True)
-    vertex = middle + (values[:, :3] - middle) / (1 - _INSIDE)
-    beside = np.abs(values - vertex @ shares.T).max(initial=0.0)
-    linear = bool(beside <= _LINEAR * np.abs(values).max())
+        return Varying(vertex, None, None, linear)
     vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
     if linear or own.steepest is None:
         return Varying(vertex, None, None, linear)
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (2, a, e)
     centre = corner.mean(axis=1)
     radius = np.linalg.norm(corner - centre[:, None], axis=0).max(axis=0)
     at_centre = own.at(centre, place)
@@ -123,15 +115,3 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
             "give its largest slope; where it jumps let edges of the mesh follow",
         )
     return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear)
-
-
-def _places() -> Floats:
-    """Barycentric coordinates of a lattice, the vertices first, shape (15, 3)."""
-    whole = [(i, j, _PARTS - i - j) for i in range(_PARTS + 1) for j in range(_PARTS + 1 - i)]
-    inner = [place for place in whole if max(place) < _PARTS]
-    return np.concatenate([np.eye(3), np.array(inner) / _PARTS])
-
-
-def _pulled(shares: Floats) -> Floats:
-    """Places of an element as they are looked at: a little nearer to its centre."""
-    return np.asarray(shares + _INSIDE * (1 / shares.shape[1] - shares))
