@@ -14,10 +14,10 @@ from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.where import Where
 from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
-from lacore.errors import InputError
+from lacore.errors import InputError, is_number
 from lacore.materials import friction, mohr_coulomb
 from lacore.materials.drucker_prager import DruckerPrager
-from lacore.materials.fields import varying
+from lacore.materials.fields import Field, varying
 from lacore.materials.von_mises import VonMises
 
 Table = dict[str, Any]
@@ -30,7 +30,6 @@ _TAGS: Mapping[type, tuple[str, str]] = {
     VonMises: ("criterion", "von-mises"),
     loads.Traction: ("load", "traction"),
     loads.Pressure: ("load", "pressure"),
-    BodyForce: ("load", "body-force"),
     loads.PointForce: ("load", "point-force"),
     loads.RigidFooting: ("load", "rigid-footing"),
 }
@@ -47,9 +46,7 @@ def tagged(thing: object, field: str) -> Table:
         raise InputError(f"{field}.hardening", thing.hardening, "a file has no laws of it", mend)
     own = {name: value for name, value in vars(thing).items() if value is not None}
     for name, value in varying(thing).items():
-        own[name] = _function(value.values, f"{field}.{name}")
-        if value.factor != 1:
-            raise InputError(f"{field}.{name}", value, "a field times a factor", "give it new")
+        own[name] = _varying(value, f"{field}.{name}")
     if "where" in own and tag[0] == "load":
         own["where"] = place(own["where"], f"{field}.where")
     return {tag[0]: tag[1]} | {name: plain(value) for name, value in own.items()}
@@ -60,6 +57,16 @@ def other(thing: object, field: str) -> Table:
     """What has no table of its own name."""
     kind = type(thing).__name__
     raise InputError(field, thing, f"no file can state a {kind}", "keep this problem in Python")
+
+
+@other.register
+def _(thing: BodyForce, field: str) -> Table:
+    vector = [
+        plain(own) if is_number(own) else _varying(own, f"{field}.vector[{axis}]")
+        for axis, own in enumerate(thing.vector)
+    ]
+    part = {} if thing.where is None else {"where": plain(thing.where)}
+    return {"load": "body-force", "body": thing.body, "vector": vector, **part}
 
 
 @other.register
@@ -90,6 +97,15 @@ def criteria(given: Any, field: str) -> Table:
     if isinstance(given, Mapping):
         return {name: tagged(own, f"{field}[{name!r}]") for name, own in given.items()}
     return tagged(given, field)
+
+
+def _varying(given: object, field: str) -> Table:
+    """A field, or a function of place."""
+    if not isinstance(given, Field):
+        return _function(given, field)
+    if given.factor != 1:
+        raise InputError(field, given, "a field times a factor", "give it new")
+    return _function(given.values, field)
 
 
 def _function(values: object, field: str) -> Table:

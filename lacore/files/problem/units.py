@@ -23,6 +23,7 @@ _EXAMPLES = {
     "m": "'2.5 m' or '40 cm'",
     "Pa": "'20 kPa' or '1.5 MPa'",
     "N/m^3": "'18 kN/m3'",
+    "N/m^4": "'2 kN/m4'",
     "N/m": "'50 kN/m'",
     "Pa/m": "'2 kPa/m'",
     "N": "'50 kN'",

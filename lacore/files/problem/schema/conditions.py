@@ -7,7 +7,7 @@ from pydantic import Discriminator, Field, StrictBool, Tag
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry, node
-from lacore.files.problem.schema.fields import ByLevel, Linear
+from lacore.files.problem.schema.fields import ByLevel, Density, Linear
 from lacore.files.problem.schema.materials import Friction
 from lacore.files.problem.schema.places import Where
 from lacore.files.problem.schema.values import (
@@ -106,16 +106,18 @@ class Weight(_Load):
 
     maker: ClassVar[str] = "la.BodyForce"
     load: Literal["weight"]
-    unit_weight: UnitWeight
+    unit_weight: Density
     where: str | tuple[str, ...] | None = None
-    """Blocks; all if left out."""
+    """Blocks or regions; all if left out."""
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
-        given: dict[str, Any] = {"body": self.body, "vector": (0.0, -self.unit_weight)}
+        own, place = self.unit_weight, (*at, "unit_weight")
+        down = -own if isinstance(own, float) else node(own.downwards(), place)
+        given: dict[str, Any] = {"body": self.body, "vector": (0.0, down)}
         if self.where is not None:
             given["where"] = self.where
-        return Call(self.maker, given, at, {"vector": (*at, "unit_weight")})
+        return Call(self.maker, given, at, {"vector": place})
 
 
 class BodyForce(_Load):
@@ -123,9 +125,9 @@ class BodyForce(_Load):
 
     maker: ClassVar[str] = "la.BodyForce"
     load: Literal["body-force"]
-    vector: tuple[UnitWeight, UnitWeight]
+    vector: tuple[Density, Density]
     where: str | tuple[str, ...] | None = None
-    """Blocks; all if left out."""
+    """Blocks or regions; all if left out."""
 
 
 def _at(given: Any) -> str:

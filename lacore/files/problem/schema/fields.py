@@ -1,4 +1,4 @@
-"""Strengths and pressures that vary from place to place."""
+"""Strengths, pressures and weights that vary from place to place."""
 
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -8,7 +8,14 @@ from pydantic import Discriminator, Tag
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.values import Length, Point, Slope, Stress
+from lacore.files.problem.schema.values import (
+    Length,
+    Point,
+    Slope,
+    Stress,
+    UnitWeight,
+    WeightSlope,
+)
 
 
 class Linear(Entry):
@@ -55,3 +62,38 @@ Strength = Annotated[
     Discriminator(_kind),
 ]
 """A number, or as it varies from place to place."""
+
+
+class LinearWeight(Entry):
+    """The same per volume: a weight or another force."""
+
+    maker: ClassVar[str] = "la.Linear"
+    value: UnitWeight
+    gradient: tuple[WeightSlope, WeightSlope]
+    at: Point | None = None
+
+    def downwards(self) -> "LinearWeight":
+        """As a force along y."""
+        x, y = self.gradient
+        return self.model_copy(update={"value": -self.value, "gradient": (-x, -y)})
+
+
+class WeightByLevel(Entry):
+    """Weights or other forces per volume at heights y, linear between them."""
+
+    maker: ClassVar[str] = "la.ByLevel"
+    levels: tuple[Length, ...]
+    values: tuple[UnitWeight, ...]
+
+    def downwards(self) -> "WeightByLevel":
+        """As a force along y."""
+        return self.model_copy(update={"values": tuple(-own for own in self.values)})
+
+
+Density = Annotated[
+    Annotated[UnitWeight, Tag("~number")]
+    | Annotated[LinearWeight, Tag("~linear")]
+    | Annotated[WeightByLevel, Tag("~levels")],
+    Discriminator(_kind),
+]
+"""A force per volume: a number, or as it varies from place to place."""

@@ -1,5 +1,6 @@
 """Numbers of a problem file: with their units, finite, and never a text that looks like one."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, isinf
@@ -22,8 +23,22 @@ def refused(why: str, mend: str, *more: str) -> PydanticCustomError:
     return PydanticCustomError("refused", "refused", {"why": why, "mend": mend, "more": more})
 
 
+class _Read(ABC):
+    """A number that pydantic reads by `read`."""
+
+    @abstractmethod
+    def read(self, given: object, info: ValidationInfo) -> float:
+        """The number."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """How it is read."""
+        return core_schema.with_info_plain_validator_function(self.read)
+
+
 @dataclass(frozen=True)
-class Measure:
+class Measure(_Read):
     """A number in a unit; a text is one with its own, and is converted.
 
     Attributes:
@@ -35,12 +50,6 @@ class Measure:
     unit: str = ""
     whole: str = ""
     endless: bool = False
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """How it is read."""
-        return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -77,17 +86,11 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Whole:
+class Whole(_Read):
     """A whole number from `least` on."""
 
     least: int = 1
     most: int = _MOST
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """How it is read."""
-        return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -113,6 +116,7 @@ UnitWeight = Annotated[float, Measure("N/m^3")]
 Force = Annotated[float, Measure("N/m", whole="N")]
 LineLoad = Annotated[float, Measure("Pa", whole="N/m")]
 Slope = Annotated[float, Measure("Pa/m")]
+WeightSlope = Annotated[float, Measure("N/m^4")]
 Axial = Annotated[float, Measure("N")]
 Strut = Annotated[float, Measure("N", endless=True)]
 Moment = Annotated[float, Measure("N m")]

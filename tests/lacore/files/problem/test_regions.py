@@ -23,6 +23,10 @@ body = "ground"
 where = {{ x = [0, 1], y = 0 }}
 value = 1000
 """
+LAYERED = (
+    '{ shape = "layered", x = [0, 4], layers = { clay = [-2, -1], fill = [-1, 0] },'
+    " nx = 4, ny = 4 }"
+)
 RECTANGLE = '{ shape = "rectangle", x = [0, 4], y = [-2, 0], nx = 4, ny = 4 }'
 LINEAR = '{ value = "10 kPa", gradient = [0, "-2 kPa/m"], at = [0, -1] }'
 TABLE = '{ levels = [-2, -1.2, 0], values = ["12 kPa", "10.4 kPa", "8 kPa"] }'
@@ -43,11 +47,7 @@ def read(folder, mesh=RECTANGLE, regions="", strength=LINEAR):
             "regions = { fill = { point = [0, -1], normal = [0, 1] },"
             " clay = { point = [0, -1], normal = [0, -2] } }",
         ),
-        (
-            '{ shape = "layered", x = [0, 4], layers = { clay = [-2, -1], fill = [-1, 0] },'
-            " nx = 4, ny = 4 }",
-            "",
-        ),
+        (LAYERED, ""),
         (
             '{ shape = "patches", parts = ['
             '{ corners = [[0, -1], [4, -1], [4, 0], [0, 0]], nx = 4, ny = 2, name = "fill" },'
@@ -169,3 +169,44 @@ def test_places_and_functions_by_numbers():
     assert la.Along((0, 0), (2, 1))(x).tolist() == [True, False, True]
     assert la.Linear(1.0, (2.0, 3.0), (0.0, 1.0))(x).tolist() == [-2.0, -3.0, 5.0]
     assert la.ByLevel([1, -1], [2, 6])(x).tolist() == [4.0, 6.0, 2.0]
+
+
+HEAVY = '{ value = "18 kN/m3", gradient = ["0.1 kN/m4", "-2 kN/m3/m"], at = [0, -1] }'
+BY_LEVEL = '{ levels = [-2, -1, 0], values = ["22 kN/m3", "19 kN/m3", 16000] }'
+
+
+@pytest.mark.parametrize(
+    ("stated", "own"),
+    [
+        (f"weight'\nunit_weight = {HEAVY}", la.Linear(-18e3, (-100.0, 2e3), at=(0.0, -1.0))),
+        (f"weight'\nunit_weight = {BY_LEVEL}", la.ByLevel([-2, -1, 0], [-22e3, -19e3, -16e3])),
+        (
+            "body-force'\nvector = [0, { value = -18000, gradient = [-100, 2000], at = [0, -1] }]",
+            la.Linear(-18e3, (-100.0, 2e3), at=(0.0, -1.0)),
+        ),
+    ],
+    ids=["linear", "by level", "body force"],
+)
+def test_weights_that_vary_are_those_of_python_and_come_again(stated, own, tmp_path):
+    """The forces of the file, of the same in Python, and of the file that is written of it."""
+    text = GROUND.format(mesh=LAYERED, regions="", strength=LINEAR)
+    file = tmp_path / "ground.toml"
+    file.write_text(f"{text}[[dead_loads]]\nbody = 'ground'\nload = '{stated}\n", encoding="utf-8")
+    problem = la.read_problem(file)
+    mine = problem.with_loads(problem.reference_loads, [la.BodyForce("ground", (0, own))])
+    la.write_problem(mine, tmp_path / "again.toml")
+    again = la.read_problem(tmp_path / "again.toml")
+    loads = [la.discretise(one).full.dead_load for one in (mine, problem, again)]
+    assert np.array_equal(loads[0], loads[1])
+    assert np.array_equal(loads[0], loads[2])
+
+
+def test_a_weight_in_the_wrong_unit_names_the_line(tmp_path):
+    text = GROUND.format(mesh=LAYERED, regions="", strength=LINEAR)
+    wrong = "{ value = '18 kN/m3', gradient = [0, '-2 kPa/m'], at = [0, -1] }"
+    file = tmp_path / "ground.toml"
+    load = f"[[dead_loads]]\nbody = 'ground'\nload = 'weight'\nunit_weight = {wrong}\n"
+    file.write_text(text + load, encoding="utf-8")
+    with pytest.raises(la.InputError, match="does not fit") as refused:
+        la.read_problem(file)
+    assert "gradient" in str(refused.value)
