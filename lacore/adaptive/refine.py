@@ -130,10 +130,9 @@ def bracket(
     lower, upper = run.best["lower"], run.best["upper"]
     assert isinstance(lower, LowerBound)
     assert isinstance(upper, UpperBound)
-    missing = {"lower": lower.message, "upper": upper.state.message}
     for kind, bound in run.best.items():
         if bound.status is not Status.SOLVED:
-            run.failures[kind] = run.failures[kind] or missing[kind]
+            run.failures[kind] = run.failures[kind] or bound.message
     wrong = sorted((run.failures | run.absent).items())
     failed = [f"{kind} bound: {why}" for kind, why in wrong if why]
     if ending is Ending.CROSSED:
@@ -286,9 +285,8 @@ class _Run:
         self.best[kind] = best
         # Elements that are too few to carry the dead loads, or to flow, are no failure.
         few = {"lower": Status.UNSAFE, "upper": Status.LOCKED}
-        state = bound.state if isinstance(bound, UpperBound) else bound
         fails = not (holds or bound.status is few[kind])
-        self.failures[kind] = (state.message or bound.status.value) if fails else ""
+        self.failures[kind] = bound.message if fails else ""
         if self.coulomb and bound.status is few[kind]:
             self._ask_whether_any(kind, problem)
         self._tell(kind, bound, mesh_of(problem))

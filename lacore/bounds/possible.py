@@ -26,7 +26,7 @@ def possible_velocity(program: KinematicProgram, velocity: Floats, prepare: Prep
     """The velocity moved inward until every cone flows as it can; else what came closest.
 
     Args:
-        program: dimensionless, with surfaces.
+        program: dimensionless.
         velocity: almost possible, shape (n,).
         prepare: sets an exact backend to work on a program.
     """
@@ -77,12 +77,11 @@ def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Flo
 
 def _outside(program: KinematicProgram, velocity: Floats) -> Floats:
     """How far all cones are from flow that is possible, shape (m,); < 0 inside."""
-    return np.concatenate(
-        [
-            group.surfaces.impossible(
-                np.linalg.norm(group.cone_vectors(velocity), axis=1), group.volumetric @ velocity
-            )
-            for group in program.groups
-            if group.surfaces is not None
-        ]
-    )
+    own = [
+        group.surfaces.impossible(
+            np.linalg.norm(group.cone_vectors(velocity), axis=1), group.volumetric @ velocity
+        )
+        for group in program.groups
+        if group.surfaces is not None
+    ]
+    return np.concatenate([np.zeros(0), *own])

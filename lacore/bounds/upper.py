@@ -1,13 +1,13 @@
 """Strict upper bounds from velocities that are admissible to round-off (T15b, T22, T26c)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import lsqr
 
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.backend import find_backend, read_options
 from lacore.bodies.any_body import of_kind
@@ -51,6 +51,7 @@ from lacore.status import Rigor, Status
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided
 _INSIDE = 1e-4  # residual of a velocity that is inside, and need not be the best
+_MEND = "tighten the backend's tolerance, or mend the mesh"
 _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
 
 
@@ -71,6 +72,7 @@ class UpperBound(Shown):
         dissipation: plastic power of each element by continuum, shape (elements,), in the unit of
             load factors; half of that of a velocity jump on either side, all of it at a boundary.
         state: the solve that it was made of; its load factor is that of the vertex rule.
+        message: what is proven, or what stands in the way and what to do about it.
     """
 
     status: Status
@@ -81,6 +83,7 @@ class UpperBound(Shown):
     velocity: Floats
     dissipation: Mapping[str, Floats]
     state: LimitState
+    message: str
 
     @property
     def discretisation(self) -> Discretisation:
@@ -90,7 +93,7 @@ class UpperBound(Shown):
     def facts(self) -> Facts:
         """What is proven, and how well."""
         told = {
-            "status": self.status.said(f"{self.status.label}: {self.status.value}"),
+            "status": self.status.said(self.message),
             "residual": f"divergence {self.divergence:.1e}, penetration {self.penetration:.1e}",
             "solved by": f"{self.state.backend} in {self.state.solve_time:.3g} s,"
             f" after {self.state.build_time:.3g} s of assembly",
@@ -163,45 +166,75 @@ def upper_bound(
         return _unbounded(state)
     program = dimensionless(discretisation.program, discretisation.natural)
     point = point_in_program(discretisation, state.point)
-    if program.presses:
-        engine = find_backend(state.backend)
-        options = read_options(engine, state.options)
-        with preparing(engine, options, good=_INSIDE) as prepare:
-            candidates = [possible_velocity(program, point.velocity, prepare)]
-    else:
-        candidates = [admissible_velocity(program, point.velocity)]
-        candidates += _without_noise(program, point.velocity)
-    bounds = [_bound(state, program, replace(point, velocity=own)) for own in candidates]
+    candidates = _candidates(state, program, point.velocity)
+    bounds = [
+        _bound(state, program, replace(point, velocity=velocity), rigid)
+        for velocity, rigid in candidates
+    ]
     bound = min(bounds, key=lambda one: one.load_factor if one.status is Status.SOLVED else np.inf)
     if throw and bound.status is not Status.SOLVED:
-        corners = driven_corners(discretisation, bound.velocity, state.tolerance)
-        reason = f"; {corners}" if corners else ""
-        raise SolveError(f"{bound.status.label}: {bound.status.value}{reason}", bound)
+        raise SolveError(bound.message, bound)
     return bound
 
 
-def _without_noise(program: KinematicProgram, velocity: Floats) -> list[Floats]:
+def _candidates(
+    state: LimitState, program: KinematicProgram, velocity: Floats
+) -> list[tuple[Floats, Bools]]:
+    """Admissible velocities near one, shape (n,), and which groups are rigid in them."""
+    none = np.zeros(len(program.groups), dtype=bool)
+    if not program.presses:
+        nearest = (admissible_velocity(program, velocity), none)
+        return [nearest, *_without_noise(program, velocity, admissible_velocity)]
+    engine = find_backend(state.backend)
+    with preparing(engine, read_options(engine, state.options), good=_INSIDE) as prepare:
+
+        def possible(stated: KinematicProgram, motion: Floats) -> Floats:
+            return possible_velocity(stated, motion, prepare)
+
+        nearest = (possible(program, velocity), none)
+        return [nearest, *_without_noise(program, velocity, possible)]
+
+
+def _without_noise(
+    program: KinematicProgram,
+    velocity: Floats,
+    admissible: Callable[[KinematicProgram, Floats], Floats],
+) -> list[tuple[Floats, Bools]]:
     """The velocity with what hardly strains rigid, admissible; none where all strains.
 
-    A body far stronger than what limits the load pays for strains that are only noise.
+    A body far stronger than what limits the load pays for strains that are only noise, and of soil
+    noise is no flow that is possible.
+
+    Returns:
+        The velocity, shape (n,), and which groups are rigid.
     """
     fastest = np.abs(velocity).max()
-    still: list[DissipationGroup] = []
-    strained: list[DissipationGroup] = []
-    for group in program.groups:
+    still = np.zeros(len(program.groups), dtype=bool)
+    for number, group in enumerate(program.groups):
         most = np.linalg.norm(group.cone_vectors(velocity), axis=1).max(initial=0.0)
         term = np.abs(group.rows.data).max(initial=0.0) * fastest
-        (still if most <= _NOISE * term else strained).append(group)
-    if not any(group.weights.size for group in still):
+        still[number] = most <= _NOISE * term
+    resting = [group for group, rests in zip(program.groups, still, strict=True) if rests]
+    strained = [group for group, rests in zip(program.groups, still, strict=True) if not rests]
+    if not any(group.weights.size for group in resting):
         return []
-    basis = motions_without_strain(still)
+    basis = motions_without_strain(resting)
     rigid = reduced(replace(program, groups=tuple(strained)), basis)
     motion = lsqr(basis, velocity, atol=0.0, btol=0.0)[0]
-    return [np.asarray(basis @ admissible_velocity(rigid, motion))]
+    return [(np.asarray(basis @ admissible(rigid, motion)), still)]
 
 
-def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) -> UpperBound:
-    """What an admissible velocity proves; `program` and `point`: dimensionless."""
+def _bound(
+    state: LimitState, program: KinematicProgram, point: ProgramState, rigid: Bools
+) -> UpperBound:
+    """What an admissible velocity proves; `program` and `point`: dimensionless.
+
+    Args:
+        state: that it was made of.
+        program: dimensionless.
+        point: with the velocity.
+        rigid: groups that move as rigid bodies: what they strain is round-off, or it is no bound.
+    """
     discretisation = state.discretisation
     penetration = certify(program, point, associated_contact(program.contact)).penetration
     leak = sum(
@@ -215,13 +248,21 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
     power = plastic_power(discretisation, velocity, _PARTS)
     exact = exactness(d.body for d in discretisation.bodies.values())
     corners = driven_corners(discretisation, velocity, state.tolerance)
-    # Where strength depends on pressure, flow is possible or it is not: nothing is round-off.
-    beyond = sum(
-        float(g.weights @ g.impossible(velocity))
-        for g in discretisation.full.groups
-        if g.surfaces is not None
+    # Where strength depends on pressure, flow is possible or it is not: nothing is round-off, but
+    # that of what moves as rigid.
+    soil = [
+        (group, still)
+        for group, still in zip(discretisation.full.groups, rigid, strict=True)
+        if group.surfaces is not None
+    ]
+    pressed = [group for group, still in soil if not still]
+    beyond = sum(float(group.weights @ group.impossible(velocity)) for group in pressed)
+    strain = sum(
+        float(group.weights @ np.linalg.norm(group.cone_vectors(velocity), axis=1))
+        for group, still in soil
+        if still
     )
-    leak += beyond / float(np.abs(velocity).max())
+    leak += (beyond + strain) / float(np.abs(velocity).max())
     possible = beyond <= 0  # false for NaN
     proves = max(leak, penetration) <= exact and possible and not corners
     rigor = Rigor.NOT_CERTIFIED
@@ -237,8 +278,14 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
         + full.friction_dissipation(velocity, full.contact.limit)
         - float(full.dead_load @ velocity)
     )
+    status = Status.SOLVED if proves else Status.NOT_CERTIFIED
+    message = f"{status.label}: {status.value}"
+    if not proves:
+        why = corners or _impossible(full, pressed, velocity)
+        why = why or f"the velocity leaks {leak:.1e}, or penetrates by {penetration:.1e}; {_MEND}"
+        message = f"{status.label}: {why}; its solve: {state.message}"
     return UpperBound(
-        status=Status.SOLVED if proves else Status.NOT_CERTIFIED,
+        status=status,
         load_factor=load_factor if proves else np.nan,
         rigor=rigor,
         divergence=leak,
@@ -246,6 +293,25 @@ def _bound(state: LimitState, program: KinematicProgram, point: ProgramState) ->
         velocity=velocity,
         dissipation=power,
         state=state,
+        message=message,
+    )
+
+
+def _impossible(
+    program: KinematicProgram, pressed: Sequence[DissipationGroup], velocity: Floats
+) -> str:
+    """Which soil cannot flow so, and by how much; empty where all can."""
+    fastest = max(np.abs(g.cone_vectors(velocity)).max(initial=0.0) for g in program.groups)
+    told = []
+    for group in pressed:
+        most = group.impossible(velocity).max(initial=0.0)
+        if not most <= 0:
+            told.append(f"{group.name!r} by {most / fastest:.1e}")
+    if not told:
+        return ""
+    return (
+        f"soil dilates too little for its friction, {', '.join(told)} of the largest strain rate:"
+        " what holds it leaves hardly any room; move supports farther away, or refine the mesh"
     )
 
 
@@ -260,6 +326,7 @@ def _unbounded(state: LimitState) -> UpperBound:
         velocity=nothing,
         dissipation={},
         state=state,
+        message=state.message,
     )
 
 

@@ -66,7 +66,7 @@ def continuum_range(
         above = upper_bound(associated(stated.problem), backend, options=options)
         upper = _strict(above)
         if upper == inf:
-            missing.append(f"no upper bound: {_why(above, above.state.message)}")
+            missing.append(f"no upper bound: {_why(above, above.message)}")
     except (InputError, CapabilityError) as error:
         missing.append(f"no upper bound: {error}")
     return ContinuumRange(lower, upper, "; ".join(missing))

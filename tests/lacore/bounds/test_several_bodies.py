@@ -118,3 +118,60 @@ def test_a_support_of_bonded_edges_has_no_lower_bound():
     seam = la.Fix("top", lambda x: x[1] < -0.5 + 1e-9, "x")
     with pytest.raises(la.InputError, match="holds edges that are bonded"):
         la.lower_bound(replace(problem, supports=(*problem.supports, seam)))
+
+
+def clay_on_sand(friction_angle, below):
+    """As `layers`, the lower layer of soil in a closed box, which the clay flows over."""
+    problem = layers(below=below)
+    low = replace(problem.bodies["low"], criterion=la.MohrCoulomb(1.0, friction_angle))
+    return replace(problem, bodies={**problem.bodies, "low": low})
+
+
+@pytest.mark.parametrize("below", [(8, 2), (11, 3)], ids=["same", "other"])
+def test_soil_that_rests_is_rigid_in_velocities_that_prove(below):
+    """What a solver leaves of its strains, 1e-8, is no flow that soil has; none at all is one."""
+    problem = clay_on_sand(45.0, below)
+    upper, lower = la.upper_bound(problem), la.lower_bound(la.matching(problem))
+    assert upper.rigor is la.Rigor.UPPER
+    assert lower.load_factor <= upper.load_factor
+    moved = np.abs(upper.velocity[upper.discretisation.bodies["low"].dofs])
+    assert moved.max() <= EXACT * np.abs(upper.velocity).max()
+
+
+def test_soil_that_moves_may_be_rigid_in_velocities_that_prove():
+    """A strong block of soil on clay, pushed aside: shear k of the clay under 0.9, on 0.3."""
+    cap = la.Body(la.meshes.rectangle((-0.2, 0.7), (0, 0.3), 5, 2), la.MohrCoulomb(50.0, 30.0))
+    clay = la.Body(la.meshes.rectangle((-2, 2.5), (-1, 0), 18, 4), CRITERION)
+
+    def beside(x):
+        return (np.abs(x[0] - 0.25) <= 0.5 + 1e-9) & (x[1] > -1e-9)
+
+    problem = la.Problem(
+        {"cap": cap, "clay": clay},
+        [la.Traction("cap", "left", (1, 0))],
+        [la.Fix("clay", side) for side in ("left", "right", "bottom")],
+        [la.Interface(("cap", "bottom"), ("clay", beside), la.BOND)],
+    )
+    upper = la.upper_bound(problem)
+    assert upper.rigor is la.Rigor.UPPER
+    assert upper.load_factor == pytest.approx(0.9 / 0.3, rel=1e-6)
+
+
+def test_bounds_that_are_not_proven_say_why(monkeypatch):
+    """Left as the solver found it soil flows a little as it cannot: 1e-9 of the largest rate."""
+    monkeypatch.setattr(
+        "lacore.bounds.upper.possible_velocity",
+        lambda program, velocity, prepare: velocity / float(program.reference_load @ velocity),
+    )
+    problem = layers(below=(11, 3))
+    soil = {
+        name: replace(own, criterion=la.MohrCoulomb(1.0, 20.0))
+        for name, own in problem.bodies.items()
+    }
+    upper = la.upper_bound(replace(problem, bodies=soil))
+    assert upper.status is la.Status.NOT_CERTIFIED
+    assert upper.state.status is la.Status.SOLVED
+    assert upper.message.startswith("not certified: soil dilates too little")
+    assert "'low' by" in upper.message
+    assert upper.message.endswith(upper.state.message)
+    assert "dilates too little" in upper.facts().told["status"]
