@@ -110,7 +110,8 @@ def sectors_for(target_width: float, friction: float = 0.0) -> int:
 def friction_of(body: Body) -> float:
     """Tangent of the largest friction angle of a body, 0 where strength feels no pressure."""
     surfaces = [one for region in body.regions for one in region.form.surfaces]
-    slopes = [slope for one in surfaces for slope in one.slope if 0 < slope < 1]
+    largest = [float(np.max(slope)) for one in surfaces for slope in one.slope]
+    slopes = [slope for slope in largest if 0 < slope < 1]
     return max((slope / sqrt(1 - slope**2) for slope in slopes), default=0.0)
 
 
@@ -119,10 +120,10 @@ def _loose(problem: Problem, name: str) -> bool:
     body = of_kind(problem.bodies, Body)[name]
     weight = sum(_per_volume(load, body) for load in problem.dead_loads if load.body == name)
     carried = [
-        2 * float(np.min(region.seen(one.strength))) / (1 - one.slope[0])
+        2 * float(np.min(region.seen(one.strength))) / (1 - float(np.min(one.slope[0])))
         for region in body.regions
         for one in region.form.surfaces
-        if one.normed and one.slope[0] < 1
+        if one.normed and np.all(np.less(one.slope[0], 1))
     ]
     return min(carried, default=np.inf) < _LOOSE * weight * body.size
 

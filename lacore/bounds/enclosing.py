@@ -67,7 +67,7 @@ def require_known_strengths(bodies: Mapping[str, Body]) -> None:
                     region.criterion.label,
                     "a strength that is not linear in each element: bounds have to know how far it"
                     " varies there",
-                    "give lacore.Field(function, steepest=...), its largest slope in Pa/m; let"
+                    "give lacore.Field(function, steepest=...), its largest slope per m; let"
                     " edges of the mesh follow jumps and bends, as lacore.meshes.layered does; or"
                     " take `solve`",
                 )

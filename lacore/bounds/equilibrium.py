@@ -82,6 +82,7 @@ class EquilibriumDofs(Compact):
 
         By region. Where strengths vary the vertices have their own: linear stresses stay within
         what is linear, or nowhere more than the strength between.
+        Where friction angles do, each element has a cone within all of its own (T87).
         """
         body, mesh = self.body, self.body.mesh
         area, sides = element_geometry(body)
@@ -109,7 +110,7 @@ class EquilibriumDofs(Compact):
             return matrix
 
         groups = []
-        for region in body.regions:
+        for region in (own.weakest for own in body.regions):
             form = region.form
             bound, surfaces = region.at_points(Varying.below, 3)
             groups.append(

@@ -97,7 +97,8 @@ def _held_across(support: Fix, body: Body) -> Floats | None:
 def _rubs(body: Body) -> bool:
     """Whether a body has friction within: without tension slopes are 1."""
     surfaces = [one for region in body.regions for one in region.form.surfaces]
-    return any(0 < slope < 1 for one in surfaces for slope in one.slope)
+    steepest = [float(np.max(slope)) for one in surfaces for slope in one.slope]
+    return any(0 < slope < 1 for slope in steepest)
 
 
 def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:

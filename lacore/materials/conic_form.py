@@ -2,13 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import sqrt
 
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError
-from lacore.materials.fields import Field
+from lacore.materials.fields import Field, Strengths
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -20,14 +19,14 @@ class Surface(Compact):
     """A yield surface ``||s|| + slope . p <= strength``, s of the rows, p of the volumetric ones.
 
     Attributes:
-        slope: of each volumetric row, shape (L,).
+        slope: of each volumetric row, L of them; each of all elements, or of each, (elements,).
         strength: Pa; of all elements, or of each, shape (elements,), or as a function of place.
         normed: whether ``||s||`` counts; if not, it bounds p alone.
         dilating: share of its slope by which flow dilates, in [0, 1]; 1 is the associated flow.
     """
 
-    slope: tuple[float, ...]
-    strength: float | Floats | Field
+    slope: tuple[float | Floats, ...]
+    strength: Strengths
     normed: bool = True
     dilating: float = 1.0
 
@@ -54,7 +53,7 @@ class ConicForm(Compact):
 
     rows: Floats
     volumetric: Floats
-    bound: float | Floats | Field
+    bound: Strengths
     volumetric_factor: float
     surfaces: tuple[Surface, ...] = ()
     out_of_plane: float = 1.0
@@ -75,7 +74,7 @@ class ConicForm(Compact):
         return any(surface.dilating < 1 for surface in self.surfaces)
 
     @property
-    def strengths(self) -> list[float | Floats | Field]:
+    def strengths(self) -> list[Strengths]:
         """The bound, and the strengths of the surfaces."""
         return [self.bound, *(surface.strength for surface in self.surfaces)]
 
@@ -87,7 +86,9 @@ class ConicForm(Compact):
     @property
     def uniform(self) -> bool:
         """Whether all elements have the same strength."""
-        return all(not isinstance(own, Field) and np.ndim(own) == 0 for own in self.strengths)
+        slopes = [slope for one in self.surfaces for slope in one.slope]
+        same = all(not isinstance(own, Field) and np.ndim(own) == 0 for own in self.strengths)
+        return same and all(np.ndim(slope) == 0 for slope in slopes)
 
     def at_points(self, elements: Ints, values: Callable[[Field], Floats]) -> "ConicForm":
         """The same with a strength of each of m points.
@@ -97,29 +98,39 @@ class ConicForm(Compact):
             values: of a field at the points, shape (m,).
         """
 
-        def own(strength: float | Floats | Field) -> Floats:
+        def own(strength: Strengths) -> Floats:
             if isinstance(strength, Field):
-                return strength.factor * values(strength)
-            return _of(strength, elements)
+                return of_elements(strength.factor, elements) * values(strength)
+            return of_elements(strength, elements)
 
-        surfaces = tuple(replace(one, strength=own(one.strength)) for one in self.surfaces)
+        surfaces = tuple(
+            replace(
+                one,
+                strength=own(one.strength),
+                slope=tuple(of_elements(slope, elements) for slope in one.slope),
+            )
+            for one in self.surfaces
+        )
         return replace(self, bound=own(self.bound), surfaces=surfaces)
 
     @property
     def preserved(self) -> Bools:
         """Volumetric rows that must vanish, as no surface feels their stress, shape (L,)."""
-        slopes = [surface.slope for surface in self.surfaces]
-        return np.asarray(~np.any(slopes, axis=0)) if slopes else np.ones(1, dtype=bool)
+        felt = [[bool(np.any(slope)) for slope in one.slope] for one in self.surfaces]
+        return np.asarray(~np.any(felt, axis=0)) if felt else np.ones(1, dtype=bool)
 
     def surfaces_of(self, elements: Ints) -> Surfaces | None:
         """The surfaces at points of elements, shape (m,); None where there are none."""
         if not self.surfaces:
             return None
-        strengths = [_of(one.strength, elements) for one in self.surfaces]
-        slope = np.array([one.slope for one in self.surfaces], dtype=np.float64)
+        strengths = [of_elements(one.strength, elements) for one in self.surfaces]
+        slopes = [
+            np.stack([of_elements(own, elements) for own in one.slope], axis=1)
+            for one in self.surfaces
+        ]
         share = np.array([one.dilating for one in self.surfaces], dtype=np.float64)
         return Surfaces(
-            slope=np.broadcast_to(slope, (elements.size, *slope.shape)),
+            slope=np.stack(slopes, axis=1),
             strength=np.stack(strengths, axis=1),
             normed=np.array([one.normed for one in self.surfaces], dtype=np.float64),
             dilating=np.tile(share, (elements.size, 1)) if self.frictional else None,
@@ -127,7 +138,7 @@ class ConicForm(Compact):
 
     def bounds(self, elements: Ints) -> Floats:
         """The bound in elements, of their shape, Pa."""
-        return _of(self.bound, elements)
+        return of_elements(self.bound, elements)
 
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
         """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
@@ -171,7 +182,7 @@ class ConicForm(Compact):
                 "velocities that jump have a strength of their own beside it (T62): two laws",
                 "take 'p2-gauss', or leave dilation_angle at the friction angle",
             )
-        if others or not plane.normed or plane.slope[0] >= 1:
+        if others or not plane.normed or np.any(np.asarray(plane.slope[0]) >= 1):
             raise InputError(
                 "Body.space",
                 f"a criterion of {len(self.surfaces)} planes",
@@ -180,7 +191,7 @@ class ConicForm(Compact):
                 "take 'p2-vertex', or 'p2-gauss'; or MohrCoulomb without cut-offs in plane strain",
             )
         (sine,) = plane.slope
-        cosine = sqrt(1 - sine**2)
+        cosine = np.sqrt(1 - sine**2)
         return ConicForm(
             rows=np.array([[0.0, 1.0]]),
             volumetric=np.array([[1.0, 0.0]]),
@@ -190,7 +201,7 @@ class ConicForm(Compact):
         )
 
 
-def _of(value: float | Floats | Field, elements: Ints) -> Floats:
+def of_elements(value: Strengths, elements: Ints) -> Floats:
     """A number of all elements, or of each, in elements of any shape."""
     if isinstance(value, Field):
         raise ValueError("a function of place has values at points: see `ConicForm.at_points`")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ Given = float | Sequence[float] | Callable[[Floats], Floats]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Field(Compact):
-    """A strength that varies: of criteria, in place of a number.
+    """A strength, or a friction angle, that varies: of criteria, in place of a number.
 
     A function is seen from within each element, and may jump from one to the next: let edges of the
     mesh follow its jumps. Where it is linear in each element, which is known from 15 places of it
@@ -28,7 +28,7 @@ class Field(Compact):
             for each element of the mesh, shape (elements,). Along a path also by strain points,
             shape (elements, q).
         steepest: largest slope of the function anywhere within an element, Pa/m; None: not known.
-        factor: of all values.
+        factor: of all values; of the strengths of a form also one of each element, (elements,).
 
     Raises:
         InputError: what is neither, numbers that are negative or none, a slope that is not
@@ -37,7 +37,8 @@ class Field(Compact):
 
     values: Callable[[Floats], Floats] | Floats
     steepest: float | None = None
-    factor: float = 1.0
+    factor: float | Floats = 1.0
+    __array_ufunc__: ClassVar[None] = None  # an array times a field is a field, too
 
     def __post_init__(self) -> None:
         if self.steepest is not None:
@@ -45,13 +46,13 @@ class Field(Compact):
         if not callable(self.values):
             object.__setattr__(self, "values", _array("Field.values", self.values))
 
-    def __mul__(self, factor: float) -> "Field":
+    def __mul__(self, factor: float | Floats) -> "Field":
         """All values times a factor, Pa."""
-        return self._scaled(self.factor * float(factor))
+        return self._scaled(self.factor * factor)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: float) -> "Field":
+    def __truediv__(self, divisor: float | Floats) -> "Field":
         """All values divided, Pa."""
         return self * (1 / divisor)
 
@@ -61,7 +62,7 @@ class Field(Compact):
             raise ValueError("a field less another one is no multiple of it")
         return self._scaled(self.factor - other.factor)
 
-    def _scaled(self, factor: float) -> "Field":
+    def _scaled(self, factor: float | Floats) -> "Field":
         """With another factor; its values are the same object, by which it is known again."""
         scaled = replace(self, factor=factor)
         object.__setattr__(scaled, "values", self.values)
@@ -84,6 +85,8 @@ class Field(Compact):
 
 Strength = float | Field
 """As criteria keep it."""
+Strengths = float | Floats | Field
+"""As forms keep it: also of each element, shape (elements,)."""
 
 
 def taken(field: str, given: Given | Field | None) -> Any:

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from math import atan, cos, degrees, inf, nan, radians, sin, tan
 from typing import Any
 
+import numpy as np
+
+from lacore.arrays import Floats
 from lacore.errors import InputError, require_positive
 from lacore.materials.conic_form import ConicForm
-from lacore.materials.fields import Field, Given, Strength, number_told, taken
+from lacore.materials.fields import Field, Given, Strength, Strengths, number_told, taken
 from lacore.materials.planes import (
     limits_told,
     planes_form,
@@ -28,12 +31,13 @@ class MohrCoulomb(Compact):
 
     With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
     not hold, and load factors need not be unique. In plane strain, without cut-offs.
-    Cohesion and cut-offs may vary from place to place: a `lacore.Field`, a function of coordinates
-    of shape (2, n), or a value for each element. Of angles that vary make regions.
+    Cohesion, friction angle and cut-offs may vary from place to place: a `lacore.Field`, a function
+    of coordinates of shape (2, n), or a value for each element. Within an element in which the
+    angle varies bounds take a cone that lies within, or around, all of those there (T87).
 
     Attributes:
         cohesion: c, Pa, >= 0.
-        friction_angle: phi, degrees: 0, or from 0.1 to 89.
+        friction_angle: phi, degrees: 0, or from 0.1 to 89 everywhere.
         tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none.
         crushing: largest compression of a principal stress, Pa; None: none.
         dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
@@ -45,16 +49,19 @@ class MohrCoulomb(Compact):
     """
 
     cohesion: Given | Field
-    friction_angle: float
+    friction_angle: Given | Field
     tension_cutoff: Given | Field | None = None
     crushing: Given | Field | None = None
     dilation_angle: float | None = None
 
     def __post_init__(self) -> None:
-        _take(self, "cohesion", "tension_cutoff", "crushing")
+        _take(self, "cohesion", "friction_angle", "tension_cutoff", "crushing")
         require_not_negative("MohrCoulomb.cohesion", self._cohesion)
-        require_angle("MohrCoulomb.friction_angle", self.friction_angle)
-        if self._cohesion == 0 and self.friction_angle == 0:
+        if isinstance(self._friction, Field):
+            self._require_varying_angle()
+        else:
+            require_angle("MohrCoulomb.friction_angle", self._friction)
+        if not isinstance(self._friction, Field) and self._cohesion == self._friction == 0:
             raise InputError(
                 "MohrCoulomb.cohesion",
                 self._cohesion,
@@ -63,7 +70,7 @@ class MohrCoulomb(Compact):
             )
         most, crushing = self._cutoffs
         require_cutoffs(("MohrCoulomb.tension_cutoff", most), ("MohrCoulomb.crushing", crushing))
-        numbers = not (isinstance(most, Field) or isinstance(self.cohesion, Field))
+        numbers = not any(isinstance(one, Field) for one in (most, self.cohesion, self._friction))
         if numbers and most is not None and most > self.apex:  # type: ignore[operator]
             raise InputError(
                 "MohrCoulomb.tension_cutoff",
@@ -73,7 +80,17 @@ class MohrCoulomb(Compact):
             )
 
         cut = most is not None or crushing is not None
-        require_dilation("MohrCoulomb", self.dilation_angle, self.friction_angle, cut)
+        if not isinstance(self._friction, Field):
+            require_dilation("MohrCoulomb", self.dilation_angle, self._friction, cut)
+
+    def _require_varying_angle(self) -> None:
+        if self.dilation_angle is not None:
+            raise InputError(
+                "MohrCoulomb.dilation_angle",
+                self.dilation_angle,
+                "beside a friction angle that varies flow is only known where it is associated",
+                "leave it out, or make regions of one friction angle each",
+            )
 
     @property
     def _cohesion(self) -> Strength:
@@ -84,16 +101,20 @@ class MohrCoulomb(Compact):
         return self.tension_cutoff, self.crushing  # type: ignore[return-value]
 
     @property
+    def _friction(self) -> Strength:
+        return self.friction_angle  # type: ignore[return-value]  # as `_take` leaves it
+
+    @property
     def angle(self) -> float:
-        """Friction angle in radians."""
-        return radians(self.friction_angle)
+        """Friction angle in radians; nan where it varies."""
+        return nan if isinstance(self._friction, Field) else radians(self._friction)
 
     @property
     def apex(self) -> float:
         """Largest mean stress ``c cot(phi)``, Pa; inf without friction, nan where it varies."""
         if isinstance(self._cohesion, Field):
             return nan
-        return self._cohesion / tan(self.angle) if self.friction_angle else inf
+        return self._cohesion / tan(self.angle) if self.angle else inf
 
     @property
     def strength(self) -> float:
@@ -103,7 +124,11 @@ class MohrCoulomb(Compact):
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
-        told = [number_told("c", self._cohesion), f"φ = {self.friction_angle:.4g}°"]
+        told = [number_told("c", self._cohesion)]
+        if isinstance(self._friction, Field):
+            told.append(number_told("φ", self._friction))
+        else:
+            told.append(f"φ = {self._friction:.4g}°")
         if self.dilation_angle is not None:
             told.append(f"ψ = {self.dilation_angle:.4g}°")
         return ", ".join([*told, *limits_told(*self._cutoffs)])
@@ -121,19 +146,27 @@ class MohrCoulomb(Compact):
         Raises:
             InputError: an angle below 0.1 degrees comes of it.
         """
-        angle = degrees(atan(tan(self.angle) / factor))
         tension, crushing = self._cutoffs
+        angle: Strength
+        dilation = self.dilation_angle
+        if isinstance(self._friction, Field):
+            angle = _flatter(self._friction, factor)
+        else:
+            angle = degrees(atan(tan(self.angle) / factor))
+            dilation = None if dilation is None else min(dilation, angle)
         return MohrCoulomb(
             self._cohesion / factor,
             angle,
             None if tension is None else tension / factor,
             None if crushing is None else crushing / factor,
-            None if self.dilation_angle is None else min(self.dilation_angle, angle),
+            dilation,
         )
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
-        less = self.dilation_angle is not None and self.dilation_angle < self.friction_angle
+        if isinstance(self._friction, Field):
+            raise ValueError("an angle that varies is one of elements: see `form_of`")
+        less = self.dilation_angle is not None and self.dilation_angle < self._friction
         return planes_form(
             kinematics,
             self._cohesion * cos(self.angle),
@@ -141,6 +174,24 @@ class MohrCoulomb(Compact):
             *self._cutoffs,
             sin(radians(self.dilation_angle or 0.0)) / sin(self.angle) if less else 1.0,
         )
+
+    def form_of(self, kinematics: str, angles: Floats, cohesion: Strengths) -> ConicForm:
+        """The same with friction angles, degrees, and cohesions of each element, (elements,)."""
+        phi = np.radians(angles)
+        return planes_form(kinematics, cohesion * np.cos(phi), np.sin(phi), *self._cutoffs)
+
+
+def _flatter(angle: Field, factor: float) -> Field:
+    """Angles of elements of tangents divided by a factor."""
+    if callable(angle.values):
+        raise InputError(
+            "MohrCoulomb.friction_angle",
+            angle,
+            "a function of place, whose tangents divided by a factor are no multiple of it",
+            "give a value for each element, or regions of one friction angle each",
+        )
+    tangent = np.tan(np.radians(angle.factor * np.asarray(angle.values)))
+    return Field(np.degrees(np.arctan(tangent / factor)))
 
 
 def _take(criterion: Any, *names: str) -> None:

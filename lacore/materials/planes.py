@@ -4,9 +4,10 @@ from math import degrees, pi
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known, require_positive, require_range
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
-from lacore.materials.fields import Field, Strength, number_told
+from lacore.materials.fields import Field, Strength, Strengths, number_told
 from lacore.materials.von_mises import VonMises
 
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
@@ -15,8 +16,8 @@ _LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle,
 
 def planes_form(
     kinematics: str,
-    shear: Strength | None,
-    slope: float,
+    shear: Strengths | None,
+    slope: float | Floats,
     tension: Strength | None,
     crushing: Strength | None,
     dilating: float = 1.0,
@@ -26,7 +27,7 @@ def planes_form(
     Args:
         kinematics: one of `lacore.materials.conic_form.KINEMATICS`.
         shear: ``c cos(phi)``, Pa; None: no such plane.
-        slope: ``sin(phi)``.
+        slope: ``sin(phi)``, of all elements or of each; 0 of all or of none.
         tension, crushing: Pa; None: none.
         dilating: share of its slope by which flow on the first dilates; below 1 in plane strain
             alone, without the others.
@@ -40,12 +41,17 @@ def planes_form(
             "planes meet in corners here, where flow that is not associated has no one direction",
             "take 'plane_strain'; or DruckerPrager with a dilation_angle in 'axisymmetric'",
         )
-    if shear is not None and slope == 0 and not cut and kinematics == "plane_strain":
-        return VonMises(shear_strength=shear).conic_form(kinematics)
+    if shear is not None and not np.any(slope) and not cut and kinematics == "plane_strain":
+        return VonMises(shear_strength=shear).conic_form(kinematics)  # type: ignore[arg-type]  # no array: of angles of elements there is none of 0
     planes: list[Surface] = []
     around = kinematics == "axisymmetric"
 
-    def add(pressure: float, strength: Strength, third: float = 0.0, normed: bool = True) -> None:
+    def add(
+        pressure: float | Floats,
+        strength: Strengths,
+        third: float | Floats = 0.0,
+        normed: bool = True,
+    ) -> None:
         # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
         own = (pressure + third, third) if around else (pressure,)
         planes.append(Surface(own, strength, normed, dilating))
@@ -68,7 +74,7 @@ def planes_form(
     if around:
         rows = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
         volumes = np.array([[1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
-    limits = [limit for limit in (shear, tension, crushing) if limit is not None]
+    limits: list[Strengths] = [own for own in (shear, tension, crushing) if own is not None]
     return ConicForm(
         rows=rows,
         volumetric=volumes,
@@ -79,12 +85,16 @@ def planes_form(
     )
 
 
-def _least(limits: list[Strength]) -> Strength:
+def _least(limits: list[Strengths]) -> Strengths:
     """The scale of what is carried without pressure: what varies, where anything does."""
+    numbers: list[float | Floats] = []
     for limit in limits:
         if isinstance(limit, Field):
             return limit
-    return min((limit for limit in limits if not isinstance(limit, Field)), default=0.0)
+        numbers.append(limit)
+    if any(np.ndim(limit) for limit in numbers):
+        return np.asarray(np.min(np.broadcast_arrays(*numbers), axis=0))
+    return min(map(float, numbers), default=0.0)
 
 
 def limits_told(tension: Strength | None, crushing: Strength | None) -> list[str]:

@@ -112,7 +112,7 @@ def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
         if isfinite(size) and size > 0:
             yield " (strength)", size, _stronger(thing, size)
     elif isinstance(thing, Field):  # not how steep it is at most, which is no strength
-        yield " (factor)", thing.factor, lambda value: thing * (value / thing.factor)
+        yield " (factor)", float(thing.factor), lambda value: thing * (value / thing.factor)
     elif isinstance(thing, Mapping):
         for key, own in thing.items():
             for path, value, changed in _numbers(own):

@@ -20,7 +20,13 @@ from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.regions.layers import Carried, Layer, costs, shares_of_controls
+from lacore.bodies.continuum.regions.layers import (
+    Carried,
+    Layer,
+    alike,
+    costs,
+    shares_of_controls,
+)
 from lacore.bodies.continuum.slip import Slip
 from lacore.materials.conic_form import ConicForm
 from lacore.program import DissipationGroup
@@ -111,7 +117,8 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
 
     Between two regions, or elements of different strength, a jump costs what the weaker side asks
     for: tractions are within the criteria of both, so that the dissipation of either is no less
-    than the power of any admissible ones.
+    than the power of any admissible ones. Of two frictions it costs what tractions within both can
+    do at most (T87).
     """
     mesh = dofs.body.mesh
     inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
@@ -144,27 +151,44 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
         if dofs.space.jumps or np.isin(elements[0], region.elements).any()
     ]
     layers = {number: Layer.of(regions[number]) for number in beside}
-    found: list[Jumps] = []
     start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     cost = [costs(layers, mesh, (start, end), side) for side in elements]
     side = np.argmin([mean for mean, _ in cost], axis=0)
-    owner = np.where(side == 0, cost[0][1], cost[1][1])
-    found = []
-    for number, own_layer in layers.items():
-        mine = np.flatnonzero(owner == number)
+    owner, other = (np.where(side == k, cost[0][1], cost[1][1]) for k in (0, 1))
+
+    def carried(number: int, mine: Ints, at: Ints) -> Carried:
+        beside = elements[at[mine], mine]
+        return layers[number].along(mesh, (start[:, mine], end[:, mine]), beside, copies)
+
+    def jumping(title: str, number: int, mine: Ints, strengths: Carried) -> Jumps:
         cones = (copies * mine[:, None] + np.arange(copies)).ravel()
-        costing = elements[side[mine], mine]
-        carried = own_layer.along(mesh, (start[:, mine], end[:, mine]), costing, copies)
+        ours = layers[number]
         group = layer(
-            f"{own_layer.region.group_name(name)}: jumps",
-            own_layer.form,
+            f"{ours.region.group_name(name)}: {title}",
+            ours.form,
             (opening[cones], slipping[cones]),
             (length**2 / copies)[cones],
-            carried,
+            strengths,
         )
         both = np.repeat(elements[:, mine], copies, axis=1)
-        ends = np.repeat(carried.ends, copies, axis=1)
-        found.append(Jumps((name, name), group, both, np.arange(cones.size), copies, ends))
+        ends = np.repeat(strengths.ends, copies, axis=1)
+        return Jumps((name, name), group, both, np.arange(cones.size), copies, ends)
+
+    found = []
+    for number, ours in layers.items():
+        mine = np.flatnonzero(owner == number)
+        apart = np.zeros(mine.size, dtype=bool)
+        for opposite in layers if ours.form.surfaces else ():
+            there = np.flatnonzero(other[mine] == opposite)
+            pair = carried(number, mine[there], side), carried(opposite, mine[there], 1 - side)
+            apart[there] = ~alike(*pair).reshape(-1, copies).all(axis=1)
+            differing = mine[there[apart[there]]]
+            if differing.size:
+                one, two = carried(number, differing, side), carried(opposite, differing, 1 - side)
+                title = f"jumps beside {layers[opposite].region.name or 'other angles'}"
+                found.append(jumping(title, number, differing, one.within(two)))
+        mine = mine[~apart]
+        found.append(jumping("jumps", number, mine, carried(number, mine, side)))
     return found
 
 

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import Mesh
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.continuum.regions.region import Region
 from lacore.materials.conic_form import ConicForm
 from lacore.materials.fields import Field
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
+
+_SAME = 1e-12  # of the largest: strengths of both sides of an edge that are one
 
 Ends = tuple[Floats, Floats]
 """Starts and ends of e edges, or of parts of them, shape (2, e) each, m."""
@@ -30,6 +32,31 @@ class Carried(Compact):
     bound: Floats
     surfaces: Surfaces | None
     ends: Floats
+
+    def within(self, other: "Carried") -> "Carried":
+        """What is within the strengths of both sides of the same edges, that feel pressure."""
+        assert self.surfaces is not None
+        assert other.surfaces is not None
+        pairs = (self.surfaces, other.surfaces)
+        surfaces = Surfaces(
+            slope=np.concatenate([own.slope for own in pairs], axis=1),
+            strength=np.concatenate([own.strength for own in pairs], axis=1),
+            normed=np.concatenate([own.normed for own in pairs]),
+        )
+        ends = np.minimum(self.ends, other.ends)
+        return Carried(np.minimum(self.bound, other.bound), surfaces, ends)
+
+
+def alike(one: Carried, other: Carried) -> Bools:
+    """Where control values carry the same on both sides, or one side feels no pressure, (m,)."""
+    if one.surfaces is None or other.surfaces is None:
+        return np.ones(one.bound.size, dtype=bool)
+    (a, b), (k, m) = (
+        (one.surfaces.slope, other.surfaces.slope),
+        (one.surfaces.strength, other.surfaces.strength),
+    )
+    same = np.abs(a - b).max(axis=(1, 2)) <= _SAME * np.abs(a).max(initial=0.0)
+    return np.asarray(same & (np.abs(k - m).max(axis=1) <= _SAME * np.abs(k).max(initial=0.0)))
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,15 +1,15 @@
 """A part of a mesh with a criterion of its own."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.varying import Varying
-from lacore.materials.conic_form import ConicForm
+from lacore.materials.conic_form import ConicForm, of_elements
 from lacore.materials.criterion import Criterion
-from lacore.materials.fields import Field, varying
+from lacore.materials.fields import Field, Strengths, varying
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -24,6 +24,7 @@ class Region(Compact):
         criterion: yield criterion.
         form: of its dissipation.
         varying: fields of the criterion, and what is known of them in these elements.
+        within: form of what is within its criterion, of lower bounds, where that is another one.
     """
 
     name: str
@@ -31,6 +32,12 @@ class Region(Compact):
     criterion: Criterion
     form: ConicForm
     varying: tuple[tuple[Field, Varying], ...] = ()
+    within: ConicForm | None = None
+
+    @property
+    def weakest(self) -> "Region":
+        """With the form of lower bounds."""
+        return self if self.within is None else replace(self, form=self.within)
 
     def group_name(self, body: str) -> str:
         """Name of its dissipation: that of the body, or ``soil.clay``."""
@@ -41,8 +48,8 @@ class Region(Compact):
         """How large its fields are: ``VonMises, shear_strength 1 to 3 Pa``; empty without any."""
         parts = []
         for name, own in varying(self.criterion).items():
-            values = own.factor * self.of(own).vertex
-            parts.append(f", {name} {values.min():.4g} to {values.max():.4g} Pa")
+            values, unit = self.seen(own), "°" if name == "friction_angle" else " Pa"
+            parts.append(f", {name} {values.min():.4g} to {values.max():.4g}{unit}")
         return "".join([type(self.criterion).__name__, *parts]) if parts else ""
 
     @property
@@ -53,9 +60,9 @@ class Region(Compact):
     @property
     def cohesion(self) -> float:
         """Largest shear stress that it carries anywhere without pressure, Pa."""
-        if self.form.varies:
-            return float(np.max(self.seen(self.form.bound)))
-        return self.criterion.strength
+        if self.form.uniform:
+            return self.criterion.strength
+        return float(np.max(self.seen(self.form.bound)))
 
     @property
     def least_strength(self) -> float:
@@ -71,11 +78,14 @@ class Region(Compact):
             return surfaces.largest_shear
         return self.cohesion
 
-    def seen(self, strength: float | Floats | Field) -> Floats:
-        """A strength of the form at vertices, shape (elements, a), or as a number, Pa."""
+    def seen(self, strength: Strengths) -> Floats:
+        """A strength of the form at vertices, shape (elements, a), or of all or each element."""
         if isinstance(strength, Field):
-            return strength.factor * self.of(strength).vertex
-        return np.asarray(strength)
+            factors = of_elements(strength.factor, self.elements)
+            return np.asarray(factors[:, None] * self.of(strength).vertex)
+        return (
+            np.asarray(strength) if np.ndim(strength) == 0 else np.asarray(strength)[self.elements]
+        )
 
     def of(self, own: Field) -> Varying:
         """What is known of a field of its form."""

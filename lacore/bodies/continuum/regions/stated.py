@@ -6,6 +6,7 @@ import numpy as np
 from skfem import Mesh
 
 from lacore.arrays import Ints
+from lacore.bodies.continuum.regions.angles import envelopes
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.varying import in_elements
 from lacore.errors import InputError, suggest_all
@@ -97,8 +98,16 @@ def _near(mesh: Mesh, element: int) -> str:
 
 
 def _region(name: str, elements: Ints, criterion: Criterion, kinematics: str, mesh: Mesh) -> Region:
-    form = criterion.conic_form(kinematics)
     place = f"Body.criterion[{name!r}]" if name else "Body.criterion"
+    angle = varying(criterion).get("friction_angle")
+    if angle is not None:
+        known = tuple(
+            (own, in_elements(f"{place}.{key}", own, mesh, elements, False))
+            for key, own in varying(criterion).items()
+        )
+        both = envelopes(place, criterion, angle, known, mesh, elements, kinematics)
+        return Region(name, elements, criterion, both.above, known, both.below)
+    form = criterion.conic_form(kinematics)
     for own in form.strengths:
         if not isinstance(own, Field) and np.ndim(own) and len(np.asarray(own)) != mesh.nelements:
             raise InputError(

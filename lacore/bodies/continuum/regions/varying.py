@@ -43,6 +43,12 @@ class Varying(Compact):
         """Values at vertices between which it is nowhere more, shape (elements, a), Pa."""
         return self._bounding(self.greatest)
 
+    def limits(self) -> tuple[Floats, Floats]:
+        """Least and greatest in each element, (elements,); at its vertices, if not known."""
+        if self.linear or self.least is None or self.greatest is None:
+            return self.vertex.min(axis=1), self.vertex.max(axis=1)
+        return self.least, self.greatest
+
     def above_if_known(self) -> Floats:
         """As `above`; where a slope is not known the values at vertices, which prove nothing."""
         known = self.linear or self.greatest is not None
