@@ -1,6 +1,7 @@
 """What the user says: bodies, supports, interfaces, loads. Immutable, and checked when built."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -126,13 +127,16 @@ class Problem(Shown):
             )
         self._split_frames()
         for where, load in self.loads.items():
-            self._body(load.body, where).check_load(load, where)
+            body = self._body(load.body, where)
+            with _located(where):
+                body.check_load(load, where)
         for index, support in enumerate(self.supports):
             where = f"Problem.supports[{index}]"
             if not isinstance(support, Fix):
                 raise InputError(where, support, "not a support", "give lacore.Fix")
             body = self._body(support.body, where)
-            body.check_support(support, where)
+            with _located(where):
+                body.check_support(support, where)
         for index, interface in enumerate(self.interfaces):
             where = f"Problem.interfaces[{index}]"
             if not isinstance(interface, Interface):
@@ -172,3 +176,15 @@ class Problem(Shown):
         if not isinstance(name, str) or name not in self.bodies:
             raise InputError(f"{where}.body", name, "no such body", suggest(str(name), self.bodies))
         return self.bodies[name]
+
+
+@contextmanager
+def _located(where: str) -> Iterator[None]:
+    """Say of an error of ``BodyForce.where`` in which entry of the problem it is."""
+    try:
+        yield
+    except InputError as error:
+        if error.field.startswith("Problem."):
+            raise
+        field = f"{where}.{error.field.partition('.')[2]}".rstrip(".")
+        raise InputError(field, error.value, error.why, error.mend) from error

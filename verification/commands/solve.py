@@ -69,7 +69,7 @@ def solve(
         stated = read(file)
         question = answers.asked(stated, backend, bracket=bracket, range=whole_range, safety=safety)
         writing.require_writable(folder)
-        with stated.source.locating():
+        with stated.locating():
             answer = answers.answered(stated.problem, question, progress.status)
         page = writing.written(stated, question, answer, folder, progress.status)
     except KeyboardInterrupt:

@@ -6,7 +6,7 @@ from tempfile import TemporaryFile
 import lacore as la
 from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
-from lacore.files.problem.script import told
+from lacore.files.problem.script import script
 from verification.problems.answers import Answer, Question, Status
 from verification.problems.page import page
 from verification.problems.words import lines
@@ -32,8 +32,7 @@ def written(
 ) -> Path:
     """Write all files of an answer; returns the path of its page."""
     files = {SCRIPT: "the same problem as Python"}
-    script = as_python(stated, question, folder)
-    _write(folder / SCRIPT, script)
+    _write(folder / SCRIPT, as_python(stated, question, folder))
     (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
         answer.state.to_vtu(folder / STATE)
@@ -47,7 +46,7 @@ def written(
 
 def as_python(stated: Stated, question: Question, folder: Path) -> str:
     """The problem and what is asked of it, as a script in a folder."""
-    problem = told(stated.call, folder)
+    problem = script(stated.program, folder)
     paths = "from pathlib import Path\n\n" if "Path(__file__)" in problem else ""
     given = [f'backend="{question.backend}"']
     given += [f'coupling="{question.coupling}"'] if question.coupling else []
@@ -62,7 +61,7 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
         ends.append(f'print(la.safety_factor(problem, backend="{question.backend}"))')
     title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
     head = f'"""{title}: as {stated.source.file.name} states it."""\n\n'
-    return f"{head}{paths}import lacore as la\n\nproblem = {problem}\n" + "\n".join(ends) + "\n"
+    return f"{head}{paths}import lacore as la\n\n{problem}" + "\n".join(ends) + "\n"
 
 
 def _write(file: Path, text: str) -> None:

@@ -4,98 +4,24 @@ The two cannot differ: the script beside an answer says what was done. Only func
 are called, with numbers, texts and each other as arguments.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
-from lacore.bodies.blocks import masonry
-from lacore.bodies.blocks.block_assembly import BlockAssembly, RigidBlock
-from lacore.bodies.continuum.body import Body
-from lacore.bodies.frames import sections
-from lacore.bodies.frames.frame import Frame
-from lacore.bodies.frames.section import Section
-from lacore.conditions import loads, water
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.linear import ByLevel, Linear
-from lacore.conditions.within import Along, Beyond, Within
-from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import RigidObstacle
 from lacore.errors import InputError
+from lacore.files.problem.makers import MAKERS, NAMES
 from lacore.files.problem.places import Path
-from lacore.materials.drucker_prager import DruckerPrager
-from lacore.materials.fields import Field
-from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
-from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
-from lacore.materials.von_mises import VonMises
-from lacore.meshes.archive import load
-from lacore.meshes.layered import layered
-from lacore.meshes.naming import named
-from lacore.meshes.patches import Patch, patches
-from lacore.meshes.reading import read
-from lacore.meshes.structured import fan, quadrilaterals, quarter_ring, rectangle
-from lacore.problem.problem import Problem
 
-MAKERS: Mapping[str, Callable[..., Any]] = {
-    "la.meshes.rectangle": rectangle,
-    "la.meshes.quadrilaterals": quadrilaterals,
-    "la.meshes.fan": fan,
-    "la.meshes.layered": layered,
-    "la.meshes.quarter_ring": quarter_ring,
-    "la.meshes.Patch": Patch,
-    "la.meshes.patches": patches,
-    "la.meshes.read": read,
-    "la.meshes.load": load,
-    "la.meshes.named": named,
-    "la.VonMises": VonMises,
-    "la.MohrCoulomb": MohrCoulomb,
-    "la.DruckerPrager": DruckerPrager,
-    "la.Rankine": Rankine,
-    "la.NoTension": NoTension,
-    "la.MaximumShear": MaximumShear,
-    "la.Body": Body,
-    "la.RigidBlock": RigidBlock,
-    "la.BlockAssembly": BlockAssembly,
-    "la.masonry.running_bond": masonry.running_bond,
-    "la.masonry.regular_bond": masonry.regular_bond,
-    "la.masonry.Opening": masonry.Opening,
-    "la.masonry.stack": masonry.stack,
-    "la.masonry.arch": masonry.arch,
-    "la.Frame": Frame,
-    "la.sections.standard": sections.standard,
-    "la.sections.rectangle": sections.rectangle,
-    "la.sections.bar": sections.bar,
-    "la.sections.plastic": sections.plastic,
-    "la.sections.rigid": sections.rigid,
-    "la.sections.Section": Section,
-    "la.Within": Within,
-    "la.Along": Along,
-    "la.Beyond": Beyond,
-    "la.Linear": Linear,
-    "la.ByLevel": ByLevel,
-    "la.Field": Field,
-    "la.Fix": loads.Fix,
-    "la.Traction": loads.Traction,
-    "la.Pressure": loads.Pressure,
-    "la.BodyForce": BodyForce,
-    "la.PointForce": loads.PointForce,
-    "la.RigidFooting": loads.RigidFooting,
-    "la.PorePressure": water.PorePressure,
-    "la.StandingWater": water.StandingWater,
-    "la.WaterTable": water.WaterTable,
-    "la.Interface": Interface,
-    "la.RigidObstacle": RigidObstacle,
-    "la.Coulomb": Coulomb,
-    "la.Tresca": Tresca,
-    "la.Problem": Problem,
-}
 _MESHES = {
     *("la.meshes.rectangle", "la.meshes.quadrilaterals", "la.meshes.fan"),
     *("la.meshes.quarter_ring", "la.meshes.patches", "la.meshes.layered", "la.meshes.named"),
     *("la.meshes.read", "la.meshes.load"),
 }
 _ORIGIN = "_lacore_origin"
-NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}
-"""What stands for a value."""
+
+Key = tuple[str, ...]
+"""Of things that several calls take: ``("facade",)``, ``("facade", "drawing")``."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +49,58 @@ class Call:
     places: Mapping[str, Path] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Own:
+    """A thing that was made before: itself, what it has, or what it says to arguments.
+
+    Attributes:
+        thing: its key.
+        name: of what it has, or of a method of it; empty: itself.
+        arguments: of the method; None: it is no method.
+        at: what of the file says it.
+        entry: the entry of the file that names the body that the thing is of.
+        unless: why and mend, where that body has no such thing.
+    """
+
+    thing: Key
+    name: str = ""
+    arguments: Mapping[str, Any] | None = None
+    at: Path = ()
+    entry: Path = ()
+    unless: tuple[str, str] = ("", "")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """All entries of a list that was made before, in another list."""
+
+    of: Own
+
+
+@dataclass(frozen=True)
+class Program:
+    """Things that have names, and the call that takes them.
+
+    Attributes:
+        things: each may take those before it.
+        call: what all is for.
+    """
+
+    things: Mapping[Key, Any]
+    call: Call
+
+    def made(self) -> tuple[Any, Mapping[Key, Any]]:
+        """What the call makes, and the things.
+
+        Raises:
+            MisfitError: lacore refuses one of them.
+        """
+        things: dict[Key, Any] = {}
+        for key, node in self.things.items():
+            things[key] = made(node, things)
+        return made(self.call, things), things
+
+
 class MisfitError(Exception):
     """What lacore refuses of a file: the error, and the place in the file that it is about."""
 
@@ -131,26 +109,78 @@ class MisfitError(Exception):
         super().__init__(str(error))
 
 
-def made(node: Any) -> Any:
+def made(node: Any, things: Mapping[Key, Any] = {}) -> Any:
     """What calls make.
+
+    Args:
+        node: a call, a thing, a list or table of them, or what is no call.
+        things: that were made before.
 
     Raises:
         MisfitError: lacore refuses one of them.
     """
     match node:
         case Call():
-            arguments = {name: made(own) for name, own in node.arguments.items()}
+            arguments = {name: made(own, things) for name, own in node.arguments.items()}
             try:
                 return _noted(MAKERS[node.maker](**arguments), node)
             except InputError as error:
-                raise MisfitError(error, _place(node, error.field)) from error
+                raise MisfitError(error, _place(node, error.field, things)) from error
         case Name():
             return NAMES[node.name]
+        case Own():
+            return _own(node, things)
         case tuple() | list():
-            return type(node)(map(made, node))
+            return type(node)(_entries(node, things))
         case dict():
-            return {name: made(own) for name, own in node.items()}
+            return {name: made(own, things) for name, own in node.items()}
     return node
+
+
+def _entries(nodes: Sequence[Any], things: Mapping[Key, Any]) -> Iterator[Any]:
+    for node in nodes:
+        if isinstance(node, Spread):
+            yield from things[node.of.thing]
+        else:
+            yield made(node, things)
+
+
+def _own(node: Own, things: Mapping[Key, Any]) -> Any:
+    thing = things[node.thing]
+    found = getattr(thing, node.name) if node.name else thing
+    if node.arguments is None:
+        return found
+    try:
+        return found(**made(dict(node.arguments), things))
+    except InputError as error:
+        named = error.field in node.arguments and error.field != node.at[-1]
+        raise MisfitError(error, (*node.entry, error.field) if named else node.at) from error
+
+
+def owned(node: Any) -> Iterator[Own]:
+    """What calls take of things that were made before."""
+    match node:
+        case Own():
+            yield node
+            yield from owned(node.arguments)
+        case Spread():
+            yield from owned(node.of)
+        case Call():
+            yield from owned(node.arguments)
+        case tuple() | list():
+            yield from chain.from_iterable(map(owned, node))
+        case dict():
+            yield from owned([*node.values()])
+
+
+def entry(nodes: Sequence[Any], place: int, things: Mapping[Key, Any]) -> int:
+    """Which entry of a list in the file made an entry of the list that came of it."""
+    before = 0
+    for number, node in enumerate(nodes):
+        before += len(things[node.of.thing]) if isinstance(node, Spread) else 1
+        if place < before:
+            return number
+    return place
 
 
 def origin(mesh: object) -> Call | None:
@@ -186,10 +216,19 @@ def parts(text: str) -> Path:
     return tuple(found)
 
 
-def _place(call: Call, text: str) -> Path:
+def _place(call: Call, text: str, things: Mapping[Key, Any]) -> Path:
     """Where an argument of a call that an error names is in the file."""
     first, *_ = path = parts(text)
     own = path[1:] if first not in call.arguments and len(path) > 1 else path
+    own = listed(call, own, things)
     if own[0] in call.places:
         return (*call.places[str(own[0])], *own[1:])
     return (*call.at, *own) if own[0] in call.arguments else call.at
+
+
+def listed(call: Call, path: Path, things: Mapping[Key, Any]) -> Path:
+    """A path into the arguments of a call, with the entry of its list as the file counts them."""
+    match path:
+        case (str(name), int(place), *rest) if isinstance(call.arguments.get(name), list):
+            return (name, entry(call.arguments[name], place, things), *rest)
+    return path

@@ -12,7 +12,7 @@ from lacore.files.problem.schema.document import ProblemFile
 from lacore.files.problem.schema.meshes import FOLDER
 from lacore.files.problem.schema.values import FORCES
 
-TAGS = ("kind", "shape", "criterion", "load")
+TAGS = ("kind", "shape", "criterion", "law", "load")
 """Keys whose values tell the kinds of tables."""
 _LIST = ("not a list", "write it as [ ... ]")
 _TABLE = ("not a table", "write it as [table] or { key = value }")

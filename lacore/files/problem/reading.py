@@ -9,7 +9,7 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from lacore.errors import InputError
-from lacore.files.problem.calls import Call, MisfitError, made, parts
+from lacore.files.problem.calls import Key, MisfitError, Program, listed, parts
 from lacore.files.problem.places import Path, lines
 from lacore.problem.problem import Problem
 
@@ -26,16 +26,30 @@ class Stated:
     Attributes:
         source: of the file, to say where something stands.
         problem: the problem.
-        call: what makes it.
+        program: what makes it.
+        things: what it made before.
         title: of it; the name of the file, if it gives none.
         asked: what is to be found.
     """
 
     source: "Source"
     problem: Problem
-    call: Call
+    program: Program
+    things: Mapping[Key, Any]
     title: str
     asked: "Asked"
+
+    @contextmanager
+    def locating(self) -> Iterator[None]:
+        """Say of what lacore refuses of the problem where it stands in the file."""
+        try:
+            yield
+        except InputError as error:
+            path = parts(error.field)
+            if path[:1] != ("Problem",):
+                raise
+            own = listed(self.program.call, path[1:], self.things)
+            raise self.source.error(own, error.value, error.why, error.mend) from error
 
 
 def read_problem(path: str | PathLike[str]) -> Problem:
@@ -57,11 +71,14 @@ def read(path: str | PathLike[str]) -> Stated:
 
     source = Source.of(File(fspath(path)))
     stated = checked(source)
-    call = stated.call(())
-    with source.locating():
-        problem = made(call)
+    try:
+        program = stated.program()
+        problem, things = program.made()
+    except MisfitError as misfit:
+        error = misfit.error
+        raise source.error(misfit.at, error.value, error.why, error.mend) from error
     title = stated.title or source.file.stem
-    return Stated(source, problem, call, title, stated.solve)
+    return Stated(source, problem, program, things, title, stated.solve)
 
 
 @dataclass(frozen=True)
@@ -106,20 +123,6 @@ class Source:
         except RecursionError as error:
             raise InputError(shown, None, "brackets in brackets without end", "mend it") from error
         return cls(file, data, lines(text))
-
-    @contextmanager
-    def locating(self) -> Iterator[None]:
-        """Say of what lacore refuses where it stands in the file."""
-        try:
-            yield
-        except MisfitError as misfit:
-            error = misfit.error
-            raise self.error(misfit.at, error.value, error.why, error.mend) from error
-        except InputError as error:
-            path = parts(error.field)
-            if path[:1] != ("Problem",):
-                raise
-            raise self.error(path[1:], error.value, error.why, error.mend) from error
 
     def error(self, path: Path, value: object, why: str, mend: str) -> InputError:
         """An error of what is at a path, or of the nearest thing around it that is there."""

@@ -1,60 +1,112 @@
 """A problem of a file as the Python that makes the same one."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from json import dumps
+from keyword import iskeyword
 from math import isinf
 from pathlib import Path
 from typing import Any
 
-from lacore.files.problem.calls import Call, Name
+from lacore.files.problem.calls import Call, Key, Name, Own, Program, Spread
 
 _WIDTH = 96
+_TAKEN = ("la", "Path", "problem", "state")  # by scripts, for something else
 
 
-def told(node: Any, folder: Path, indent: int = 0, used: int = 0) -> str:
-    """What calls make, as Python.
+def script(program: Program, folder: Path) -> str:
+    """What makes a problem, as lines of Python that end with ``problem = ...``.
 
     Args:
-        node: see `lacore.files.problem.calls.made`.
+        program: of it.
         folder: of the script, from which it finds files.
-        indent: of the lines after the first.
-        used: letters before it on the first.
     """
-    match node:
-        case Call():
-            named = [(f"{name}=", own) for name, own in node.arguments.items()]
-            return _listed(f"{node.maker}(", named, ")", folder, indent, used)
-        case Name():
-            return node.name
-        case dict():
-            pairs = [(f"{told(key, folder)}: ", own) for key, own in node.items()]
-            return _listed("{", pairs, "}", folder, indent, used)
-        case list():
-            return _listed("[", [("", own) for own in node], "]", folder, indent, used)
-        case tuple():
-            end = ",)" if len(node) == 1 else ")"
-            return _listed("(", [("", own) for own in node], end, folder, indent, used)
-        case Path():
-            return f"Path(__file__).parent / {dumps(way(node, folder))}"
-        case float() if isinf(node):
-            return f'float("{node}")'
-        case str():
-            return dumps(node, ensure_ascii=False)
-    return repr(node)
+    writer = _Writer(folder, _variables(program.things))
+    lines = [(writer.variables[key], node) for key, node in program.things.items()]
+    return "".join(
+        f"{name} = {writer.told(node, 0, len(name) + 3)}\n"
+        for name, node in [*lines, ("problem", program.call)]
+    )
 
 
-def _listed(
-    begin: str, items: Sequence[tuple[str, Any]], end: str, folder: Path, indent: int, used: int
-) -> str:
-    """On one line where there is room, else an item a line."""
-    line = ", ".join(f"{head}{told(own, folder)}" for head, own in items)
-    if indent + used + len(begin + line + end) < _WIDTH and "\n" not in line:
-        return f"{begin}{line}{end}"
-    deeper = indent + 4
-    inner = [
-        f"{' ' * deeper}{head}{told(own, folder, deeper, len(head))},\n" for head, own in items
-    ]
-    return f"{begin}\n{''.join(inner)}{' ' * indent}{end.lstrip(',')}"
+def _variables(keys: Iterable[Key]) -> dict[Key, str]:
+    """A name of Python for each thing."""
+    found: dict[Key, str] = {}
+    for key in keys:
+        plain = re.sub(r"\W", "_", "_".join(key))
+        if not plain.isidentifier() or iskeyword(plain):
+            plain = f"body_{plain}"
+        while plain in _TAKEN or plain in found.values():
+            plain += "_"
+        found[key] = plain
+    return found
+
+
+@dataclass(frozen=True)
+class _Writer:
+    """Calls as Python.
+
+    Attributes:
+        folder: of the script.
+        variables: names of things.
+    """
+
+    folder: Path
+    variables: Mapping[Key, str]
+
+    def told(self, node: Any, indent: int = 0, used: int = 0) -> str:
+        """What calls make.
+
+        Args:
+            node: see `lacore.files.problem.calls.made`.
+            indent: of the lines after the first.
+            used: letters before it on the first.
+        """
+        match node:
+            case Call():
+                return self._called(node.maker, node.arguments, indent, used)
+            case Own():
+                name = ".".join(filter(None, (self.variables[node.thing], node.name)))
+                if node.arguments is None:
+                    return name
+                return self._called(name, node.arguments, indent, used)
+            case Spread():
+                return f"*{self.variables[node.of.thing]}"
+            case Name():
+                return node.name
+            case dict():
+                pairs = [(f"{self.told(key)}: ", own) for key, own in node.items()]
+                return self._listed("{", pairs, "}", indent, used)
+            case list():
+                return self._listed("[", [("", own) for own in node], "]", indent, used)
+            case tuple():
+                end = ",)" if len(node) == 1 else ")"
+                return self._listed("(", [("", own) for own in node], end, indent, used)
+            case Path():
+                return f"Path(__file__).parent / {dumps(way(node, self.folder))}"
+            case float() if isinf(node):
+                return f'float("{node}")'
+            case str():
+                return dumps(node, ensure_ascii=False)
+        return repr(node)
+
+    def _called(self, name: str, arguments: Mapping[str, Any], indent: int, used: int) -> str:
+        given = [(f"{key}=", own) for key, own in arguments.items()]
+        return self._listed(f"{name}(", given, ")", indent, used)
+
+    def _listed(
+        self, begin: str, items: Sequence[tuple[str, Any]], end: str, indent: int, used: int
+    ) -> str:
+        """On one line where there is room, else an item a line."""
+        line = ", ".join(f"{head}{self.told(own)}" for head, own in items)
+        if indent + used + len(begin + line + end) < _WIDTH and "\n" not in line:
+            return f"{begin}{line}{end}"
+        deeper = indent + 4
+        inner = [
+            f"{' ' * deeper}{head}{self.told(own, deeper, len(head))},\n" for head, own in items
+        ]
+        return f"{begin}\n{''.join(inner)}{' ' * indent}{end.lstrip(',')}"
 
 
 def way(file: Path, folder: Path) -> str:

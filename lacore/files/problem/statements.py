@@ -1,6 +1,7 @@
 """What of a problem a file can state: objects of lacore as its tables."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from functools import singledispatch
 from math import inf, isinf
 from typing import Any
@@ -15,7 +16,7 @@ from lacore.conditions.where import Where
 from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, is_number
-from lacore.materials import friction, mohr_coulomb
+from lacore.materials import friction, hardening, mohr_coulomb
 from lacore.materials.drucker_prager import DruckerPrager
 from lacore.materials.fields import Field, varying
 from lacore.materials.von_mises import VonMises
@@ -33,6 +34,13 @@ _TAGS: Mapping[type, tuple[str, str]] = {
     loads.PointForce: ("load", "point-force"),
     loads.RigidFooting: ("load", "rigid-footing"),
 }
+_LAWS: Mapping[type, str] = {
+    hardening.Perfect: "perfect",
+    hardening.Linear: "linear",
+    hardening.Voce: "voce",
+    hardening.Swift: "swift",
+    hardening.Table: "table",
+}
 _WORDS = {friction.SMOOTH: "smooth", friction.STICK: "stick", friction.BOND: "bond"}
 
 
@@ -41,15 +49,22 @@ def tagged(thing: object, field: str) -> Table:
     tag = _TAGS.get(type(thing))
     if tag is None:
         return other(thing, field)
-    if isinstance(thing, VonMises) and thing.hardening is not None:
-        mend = "give its initial strength: VonMises(shear_strength=...)"
-        raise InputError(f"{field}.hardening", thing.hardening, "a file has no laws of it", mend)
     own = {name: value for name, value in vars(thing).items() if value is not None}
     for name, value in varying(thing).items():
         own[name] = _varying(value, f"{field}.{name}")
+    if "hardening" in own:
+        own["hardening"] = _hardening(own["hardening"], f"{field}.hardening")
     if "where" in own and tag[0] == "load":
         own["where"] = place(own["where"], f"{field}.where")
     return {tag[0]: tag[1]} | {name: plain(value) for name, value in own.items()}
+
+
+def _hardening(law: Any, field: str) -> Table:
+    if type(law) not in _LAWS:
+        mend = "give a law of lacore.hardening, such as Table of points of it"
+        raise InputError(field, law, "a file has no functions", mend)
+    numbers = {entry.name: plain(getattr(law, entry.name)) for entry in fields(law)}
+    return {"law": _LAWS[type(law)]} | numbers
 
 
 @singledispatch

@@ -20,7 +20,7 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
     """Write a problem as TOML, in SI units: `read_problem` gives the same one.
 
     Meshes that came of a problem file are written as they were given there, others beside the file
-    as ``NAME-1.npz``, ... Walls and arches are written as polygons.
+    as ``NAME-1.npz``, ... Walls, arches and drawings are written as polygons.
 
     Args:
         problem: whose boundaries are names, or places by numbers: `lacore.Within`, `lacore.Along`.

@@ -12,6 +12,7 @@ from lacore.errors import InputError
 from lacore.files.problem.layout import toml
 from lacore.files.problem.reading import read
 from tests.verification.command_line import lacore
+from tests.verification.problems import others
 from verification.problems import starters
 
 VALUES = (
@@ -21,7 +22,7 @@ VALUES = (
     *({"x": 1}, {"mu": 0.5}, {"from": [0, 0], "to": [1, 1]}, {"shape": "rectangle"}),
     *("../../etc/passwd", "/dev/null", "\u2603", "clarabel", "stick", "__import__('os')"),
 )
-PLAIN = dict(sorted((name, starters.text(name)) for name in starters.titles()))
+PLAIN = dict(sorted((name, starters.text(name)) for name in starters.titles())) | others.TEXTS
 LINE = re.compile(r".*my\.toml:\d+(?:: |$)")
 
 
@@ -74,7 +75,8 @@ def drawn(number):
 def test_mistakes_are_said_with_line_and_mend(tmp_path):
     """Numbers of starters that are read, and of errors: neither is empty."""
     file = tmp_path / "my.toml"
-    refused, total = {}, 120
+    others.draw(tmp_path)
+    refused, total = {}, 200
     for number in range(total):
         file.write_text(drawn(number), encoding="utf-8")
         try:
@@ -92,6 +94,7 @@ def test_mistakes_are_said_with_line_and_mend(tmp_path):
 def test_commands_answer_or_say_why_not(tmp_path):
     """200 files: one document with a certified number, or a named status, or a sentence."""
     file = tmp_path / "my.toml"
+    others.draw(tmp_path)
     count = Counter()
     for number in range(1000, 1200):
         file.write_text(drawn(number), encoding="utf-8")

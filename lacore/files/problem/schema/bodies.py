@@ -1,6 +1,7 @@
 """Bodies: continua, rigid blocks, frames."""
 
 from math import radians
+from pathlib import Path as File
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, Tag, model_validator
@@ -9,13 +10,14 @@ from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry, node
 from lacore.files.problem.schema.materials import Friction, Materials
-from lacore.files.problem.schema.meshes import Mesh
+from lacore.files.problem.schema.meshes import Mesh, NamedFile
 from lacore.files.problem.schema.places import Part, Place
 from lacore.files.problem.schema.sections import Section, section
 from lacore.files.problem.schema.values import (
     Angle,
     Count,
     Length,
+    MassDensity,
     Moment,
     Number,
     Point,
@@ -62,10 +64,22 @@ class Continuum(Entry):
 
 
 class JointFriction(Entry):
-    """Friction of the joint between two blocks, where it is another one."""
+    """Friction of the joint between two blocks, or two layers, where it is another one."""
 
     between: tuple[str, str]
     friction: Friction
+
+
+def _with_joints(
+    given: dict[str, Any], joints: tuple[JointFriction, ...], at: Path
+) -> dict[str, Any]:
+    """Arguments, with the laws of joints by pairs."""
+    if given.pop("joints", None):
+        given["joint_friction"] = {
+            one.between: node(one.friction, (*at, "joints", place, "friction"))
+            for place, one in enumerate(joints)
+        }
+    return given
 
 
 class _Blocks(Entry):
@@ -75,13 +89,45 @@ class _Blocks(Entry):
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
-        given = self.arguments(at)
-        if given.pop("joints", None):
-            given["joint_friction"] = {
-                one.between: node(one.friction, (*at, "joints", place, "friction"))
-                for place, one in enumerate(self.joints)
-            }
+        given = _with_joints(self.arguments(at), self.joints, at)
         return Call(self.maker, given, at, {"joint_friction": (*at, "joints")})
+
+
+class Layer(Entry):
+    """What the blocks of a layer of a drawing are made of."""
+
+    maker: ClassVar[str] = "la.masonry.Layer"
+    friction: Friction
+    density: MassDensity
+    """0 of what is held anyway."""
+
+
+class Drawing(Entry):
+    """Rigid blocks of a DXF or GeoJSON file, or of an assembly of compas."""
+
+    maker: ClassVar[str] = "la.masonry.read"
+    tag: ClassVar[str] = "kind"
+    kind: Literal["drawing"]
+    file: NamedFile
+    layers: dict[str, Layer]
+    """Of the drawing by name; others are ignored."""
+    unit: Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd"] | None = None
+    """Of the drawing, whatever it says."""
+    snap: Length | None = None
+    """Vertices nearer than this are one; 1e-5 of the size of the drawing if left out."""
+    sagitta: Length | None = None
+    """Chords may be off curves by this; curves are refused if left out."""
+    openings: tuple[str, ...] = ()
+    """Layers of the outlines of windows and doors."""
+    joints: tuple[JointFriction, ...] = ()
+    """Between two layers; the weaker one of both if left out."""
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        given = _with_joints(self.arguments(at), self.joints, at)
+        arguments = {"path": File(given.pop("file")), **given}
+        places = {"path": (*at, "file"), "joint_friction": (*at, "joints")}
+        return Call(self.maker, arguments, at, places)
 
 
 class Block(Entry):
@@ -224,5 +270,5 @@ class Frame(Entry):
 
 
 Body = Annotated[
-    Continuum | Block | Blocks | Wall | Stack | Arch | Frame, Field(discriminator="kind")
+    Continuum | Block | Blocks | Wall | Stack | Arch | Drawing | Frame, Field(discriminator="kind")
 ]

@@ -2,14 +2,14 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, StrictBool, Tag
+from pydantic import Discriminator, Field, StrictBool, Tag, model_validator
 
-from lacore.files.problem.calls import Call
+from lacore.files.problem.calls import Call, Own
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry, node
-from lacore.files.problem.schema.fields import ByLevel, Density, Linear
+from lacore.files.problem.schema.fields import ByLevel, Density, Linear, times
 from lacore.files.problem.schema.materials import Friction
-from lacore.files.problem.schema.places import Where
+from lacore.files.problem.schema.places import DRAWING, Blocks, Where, of_body
 from lacore.files.problem.schema.values import (
     Force,
     Length,
@@ -18,6 +18,7 @@ from lacore.files.problem.schema.values import (
     Point,
     Stress,
     UnitWeight,
+    refused,
 )
 
 
@@ -30,6 +31,11 @@ class Support(Entry):
     components: str | None = None
     """x, y, xy (if left out), normal, tangential; of nodes of frames rotation, clamped."""
 
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """See `Entry.arguments`."""
+        given = super().arguments(at)
+        return given | {"where": of_body(given["where"], self.body, at)}
+
 
 class Side(Entry):
     """A part of the boundary of a body."""
@@ -39,7 +45,7 @@ class Side(Entry):
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
-        return self.body, node(self.where, (*at, "where"))
+        return self.body, of_body(node(self.where, (*at, "where")), self.body, at)
 
 
 class Plane(Entry):
@@ -82,6 +88,18 @@ class _Load(Entry):
     tag: ClassVar[str] = "load"
     body: str
 
+    @property
+    def several(self) -> str:
+        """What the loads are called that it becomes, where these are several."""
+        return ""
+
+    def arguments(self, at: Path) -> dict[str, Any]:
+        """See `Entry.arguments`."""
+        given = super().arguments(at)
+        if "where" in given:
+            given["where"] = of_body(given["where"], self.body, at)
+        return given
+
 
 class Traction(_Load):
     """A force per area of a boundary; on a frame per length of a member."""
@@ -102,22 +120,73 @@ class Pressure(_Load):
 
 
 class Weight(_Load):
-    """Weight, downwards along y."""
+    """Weight, downwards along y unless a direction is given."""
 
     maker: ClassVar[str] = "la.BodyForce"
     load: Literal["weight"]
-    unit_weight: Density
-    where: str | tuple[str, ...] | None = None
+    unit_weight: Density | None = None
+    """Of a drawing it may be left out: its layers have densities."""
+    where: Blocks | None = None
     """Blocks or regions; all if left out."""
+    direction: tuple[Number, Number] | None = None
+    """Of unit length; [0, -1] if left out, [1, 0] is an acceleration of 1 g against x."""
+
+    @property
+    def several(self) -> str:
+        """See `_Load.several`: one for each layer."""
+        return "weight" if self.unit_weight is None else ""
+
+    @model_validator(mode="after")
+    def _of_all(self) -> "Weight":
+        if self.unit_weight is None and self.where is not None:
+            why = "without unit_weight, by densities, it is the weight of all blocks"
+            raise refused(why, "add unit_weight, or leave it out", "where")
+        return self
 
     def call(self, at: Path) -> Any:
         """See `Entry.call`."""
-        own, place = self.unit_weight, (*at, "unit_weight")
-        down = -own if isinstance(own, float) else node(own.downwards(), place)
-        given: dict[str, Any] = {"body": self.body, "vector": (0.0, down)}
-        if self.where is not None:
-            given["where"] = self.where
+        given = self.arguments(at)
+        if self.unit_weight is None:
+            why = f"missing: {self.body!r} is no drawing, whose layers have densities"
+            unless = (why, "add unit_weight")
+            place = (*at, "unit_weight")
+            return Own((self.body, DRAWING), "weight", given, place, at, unless)
+        place = (*at, "unit_weight")
+        del given["unit_weight"]
+        given["vector"] = tuple(
+            node(times(self.unit_weight, part), place)
+            for part in given.pop("direction", (0.0, -1.0))
+        )
         return Call(self.maker, given, at, {"vector": place})
+
+
+class Fill(_Load):
+    """What lies on vaults or behind walls of blocks: its weight and its pressure sideways."""
+
+    maker: ClassVar[str] = "la.masonry.fill"
+    load: Literal["fill"]
+    unit_weight: UnitWeight
+    level: Length
+    """Height y of its surface."""
+    lateral: Number | None = None
+    """Ratio of horizontal to vertical pressure; 0 if left out."""
+    surcharge: Stress | None = None
+    where: Where | None = None
+    """Blocks or edges; those that face upwards and have no joint if left out."""
+
+    @property
+    def several(self) -> str:
+        """See `_Load.several`: one for each edge."""
+        return "fill"
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`."""
+        kinds = "block, blocks, wall, stack, arch or drawing"
+        unless = ("it has no blocks that a fill could lie on", f"name a body of kind {kinds}")
+        blocks = Own((self.body,), "", None, (*at, "body"), at, unless)
+        given = self.arguments(at)
+        arguments = {"body": given.pop("body"), "blocks": blocks, **given}
+        return Call(self.maker, arguments, at, {"blocks": (*at, "body")})
 
 
 class BodyForce(_Load):
@@ -126,7 +195,7 @@ class BodyForce(_Load):
     maker: ClassVar[str] = "la.BodyForce"
     load: Literal["body-force"]
     vector: tuple[Density, Density]
-    where: str | tuple[str, ...] | None = None
+    where: Blocks | None = None
     """Blocks or regions; all if left out."""
 
 
@@ -203,6 +272,7 @@ Load = Annotated[
     Traction
     | Pressure
     | Weight
+    | Fill
     | BodyForce
     | PointForce
     | RigidFooting

@@ -1,14 +1,20 @@
 """A problem file as a whole."""
 
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
 from pydantic import StrictBool
 
+from lacore.errors import InputError, suggest
+from lacore.files.problem.calls import Call, Key, MisfitError, Own, Program, Spread, owned
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.bodies import Body
 from lacore.files.problem.schema.conditions import Interface, Load, Support
 from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.places import DRAWING
 from lacore.files.problem.schema.values import Number
+
+_OF_BLOCKS = ("block", "blocks", "wall", "stack", "arch")
 
 
 class Asked(Entry):
@@ -38,6 +44,44 @@ class ProblemFile(Entry):
     supports: tuple[Support, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     solve: Asked = Asked()
+
+    def program(self) -> Program:
+        """What makes the problem.
+
+        Raises:
+            MisfitError: a layer, a density or a fill of a body that has none.
+        """
+        call: Call = self.call(())
+        bodies: dict[str, Any] = call.arguments["bodies"]
+        filled = {load.body for load in (*self.reference_loads, *self.dead_loads) if load.several}
+        things: dict[Key, Any] = {}
+        for name, body in self.bodies.items():
+            if body.kind == DRAWING:
+                things[name, DRAWING] = bodies[name]
+                bodies[name] = Own((name, DRAWING), "blocks")
+            if body.kind == DRAWING or (name in filled and body.kind in _OF_BLOCKS):
+                things[name,] = bodies[name]
+                bodies[name] = Own((name,))
+        for kind in ("reference_loads", "dead_loads"):
+            nodes = call.arguments.get(kind, [])
+            for place, load in enumerate(getattr(self, kind)):
+                if load.several:
+                    number = sum(key[:2] == (load.body, load.several) for key in things)
+                    key = (load.body, load.several, *([str(number + 1)] if number else []))
+                    things[key], nodes[place] = nodes[place], Spread(Own(key))
+        self._require(things, [*things.values(), call])
+        return Program(things, call)
+
+    def _require(self, things: Mapping[Key, Any], nodes: Iterable[Any]) -> None:
+        """Raise `MisfitError` where bodies have not what is said of them."""
+        for own in owned(nodes):
+            if own.thing in things:
+                continue
+            body = own.thing[0]
+            if body not in self.bodies:
+                error = InputError("body", body, "no such body", suggest(body, self.bodies))
+                raise MisfitError(error, (*own.entry, "body"))
+            raise MisfitError(InputError("body", None, *own.unless), own.at)
 
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""

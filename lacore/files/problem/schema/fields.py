@@ -72,10 +72,11 @@ class LinearWeight(Entry):
     gradient: tuple[WeightSlope, WeightSlope]
     at: Point | None = None
 
-    def downwards(self) -> "LinearWeight":
-        """As a force along y."""
+    def times(self, factor: float) -> "LinearWeight":
+        """As a component of a force."""
         x, y = self.gradient
-        return self.model_copy(update={"value": -self.value, "gradient": (-x, -y)})
+        gradient = (factor * x, factor * y)
+        return self.model_copy(update={"value": factor * self.value, "gradient": gradient})
 
 
 class WeightByLevel(Entry):
@@ -85,9 +86,9 @@ class WeightByLevel(Entry):
     levels: tuple[Length, ...]
     values: tuple[UnitWeight, ...]
 
-    def downwards(self) -> "WeightByLevel":
-        """As a force along y."""
-        return self.model_copy(update={"values": tuple(-own for own in self.values)})
+    def times(self, factor: float) -> "WeightByLevel":
+        """As a component of a force."""
+        return self.model_copy(update={"values": tuple(factor * own for own in self.values)})
 
 
 Density = Annotated[
@@ -97,3 +98,10 @@ Density = Annotated[
     Discriminator(_kind),
 ]
 """A force per volume: a number, or as it varies from place to place."""
+
+
+def times(density: float | LinearWeight | WeightByLevel, factor: float) -> Any:
+    """A component of a force per volume; none is 0."""
+    if factor == 0:
+        return 0.0
+    return factor * density if isinstance(density, float) else density.times(factor)

@@ -12,6 +12,63 @@ from lacore.files.problem.schema.fields import Strength
 from lacore.files.problem.schema.values import Angle, Number, Stress, refused
 
 
+class _Hardening(Entry):
+    tag: ClassVar[str] = "law"
+
+
+class Perfect(_Hardening):
+    """No hardening."""
+
+    maker: ClassVar[str] = "la.hardening.Perfect"
+    law: Literal["perfect"]
+    yield_stress: Stress
+
+
+class LinearHardening(_Hardening):
+    """Yield stress plus slope times strain."""
+
+    maker: ClassVar[str] = "la.hardening.Linear"
+    law: Literal["linear"]
+    yield_stress: Stress
+    slope: Stress
+
+
+class Voce(_Hardening):
+    """Hardening that ends, at `saturation`."""
+
+    maker: ClassVar[str] = "la.hardening.Voce"
+    law: Literal["voce"]
+    yield_stress: Stress
+    saturation: Stress
+    rate: Number
+
+
+class Swift(_Hardening):
+    """A power law, strength (offset + strain)^exponent."""
+
+    maker: ClassVar[str] = "la.hardening.Swift"
+    law: Literal["swift"]
+    strength: Stress
+    offset: Number
+    exponent: Number
+
+
+class HardeningTable(_Hardening):
+    """Measured points."""
+
+    maker: ClassVar[str] = "la.hardening.Table"
+    law: Literal["table"]
+    strains: tuple[Number, ...]
+    """Equivalent plastic, from 0."""
+    stresses: tuple[Stress, ...]
+    """Yield stresses in tension."""
+
+
+Hardening = Annotated[
+    Perfect | LinearHardening | Voce | Swift | HardeningTable, Field(discriminator="law")
+]
+
+
 class VonMises(Entry):
     """Metal, undrained clay: yields at a shear stress; or by its yield stress in tension."""
 
@@ -20,6 +77,8 @@ class VonMises(Entry):
     criterion: Literal["von-mises"]
     shear_strength: Strength | None = None
     yield_stress: Strength | None = None
+    hardening: Hardening | None = None
+    """In place of both: paths follow it, a load factor is that of the first yield stress."""
 
 
 class MohrCoulomb(Entry):

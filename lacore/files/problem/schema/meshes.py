@@ -4,12 +4,12 @@ from pathlib import Path as File
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
+    AfterValidator,
     Discriminator,
     Field,
     StrictBool,
     Tag,
     ValidationInfo,
-    field_validator,
     model_validator,
 )
 
@@ -31,21 +31,23 @@ FOLDER = "folder"
 _CELLS = 100_000
 
 
+def _beside(given: str, info: ValidationInfo) -> str:
+    # What lacks a name, or has bytes that no name has, is refused where it is read.
+    return str((info.context or {}).get(FOLDER, File()) / given)
+
+
+NamedFile = Annotated[str, AfterValidator(_beside)]
+"""The path of a file, from the folder of the problem file."""
+
+
 class MeshFile(Entry):
     """A mesh of gmsh, of another program, or one that lacore saved, by its path from here."""
 
     maker: ClassVar[str] = "la.meshes.read"
-    file: str
+    file: NamedFile
     surface: str | None = None
     """The physical group whose triangles are taken."""
     merge: Number | None = None
-
-    @field_validator("file")
-    @classmethod
-    def _there(cls, given: str, info: ValidationInfo) -> str:
-        # What lacks a name, or has bytes that no name has, is refused where it is read.
-        folder = (info.context or {}).get(FOLDER, File())
-        return str(folder / given)
 
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""

@@ -1,12 +1,17 @@
 """Parts of boundaries, by name or by numbers."""
 
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Discriminator, Field, Tag
 
+from lacore.files.problem.calls import Own
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.values import End, Length, Number, Point
+
+DRAWING = "drawing"
+"""Of the key of what was drawn, after the name of its body."""
 
 
 def _extent(given: Any) -> str:
@@ -47,6 +52,25 @@ class Line(Entry):
         )
 
 
+class OfLayer(Entry):
+    """Blocks of a drawing, by their layer."""
+
+    layer: str
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`: of a drawing that `of_body` names."""
+        return Own(("", DRAWING), "named", {"layer": self.layer}, (*at, "layer"))
+
+
+def of_body(where: Any, body: str, entry: Path) -> Any:
+    """A place as part of calls, on a body that an entry of the file names."""
+    if not isinstance(where, Own):
+        return where
+    why = f"{body!r} is no drawing: its blocks have no layers"
+    mend = "name its blocks: where = [ ... ]"
+    return replace(where, thing=(body, DRAWING), entry=entry, unless=(why, mend))
+
+
 class HalfPlane(Entry):
     """Places on that side of a line through `point` that `normal` points to."""
 
@@ -61,13 +85,18 @@ def _part(given: Any) -> str:
 
 def _kind(given: Any) -> str:
     if isinstance(given, dict):
-        return "~line" if {"from", "to"} & set(given) else "~box"
+        keys = set(given)
+        return "~line" if {"from", "to"} & keys else "~layer" if "layer" in keys else "~box"
     return "~names" if isinstance(given, list | tuple) else "~name"
+
+
+def _place(given: Any) -> str:
+    return "~line" if isinstance(given, dict) and {"from", "to"} & set(given) else "~box"
 
 
 Place = Annotated[
     Annotated[Box, Tag("~box")] | Annotated[Line, Tag("~line")],
-    Discriminator(_kind),
+    Discriminator(_place),
 ]
 Part = Annotated[
     Annotated[Box, Tag("~box")] | Annotated[HalfPlane, Tag("~half")], Discriminator(_part)
@@ -77,7 +106,21 @@ Where = Annotated[
     Annotated[str, Tag("~name")]
     | Annotated[tuple[str, ...], Tag("~names")]
     | Annotated[Box, Tag("~box")]
-    | Annotated[Line, Tag("~line")],
+    | Annotated[Line, Tag("~line")]
+    | Annotated[OfLayer, Tag("~layer")],
     Discriminator(_kind),
 ]
-"""A boundary by its name, blocks or nodes by their names, or places by numbers."""
+"""A boundary by its name, blocks or nodes by their names or layer, or places by numbers."""
+
+
+def _blocks(given: Any) -> str:
+    return "~layer" if isinstance(given, dict) else "~name" if isinstance(given, str) else "~names"
+
+
+Blocks = Annotated[
+    Annotated[str, Tag("~name")]
+    | Annotated[tuple[str, ...], Tag("~names")]
+    | Annotated[OfLayer, Tag("~layer")],
+    Discriminator(_blocks),
+]
+"""Blocks or regions by their names, or the layer of blocks."""

@@ -7,24 +7,54 @@ from pydantic import Discriminator, Tag
 from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.values import Axial, Length, Moment, Stress, Strut
+from lacore.files.problem.schema.values import Axial, Length, Moment, Stress, Strut, Whole
+
+_MOST = 256  # sides: with 8 a rectangle's polygon is 0.4 % off its curve
 
 
-class Rolled(Entry):
+class _OfStress(Entry):
+    """A section whose N-M curve is replaced by a polygon."""
+
+    yield_stress: Stress
+    layers: Annotated[int, Whole(1, _MOST)] | None = None
+    """Sides of the polygon between N = 0 and the squash load; 8 if left out."""
+    polygon: Literal["inner", "outer"] | None = None
+    """Inside the curve, which is safe, if left out."""
+
+
+class Rolled(_OfStress):
     """A rolled section by its name, such as IPE 300 or HEA 200."""
 
     maker: ClassVar[str] = "la.sections.standard"
     name: str
-    yield_stress: Stress
 
 
-class Rectangle(Entry):
+class Rectangle(_OfStress):
     """A solid rectangle; it bends over its height."""
 
     maker: ClassVar[str] = "la.sections.rectangle"
     width: Length
     height: Length
-    yield_stress: Stress
+
+
+class ISection(_OfStress):
+    """An I-section with parallel flanges, bent about its strong axis."""
+
+    maker: ClassVar[str] = "la.sections.i_section"
+    height: Length
+    width: Length
+    web: Length
+    """Thickness."""
+    flange: Length
+    """Thickness."""
+    fillet: Length = 0.0
+    """Radius between web and flange; 0 of welded ones."""
+
+    def call(self, at: Path) -> Any:
+        """See `Entry.call`: lacore names the fillet where web and flanges do not fit."""
+        arguments = {"fillet": self.fillet} | self.arguments(at)
+        places = {} if "fillet" in self.model_fields_set else {"fillet": (*at, "web")}
+        return Call(self.maker, arguments, at, places)
 
 
 class Bar(Entry):
@@ -54,6 +84,9 @@ class Polygon(Entry):
 
 _KEYS = {
     "corners": "~polygon",
+    "web": "~i",
+    "flange": "~i",
+    "fillet": "~i",
     "tension": "~bar",
     "compression": "~bar",
     "plastic_moment": "~plastic",
@@ -71,6 +104,7 @@ def _kind(given: Any) -> str:
 Section = Annotated[
     Annotated[Rolled, Tag("~rolled")]
     | Annotated[Rectangle, Tag("~rectangle")]
+    | Annotated[ISection, Tag("~i")]
     | Annotated[Bar, Tag("~bar")]
     | Annotated[Plastic, Tag("~plastic")]
     | Annotated[Polygon, Tag("~polygon")]

@@ -31,6 +31,32 @@ RECTANGLE = '{ shape = "rectangle", x = [0, 4], y = [-2, 0], nx = 4, ny = 4 }'
 LINEAR = '{ value = "10 kPa", gradient = [0, "-2 kPa/m"], at = [0, -1] }'
 TABLE = '{ levels = [-2, -1.2, 0], values = ["12 kPa", "10.4 kPa", "8 kPa"] }'
 
+FRAME = """\
+[bodies.portal]
+kind = "frame"
+nodes = { A = [0, 0], B = [0, 4], C = [6, 4], D = [6, 0], E = [9, 0], F = [3, 0] }
+members.left = ["A", "B"]
+members.beam = ["B", "C"]
+members.right = ["C", "D"]
+members.stay = ["C", "E"]
+members.post = ["F", "B"]
+members.arm = ["F", "C"]
+sections.left = { name = "HEA 200", yield_stress = "235 MPa" }
+sections.beam = { width = "10 cm", height = "20 cm", yield_stress = "235 MPa" }
+sections.right = "rigid"
+sections.stay = { tension = "50 kN", compression = 0 }
+sections.post = { height = 0.3, width = 0.2, web = "8 mm", flange = "12 mm", yield_stress = 235e6 }
+sections.arm = { name = "IPE 80", yield_stress = "235 MPa", layers = 4, polygon = "outer" }
+[[supports]]
+body = "portal"
+where = ["A", "D", "E", "F"]
+[[reference_loads]]
+load = "point-force"
+body = "portal"
+at = "B"
+vector = ["10 kN", 0]
+"""
+
 
 def read(folder, mesh=RECTANGLE, regions="", strength=LINEAR):
     file = folder / "ground.toml"
@@ -116,25 +142,7 @@ def test_what_cannot_be_is_said(regions, strength, said, tmp_path):
 
 
 def test_sections_of_frames(tmp_path):
-    text = """\
-[bodies.portal]
-kind = "frame"
-nodes = { A = [0, 0], B = [0, 4], C = [6, 4], D = [6, 0], E = [9, 0] }
-members = { left = ["A", "B"], beam = ["B", "C"], right = ["C", "D"], stay = ["C", "E"] }
-sections.left = { name = "HEA 200", yield_stress = "235 MPa" }
-sections.beam = { width = "10 cm", height = "20 cm", yield_stress = "235 MPa" }
-sections.right = "rigid"
-sections.stay = { tension = "50 kN", compression = 0 }
-[[supports]]
-body = "portal"
-where = ["A", "D", "E"]
-[[reference_loads]]
-load = "point-force"
-body = "portal"
-at = "B"
-vector = ["10 kN", 0]
-"""
-    (tmp_path / "frame.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "frame.toml").write_text(FRAME, encoding="utf-8")
     problem = la.read_problem(tmp_path / "frame.toml")
     frame = problem.bodies["portal"]
     sections = {
@@ -142,6 +150,8 @@ vector = ["10 kN", 0]
         "beam": la.sections.rectangle(0.1, 0.2, 235e6),
         "right": la.sections.rigid(),
         "stay": la.sections.bar(50e3, 0),
+        "post": la.sections.i_section(0.3, 0.2, 0.008, 0.012, 0.0, 235e6),
+        "arm": la.sections.standard("IPE 80", 235e6, 4, "outer"),
     }
     own = la.Frame(frame.nodes, frame.members, sections=sections)
     load = la.solve(problem).load_factor
@@ -150,6 +160,41 @@ vector = ["10 kN", 0]
     la.write_problem(problem, tmp_path / "again.toml")
     again = la.read_problem(tmp_path / "again.toml")
     assert la.solve(again).load_factor == pytest.approx(load, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [
+        (
+            '{ name = "IPE 310", yield_stress = 1 }',
+            r"left.name = 'IPE 310': no section of the table; did you mean 'IPE",
+        ),
+        ('{ name = "IPE 300" }', r"sections.left: missing; add yield_stress"),
+        ('{ name = "IPE 300", yield_stress = "2 kN" }', r"left.yield_stress = '2 kN': 'kN' does"),
+        ('{ name = "IPE 300", yield_stress = -1 }', r"left.yield_stress = -1: not a positive"),
+        ('{ name = "IPE 300", yield_stress = 1, layers = 0 }', r"left.layers = 0: out of range"),
+        ('{ name = "IPE 300", yield_stress = 1, polygon = "in" }', r"left.polygon = 'in': unknown"),
+        (
+            "{ height = 0.3, width = 0.2, web = 0.3, flange = 0.01, yield_stress = 1 }",
+            r"sections.left.web = 0.3: web, flanges and fillets do not fit",
+        ),
+        (
+            '{ height = "300 kg", width = 0.2, web = 0.01, flange = 0.01, yield_stress = 1 }',
+            r"left.height = '300 kg': 'kg' does not fit: this is in m",
+        ),
+        ('"rigd"', r"sections.left = 'rigd': unknown; did you mean 'rigid'"),
+        ("{ tension = -1 }", r"sections.left.tension = -1: not a strength"),
+        ("{ corners = [[-1, 0], [0, 1]] }", r"sections.left.corners"),
+        ("{ }", r"sections.left: missing; add yield_stress, name"),
+    ],
+)
+def test_what_is_no_section_is_said(section, said, tmp_path):
+    text = FRAME.replace('{ name = "HEA 200", yield_stress = "235 MPa" }', section)
+    assert section in text
+    (tmp_path / "frame.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(la.InputError, match=rf"frame.toml:10: bodies.portal.*{said}") as told:
+        la.read_problem(tmp_path / "frame.toml")
+    assert told.value.mend
 
 
 @pytest.mark.parametrize("given", [(), (2.0,), (2.0, 0.5), (0.0, 3.0)])

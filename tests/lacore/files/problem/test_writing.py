@@ -119,13 +119,35 @@ def test_what_no_file_can_state_is_refused(problem, said, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_law_of_hardening_is_refused(tmp_path):
-    law = la.VonMises(hardening=la.hardening.Linear(1.0, 1.0))
+@pytest.mark.parametrize(
+    "law",
+    [
+        la.hardening.Perfect(3.0),
+        la.hardening.Linear(1.0, 2.5),
+        la.hardening.Voce(1.0, 2.0, 7.0),
+        la.hardening.Swift(3.0, 0.01, 0.2),
+        la.hardening.Table([0, 0.1, 0.5], [1, 2, 3]),
+    ],
+)
+def test_a_law_of_hardening_comes_back(law, tmp_path):
     mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
-    with pytest.raises(InputError, match="a file has no laws"):
-        la.write_problem(
-            square(bodies={"soil": la.Body(mesh, law)}, dead_loads=[]), tmp_path / "a.toml"
-        )
+    soil = {"soil": la.Body(mesh, la.VonMises(hardening=law))}
+    read = written(square(bodies=soil, dead_loads=[]), tmp_path)
+    assert read.bodies["soil"].criterion.hardening == law
+
+
+def test_a_law_of_your_own_is_refused(tmp_path):
+    class Own:
+        def stress(self, strain):
+            return 1.0 + 0 * np.asarray(strain)
+
+        def modulus(self, strain):
+            return 0 * np.asarray(strain)
+
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    soil = {"soil": la.Body(mesh, la.VonMises(hardening=Own()))}
+    with pytest.raises(InputError, match=r"criterion.hardening.*a file has no functions"):
+        la.write_problem(square(bodies=soil, dead_loads=[]), tmp_path / "a.toml")
 
 
 def test_what_is_no_saved_mesh_is_refused(tmp_path):

@@ -1,0 +1,95 @@
+"""What of lacore a problem file can ask for: functions and classes by the names they have there."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lacore.bodies.blocks import masonry
+from lacore.bodies.blocks.block_assembly import BlockAssembly, RigidBlock
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.frames import sections
+from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.section import Section
+from lacore.conditions import loads, water
+from lacore.conditions.body_forces import BodyForce
+from lacore.conditions.linear import ByLevel, Linear
+from lacore.conditions.within import Along, Beyond, Within
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import RigidObstacle
+from lacore.materials import hardening
+from lacore.materials.drucker_prager import DruckerPrager
+from lacore.materials.fields import Field
+from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
+from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
+from lacore.materials.von_mises import VonMises
+from lacore.meshes.archive import load
+from lacore.meshes.layered import layered
+from lacore.meshes.naming import named
+from lacore.meshes.patches import Patch, patches
+from lacore.meshes.reading import read
+from lacore.meshes.structured import fan, quadrilaterals, quarter_ring, rectangle
+from lacore.problem.problem import Problem
+
+MAKERS: Mapping[str, Callable[..., Any]] = {
+    "la.meshes.rectangle": rectangle,
+    "la.meshes.quadrilaterals": quadrilaterals,
+    "la.meshes.fan": fan,
+    "la.meshes.layered": layered,
+    "la.meshes.quarter_ring": quarter_ring,
+    "la.meshes.Patch": Patch,
+    "la.meshes.patches": patches,
+    "la.meshes.read": read,
+    "la.meshes.load": load,
+    "la.meshes.named": named,
+    "la.VonMises": VonMises,
+    "la.hardening.Perfect": hardening.Perfect,
+    "la.hardening.Linear": hardening.Linear,
+    "la.hardening.Voce": hardening.Voce,
+    "la.hardening.Swift": hardening.Swift,
+    "la.hardening.Table": hardening.Table,
+    "la.MohrCoulomb": MohrCoulomb,
+    "la.DruckerPrager": DruckerPrager,
+    "la.Rankine": Rankine,
+    "la.NoTension": NoTension,
+    "la.MaximumShear": MaximumShear,
+    "la.Body": Body,
+    "la.RigidBlock": RigidBlock,
+    "la.BlockAssembly": BlockAssembly,
+    "la.masonry.running_bond": masonry.running_bond,
+    "la.masonry.regular_bond": masonry.regular_bond,
+    "la.masonry.Opening": masonry.Opening,
+    "la.masonry.stack": masonry.stack,
+    "la.masonry.arch": masonry.arch,
+    "la.masonry.read": masonry.read,
+    "la.masonry.Layer": masonry.Layer,
+    "la.masonry.fill": masonry.fill,
+    "la.Frame": Frame,
+    "la.sections.standard": sections.standard,
+    "la.sections.rectangle": sections.rectangle,
+    "la.sections.i_section": sections.i_section,
+    "la.sections.bar": sections.bar,
+    "la.sections.plastic": sections.plastic,
+    "la.sections.rigid": sections.rigid,
+    "la.sections.Section": Section,
+    "la.Within": Within,
+    "la.Along": Along,
+    "la.Beyond": Beyond,
+    "la.Linear": Linear,
+    "la.ByLevel": ByLevel,
+    "la.Field": Field,
+    "la.Fix": loads.Fix,
+    "la.Traction": loads.Traction,
+    "la.Pressure": loads.Pressure,
+    "la.BodyForce": BodyForce,
+    "la.PointForce": loads.PointForce,
+    "la.RigidFooting": loads.RigidFooting,
+    "la.PorePressure": water.PorePressure,
+    "la.StandingWater": water.StandingWater,
+    "la.WaterTable": water.WaterTable,
+    "la.Interface": Interface,
+    "la.RigidObstacle": RigidObstacle,
+    "la.Coulomb": Coulomb,
+    "la.Tresca": Tresca,
+    "la.Problem": Problem,
+}
+NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}
+"""What stands for a value."""
