@@ -2,18 +2,20 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from contextlib import closing
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
-from math import ceil, log
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from skfem import MeshTri
 
+from lacore.adaptive.asking import Asked, Bound, Solver, processors
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import starts
+from lacore.adaptive.track import RECENT, Track, growth, next_round, order
 from lacore.adaptive.whole import continua, mesh_of, of_all, on_mesh
 from lacore.arrays import Floats
 from lacore.backend import find_backend, read_options
@@ -21,7 +23,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
 from lacore.bounds.lower import LowerBound, lower_bound
-from lacore.bounds.upper import UpperBound, upper_bound
+from lacore.bounds.upper import UpperBound
 from lacore.errors import InputError, require_count, require_positive
 from lacore.limit.solve import solve
 from lacore.meshes.checks import quality
@@ -29,16 +31,9 @@ from lacore.meshes.refinement import grown
 from lacore.problem.problem import Problem
 from lacore.status import Status
 
-Bound = LowerBound | UpperBound
-
-_GROWTH = 2.0  # of a mesh from solve to solve
-_LEAST_GROWTH = 1.2
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 _PRESSED = 1e-5  # of soils: what flows as it cannot is worst in the least element (T45)
 _LOOSEST, _TIGHTEST = 2e-5, 1e-9
-_JUDGED = 1e-3  # residuals of a velocity that is worth projecting
-_RECENT = 2  # refinements whose gains count
-_SMALL = 0.5  # of the elements of the other mesh: below it a solve costs little
 _SETTLED = 0.25  # of the target width, what both ends may have left to gain
 _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
@@ -54,6 +49,7 @@ def bracket(
     options: Mapping[str, Any] | None = None,
     meshes: str | None = None,
     lower_mesh: MeshTri | None = None,
+    jobs: int | None = None,
     on_step: Callable[[Step], None] | None = None,
 ) -> Bracket:
     """A load factor between a strict lower and a strict upper bound, as narrow as asked for.
@@ -85,6 +81,8 @@ def bracket(
         lower_mesh: mesh of the same domain to start the lower bound from, such as a
             `lacore.meshes.fan`. None: that of the problem; where meshes are separate, with fans at
             its singular points.
+        jobs: how many solves at a time, by threads; there are two at most. The bounds are the same
+            whatever it is, unless time runs out. None: as many as there are processors.
         on_step: called after each solve, for progress.
 
     Raises:
@@ -97,36 +95,43 @@ def bracket(
     require_positive("target_width", target_width)
     require_count("max_elements", max_elements)
     require_positive("time_limit", time_limit)
+    jobs = processors() if jobs is None else jobs
+    require_count("jobs", jobs)
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     require_associated_flow(of_kind(problem.bodies, Body))
     read_options(find_backend(backend), options or {})
+    bodies = continua(problem)
     run = _Run(
-        list(continua(problem)),
-        backend,
-        dict(options or {}),
+        list(bodies),
+        any(body.pressed for body in bodies.values()),
+        Solver(backend, dict(options or {}), begin + time_limit, jobs),
         target_width,
         begin,
-        begin + time_limit,
         max_elements,
         on_step,
         has_coulomb(problem),
     )
     first = starts(problem, target_width, max_elements, meshes, lower_mesh)
-    tracks = [_Track(start.kinds, start.problem) for start in first]
-    for number, track in enumerate(tracks):
-        tracks[number] = run.solved(track, track.problem)
+    tracks = [Track(start.kinds, start.problem) for start in first]
+    tracks = run.solved([(track, track.problem) for track in tracks])
+    run.seen.append((sum(track.elements for track in tracks), run.width))
     while (ending := run.ending(tracks)) is None:
-        number = _next([k for k, track in enumerate(tracks) if run.closed(track) is None], tracks)
-        finer = run.refined(tracks[number])
-        if finer is None:
+        open_ = [number for number, track in enumerate(tracks) if run.closed(track) is None]
+        finer = {number: run.refined(tracks[number]) for number in next_round(open_, tracks)}
+        moves = {number: own for number, own in finer.items() if own is not None}
+        for number in finer.keys() - moves.keys():
             tracks[number] = replace(tracks[number], too_fine=True)
-        elif run.too_late(tracks[number], finer):
-            tracks[number] = replace(tracks[number], late=mesh_of(finer).nelements)
+        late = [number for number, own in moves.items() if run.too_late(tracks[number], own)]
+        for number in late:
+            tracks[number] = replace(tracks[number], late=mesh_of(moves[number]).nelements)
+        if late:
             ending = Ending.TIME_LIMIT
             break
-        else:
-            tracks[number] = run.solved(tracks[number], finer)
+        solved = run.solved([(tracks[number], own) for number, own in moves.items()])
+        for number, track in zip(moves, solved, strict=True):
+            tracks[number] = track
+        run.seen.append((sum(track.elements for track in tracks), run.width))
     lower, upper = run.best["lower"], run.best["upper"]
     assert isinstance(lower, LowerBound)
     assert isinstance(upper, UpperBound)
@@ -149,62 +154,15 @@ def bracket(
     )
 
 
-@dataclass(frozen=True)
-class _Track:
-    """A mesh on its way, and the bounds that are solved on it.
-
-    Attributes:
-        kinds: ``lower``, ``upper`` or both.
-        problem: on the mesh.
-        last: bounds on it, by kind.
-        gains: what the last refinements gained, in the unit of load factors.
-        rests: what they leave to gain, if errors fall as elements rise.
-        seconds: of the last solves.
-        too_fine: whether the next mesh has too many elements.
-        late: elements of the next mesh, of which a solve would end too late; else 0.
-    """
-
-    kinds: tuple[str, ...]
-    problem: Problem
-    last: Mapping[str, Bound] = field(default_factory=dict)
-    gains: tuple[float, ...] = ()
-    rests: tuple[float, ...] = ()
-    seconds: float = 0.0
-    too_fine: bool = False
-    late: int = 0
-
-    @property
-    def mesh(self) -> MeshTri:
-        return mesh_of(self.problem)
-
-    @property
-    def elements(self) -> int:
-        return int(self.mesh.nelements)
-
-    @property
-    def rate(self) -> float:
-        """Largest recent gain per element: bounds rise in steps. What is new goes first."""
-        return max(self.gains[-_RECENT:], default=np.inf) / self.elements
-
-
-def _next(open_: Sequence[int], tracks: Sequence[_Track]) -> int:
-    """The one that promises more, or costs little."""
-    small = min(open_, key=lambda number: tracks[number].elements)
-    if tracks[small].elements < _SMALL * max(tracks[number].elements for number in open_):
-        return small
-    return max(open_, key=lambda number: tracks[number].rate)
-
-
 @dataclass
 class _Run:
     """What was asked for, and what is proven so far."""
 
     bodies: list[str]
-    backend: str
-    options: Mapping[str, Any]
+    pressed: bool
+    solver: Solver
     target: float
     begin: float
-    deadline: float
     max_elements: int
     on_step: Callable[[Step], None] | None
     coulomb: bool
@@ -212,6 +170,7 @@ class _Run:
     failures: dict[str, str] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
     rows: list[dict[str, Any]] = field(default_factory=list)
+    seen: list[tuple[int, float]] = field(default_factory=list)
 
     @property
     def lower(self) -> float:
@@ -235,47 +194,37 @@ class _Run:
 
     @property
     def growth(self) -> float:
-        """Of the next mesh, in even steps to the target: widths fall about as elements rise."""
-        missing = self.width / self.target
-        if not np.isfinite(missing):
-            return _GROWTH
-        steps = ceil(log(max(missing, 1.0)) / log(_GROWTH))
-        return max(float(missing ** (1 / max(steps, 1))), _LEAST_GROWTH)
+        """Of the next meshes, by the rate at which the width fell so far."""
+        return growth(self.width / self.target, order(self.seen))
 
-    def solved(self, track: _Track, problem: Problem) -> _Track:
-        """The track on a new mesh; what it proves is kept."""
+    def solved(self, moves: Sequence[tuple[Track, Problem]]) -> list[Track]:
+        """The tracks on new meshes; what these prove is kept."""
         begin = time.perf_counter()
+        before = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
+        tolerance = self._tolerance()
+        asked = [Asked(kind, new, tolerance) for track, new in moves for kind in track.kinds]
         last: dict[str, Bound] = {}
-        before = [proven(self.best.get(kind), np.nan) for kind in track.kinds]
-        for kind in track.kinds:
-            if last and self.width <= self.target:
-                break
-            last[kind] = self._solved(kind, problem)
-        after = [proven(self.best.get(kind), np.nan) for kind in track.kinds]
-        gain = float(np.abs(np.subtract(after, before)).sum())
-        gains, rests = track.gains, track.rests
-        if np.isfinite(gain):
-            gains = (*gains, gain)
-            rests = (*rests, gain / (mesh_of(problem).nelements / track.elements - 1))
-        return replace(
-            track,
-            problem=problem,
-            last=last,
-            gains=gains,
-            rests=rests,
-            seconds=time.perf_counter() - begin,
-        )
+        with closing(self.solver.answers(asked)) as answers:
+            for question, bound in zip(asked, answers, strict=True):
+                self._keep(question, bound)
+                last[question.kind] = bound
+                if self.width <= self.target:
+                    break
+        after = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
+        gained = {kind: abs(after[kind] - before.get(kind, np.nan)) for kind in after}
+        seconds = time.perf_counter() - begin
+        return [track.moved(new, last, gained, seconds) for track, new in moves]
 
-    def _solved(self, kind: str, problem: Problem) -> Bound:
-        # What this mesh will about prove decides how close a solve must come.
+    def _tolerance(self) -> float:
+        """Of the next solves: what their meshes will about prove decides how close they come."""
         width = max(self.width / self.growth if self.rows else np.inf, self.target)
         width = self.target if self.coulomb else width  # which may stay wide
-        pressed = any(body.pressed for body in of_kind(problem.bodies, Body).values())
-        loose = width * (_PRESSED if pressed else _LOOSE)
-        tolerance = float(np.clip(loose, _TIGHTEST, _LOOSEST))
-        bound = self._bound(kind, problem, {"tolerance": tolerance})
-        if bound.status is Status.NOT_CERTIFIED:
-            bound = self._bound(kind, problem, {})
+        loose = width * (_PRESSED if self.pressed else _LOOSE)
+        return float(np.clip(loose, _TIGHTEST, _LOOSEST))
+
+    def _keep(self, asked: Asked, bound: Bound) -> None:
+        """The best bounds, and what failed."""
+        kind = asked.kind
         sign = 1.0 if kind == "lower" else -1.0
         holds, best = bound.status is Status.SOLVED, self.best.get(kind, bound)
         if best.status is not Status.SOLVED or (
@@ -288,30 +237,20 @@ class _Run:
         fails = not (holds or bound.status is few[kind])
         self.failures[kind] = bound.message if fails else ""
         if self.coulomb and bound.status is few[kind]:
-            self._ask_whether_any(kind, problem)
-        self._tell(kind, bound, mesh_of(problem))
-        return bound
+            self._ask_whether_any(kind, asked.problem)
+        self._tell(kind, bound, mesh_of(asked.problem))
 
     def _ask_whether_any(self, kind: str, problem: Problem) -> None:
         """Note a bound that no mesh has, by the other side: friction carries, or holds, all."""
-        if kind == "lower" and solve(problem, self.backend, "associated").status is Status.UNSAFE:
+        if (
+            kind == "lower"
+            and solve(problem, self.solver.backend, "associated").status is Status.UNSAFE
+        ):
             self.absent[kind] = (
                 "none; without Coulomb friction the dead loads collapse the structure"
             )
-        if kind == "upper" and lower_bound(problem, self.backend).status is Status.LOCKED:
+        if kind == "upper" and lower_bound(problem, self.solver.backend).status is Status.LOCKED:
             self.absent[kind] = "none; with associated friction stresses carry any load"
-
-    def _bound(self, kind: str, problem: Problem, options: Mapping[str, Any]) -> Bound:
-        known = {field.name for field in fields(find_backend(self.backend).Options)}
-        left = max(self.deadline - time.perf_counter(), 1.0)
-        given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}
-        given |= self.options
-        if "time_limit" in given:
-            given["time_limit"] = min(given["time_limit"], left)
-        if kind == "lower":
-            return lower_bound(problem, self.backend, options=given)
-        state = solve(problem, self.backend, "associated", tolerance=_JUDGED, options=given)
-        return upper_bound(state)
 
     def _tell(self, kind: str, bound: Bound, mesh: MeshTri) -> None:
         step = Step(
@@ -329,7 +268,7 @@ class _Run:
             self.on_step(step)
         self.rows.append(asdict(step))
 
-    def ending(self, tracks: Sequence[_Track]) -> Ending | None:
+    def ending(self, tracks: Sequence[Track]) -> Ending | None:
         """Why it ends, if it does."""
         if self.crossed:
             return Ending.CROSSED
@@ -346,22 +285,22 @@ class _Run:
         order = (Ending.MAX_ELEMENTS, Ending.SETTLED, Ending.NO_PROGRESS, Ending.NO_BOUND)
         return next(ending for ending in order if ending in closed)
 
-    def closed(self, track: _Track) -> Ending | None:
+    def closed(self, track: Track) -> Ending | None:
         """Why a mesh is not refined any more."""
         if self.absent.keys() >= set(track.kinds):
             return Ending.NO_BOUND
         if track.too_fine:
             return Ending.MAX_ELEMENTS
         size = max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
-        rests = track.rests[-_RECENT:]
-        if self.coulomb and len(rests) == _RECENT and max(rests) <= _SETTLED * self.target * size:
+        rests = track.rests[-RECENT:]
+        if self.coulomb and len(rests) == RECENT and max(rests) <= _SETTLED * self.target * size:
             return Ending.SETTLED
         last = track.gains[-_PATIENCE:]
         least = _NOTHING * self.target * size
         spent = len(last) == _PATIENCE and max(last) <= least
         return Ending.NO_PROGRESS if spent else None
 
-    def stopped(self, tracks: Sequence[_Track]) -> str:
+    def stopped(self, tracks: Sequence[Track]) -> str:
         """In words which side stopped, where, and why."""
         told = []
         for track in tracks:
@@ -374,12 +313,12 @@ class _Run:
             told.append(f"{kinds} {bounds} stopped at {track.elements} elements: {why}")
         return ", ".join(told)
 
-    def refined(self, track: _Track) -> Problem | None:
+    def refined(self, track: Track) -> Problem | None:
         """The problem on the next mesh, if that may be."""
         finer = grown(track.mesh, self.shares(track), self.growth, self.max_elements)
         return None if finer is None else on_mesh(track.problem, finer)
 
-    def shares(self, track: _Track) -> Floats:
+    def shares(self, track: Track) -> Floats:
         """Of elements in the error of what was solved last; all the same where nothing was."""
         lower, upper = track.last.get("lower"), track.last.get("upper")
         if proven(lower, np.nan) <= proven(upper, np.nan):
@@ -392,7 +331,7 @@ class _Run:
             return of_all(self.bodies, partial(lower_shares, lower))
         return np.ones(track.elements)
 
-    def too_late(self, track: _Track, finer: Problem) -> bool:
+    def too_late(self, track: Track, finer: Problem) -> bool:
         """Whether the next solve is expected to end after the limit."""
         expected = track.seconds * float(mesh_of(finer).nelements) / track.elements
-        return time.perf_counter() + expected > self.deadline
+        return time.perf_counter() + expected > self.solver.deadline

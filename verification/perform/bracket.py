@@ -57,6 +57,7 @@ def run_bracket(
         stated.max_elements,
         _PART * (time_limit or _LIMIT),
         run.backend,
+        jobs=1,  # other runs have the other processors
     )
     seconds = time.perf_counter() - begin
     proven = np.isfinite(found.lower) and np.isfinite(found.upper)

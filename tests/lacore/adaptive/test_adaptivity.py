@@ -8,7 +8,7 @@ import pytest
 from skfem import MeshTri
 
 import lacore as la
-from lacore.adaptive import refine as adaptivity
+from lacore.adaptive import asking
 from lacore.adaptive.bracket import crossing
 from lacore.adaptive.marking import lower_shares, upper_shares
 from lacore.adaptive.same_domain import difference
@@ -168,7 +168,7 @@ def test_bounds_that_cross_prove_nothing(monkeypatch, meshes, factor):
         found = la.upper_bound(state)
         return replace(found, load_factor=factor * la.lower_bound(even_punch()).load_factor)
 
-    monkeypatch.setattr(adaptivity, "upper_bound", too_low)
+    monkeypatch.setattr(asking, "upper_bound", too_low)
     found = la.bracket(even_punch(), 0.03, meshes=meshes)
     assert found.status is la.Ending.CROSSED
     assert not found.strict
