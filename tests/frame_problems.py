@@ -82,8 +82,8 @@ def static_load_factor(frame, live, dead, clamped):
         section = frame.section_of[pieces.member[k]]
         if not section.extends:
             continue
-        corners = np.array(section.corners)
-        around = np.concatenate([corners, corners[::-1] * [1, -1]])
+        upper, lower = section.chains
+        around = np.concatenate([upper, lower[::-1]])
         hull = (
             ConvexHull(around[np.any(around != np.roll(around, 1, axis=0), axis=1)])
             if m_p
@@ -93,9 +93,9 @@ def static_load_factor(frame, live, dead, clamped):
             bounds[-3] = (-section.squash_load, section.squash_load)
             continue
         for n, m, off in hull.equations:
-            for end in (2, 3):
+            for end, sags in ((2, -1), (3, 1)):  # of the moment on the end, anticlockwise
                 row = np.zeros(columns + 1)
-                row[[1 + 3 * k, end + 3 * k, -1]] = n, m, -off
+                row[[1 + 3 * k, end + 3 * k, -1]] = n, sags * m, -off
                 within.append(row)
     free = ~clamped
     sides = np.array(within).reshape(-1, columns + 1)

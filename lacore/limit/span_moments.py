@@ -58,12 +58,15 @@ class SpanMoments:
         The use is 1 where a section yields; 0, at NaN, where nothing peaks inside. Where N and M
         interact it peaks beside the moment if N changes along the piece.
         """
-        strength, place = frame.pieces.plastic_moment, self.peaks
-        bends = np.where(strength > 0, strength, np.inf)
-        used = self.inside / bends
+        place = self.peaks
+        used, sagging = np.zeros(place.size), -self.at(place[:, None])
         for piece, member in enumerate(frame.pieces.member.tolist()):
             section = frame.section_of[member]
-            if section.extends and section.bends and self.load[piece] != 0:
+            if not section.bends:
+                continue
+            if not section.extends:
+                used[piece] = np.nan_to_num(section.use(sagging[piece], sagging[piece])[0], nan=0.0)
+            elif self.load[piece] != 0:
                 used[piece], place[piece] = self._interacting(piece, section)
         return used, place
 
@@ -72,14 +75,14 @@ class SpanMoments:
         (start, end), (a, b) = self.ends[piece], self.axial[piece]
         bow = self.load[piece] * self.length[piece] ** 2
         normal = section.sides[0]
-        normal = normal[normal[:, 1] > 0]
-        lean = np.outer([-1.0, 1.0], normal[:, 0] / normal[:, 1]).ravel()
+        normal = normal[normal[:, 1] != 0]
+        lean = -normal[:, 0] / normal[:, 1]  # polygons count sagging moments as positive
         share = 0.5 + (end - start + lean * (b - a)) / bow
         share = share[(share > 0) & (share < 1)]
         if not share.size:
             return 0.0, np.nan
         moment = start * (1 - share) + end * share + bow * share * (1 - share) / 2
-        used = section.use(a * (1 - share) + b * share, moment)
+        used = section.use(a * (1 - share) + b * share, -moment)
         most = int(np.argmax(used))
         return float(used[most]), float(share[most])
 

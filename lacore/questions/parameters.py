@@ -132,8 +132,12 @@ def _stronger(section: Section, size: float) -> Callable[[float], Section]:
 
     def changed(value: float) -> Section:
         factor = value / size
-        corners = tuple((factor * axial, factor * moment) for axial, moment in section.corners)
-        return replace(section, corners=corners)
+        upper, lower = (
+            side if side is None else tuple((factor * axial, factor * own) for axial, own in side)
+            for side in (section.corners, section.lower)
+        )
+        assert upper is not None
+        return replace(section, corners=upper, lower=lower)
 
     return changed
 

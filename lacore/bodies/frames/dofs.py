@@ -52,7 +52,7 @@ class FrameDofs(Compact):
     @property
     def count(self) -> int:
         """Number of unknowns."""
-        return self.nodal + self.modes.slides.size
+        return self.nodal + self.modes.unknowns
 
     @cached_property
     def modes(self) -> Modes:
@@ -154,6 +154,9 @@ class FrameDofs(Compact):
     def hinges(self, velocity: Floats, stress: Floats, rest: float) -> pd.DataFrame:
         """Table of where it can yield, a row an end of a piece, then one a bar.
 
+        The plastic moment of a section that bears more in one sense is that in which it turns, or
+        else in the sense of M.
+
         Args:
             velocity: of all unknowns.
             stress: of the modes, (K,).
@@ -166,7 +169,10 @@ class FrameDofs(Compact):
         place = body.position[:, node]
         place[:, bar] += (pieces.along * pieces.length)[:, piece[bar]] / 2
         turning, stretching = self._rates(velocity)
+        turns, stretches = np.abs(turning) * body.size > rest, np.abs(stretching) > rest
+        sags = np.where(turns, turning, moment) * np.where(side == 0, 1.0, -1.0) >= 0
         names = np.array([*body.names, ""], dtype=object)
+        sections = [body.section_of[member] for member in pieces.member[piece]]
         table = pd.DataFrame(
             {
                 "member": np.array(body.member_names, dtype=object)[pieces.member[piece]],
@@ -174,17 +180,17 @@ class FrameDofs(Compact):
                 "x": place[0],
                 "y": place[1],
                 "moment": moment,
-                "plastic_moment": pieces.plastic_moment[piece],
+                "plastic_moment": np.where(
+                    sags, [own.sagging for own in sections], [own.hogging for own in sections]
+                ),
                 "rotation_rate": turning,
             }
         )
         yields = bar | np.isin(piece, self.modes.slides)
         if yields.any():
-            squash = np.array([body.section_of[m].squash_load for m in pieces.member[piece]])
             table["axial_force"] = np.where(yields, axial, np.nan)
-            table["squash_load"] = squash
+            table["squash_load"] = np.array([own.squash_load for own in sections])
             table["elongation_rate"] = stretching
-        turns, stretches = np.abs(turning) * body.size > rest, np.abs(stretching) > rest
         table["state"] = np.where(turns, "turns", np.where(stretches, "stretches", "rests"))
         return table
 
@@ -198,7 +204,8 @@ class FrameDofs(Compact):
         turning -= motion[2, pieces.nodes[piece, np.maximum(side, 0)]]
         stiff = pieces.stiff[piece, np.maximum(side, 0)] & ~bar
         slide = np.zeros(pieces.length.size)
-        slide[self.modes.slides] = velocity[self.offset + self.nodal : self.offset + self.count]
+        first = self.offset + self.nodal
+        slide[self.modes.slides] = velocity[first : first + self.modes.slides.size]
         stretch = x * jump[0] + y * jump[1]
         shared = stretch / 2 + np.where(side == 0, 1.0, -1.0) * slide[piece]
         shared *= np.isin(piece, self.modes.slides)
@@ -208,23 +215,18 @@ class FrameDofs(Compact):
         """Forces of a load on the unknowns, shape (count,), N/m."""
         pieces, own = self.body.pieces, self.modes.slides
         along = np.sum(line_load(load, self.body) * pieces.along, axis=0) * pieces.length
-        return np.concatenate([nodal(load, self.body).ravel(), along[own]])
+        none = np.zeros(self.modes.beyond.shape[1])
+        return np.concatenate([nodal(load, self.body).ravel(), along[own], none])
 
     @property
     def held(self) -> Floats:
-        """Forces on the unknowns of the tension that sections hold in the middle, (count,), N/m.
+        """Forces on the unknowns of what sections carry in the middle of strengths, (count,), N/m.
 
-        Strength that differs in tension and compression is a strength alike in both, and this
-        force, which is in balance by itself.
+        Strength that differs in two senses is a strength alike in both, and these forces, which
+        are in balance by themselves.
         """
-        pieces = self.body.pieces
-        force = np.zeros((len(self.body.names), 2))
-        middle = np.array([self.body.section_of[m].middle for m in pieces.member])
-        pull = (middle * pieces.along).T
-        np.add.at(force, pieces.start, pull)
-        np.subtract.at(force, pieces.end, pull)
-        total = np.concatenate([force, np.zeros((len(force), 1))], axis=1).ravel()
-        return np.append(total, np.zeros(self.count - self.nodal))
+        rows = rate_rows(self.body, self.modes, 0, self.count)
+        return np.asarray(-(rows.T @ self.modes.centre))
 
     def line_loads(self, loads: Iterable[Load]) -> Floats:
         """Loads of this frame along members on all pieces together, N/m per m, (2, P)."""

@@ -1,19 +1,21 @@
 """Ways in which members yield: each a rate, and a strength against it.
 
 At an end of a piece the section of the member turns by theta and, where it yields to axial force,
-stretches by D. It has one mode a fibre (`lacore.bodies.frames.section`), ``|a D + t theta|`` with a
+stretches by D. It has the modes of `lacore.bodies.frames.ways`, ``|a D + t theta + ...|`` with a
 strength in N m. What a piece gets longer, both of its ends share: ``D = stretch/2 +- slide``, with
 the slide an unknown of its own, so that N differs from end to end under loads along the member. A
-bar stretches as a whole.
+bar stretches as a whole. Moments are positive where they sag (`lacore.bodies.frames.section`), as
+the start of a piece does that turns anticlockwise, and its end clockwise.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import block_diag, csr_matrix
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.frames.frame import Frame
+from lacore.bodies.frames.ways import ways_of
 from lacore.showing import Compact
 
 WHOLE = -1  # the side of a mode that is the whole piece's
@@ -30,7 +32,8 @@ class Modes(Compact):
         turn: t, (K,).
         strength: N m per unit thickness, (K,).
         slides: pieces with an unknown slide, (S,).
-        middle: tension that the end of each mode holds beside what its modes carry, N/m, (K,).
+        beyond: what unknowns of single ends add to rates, behind the slides, (K, X).
+        centre: what each mode carries in the middle of its strength, N m, (K,).
     """
 
     piece: Ints
@@ -40,7 +43,13 @@ class Modes(Compact):
     turn: Floats
     strength: Floats
     slides: Ints
-    middle: Floats
+    beyond: Sparse
+    centre: Floats
+
+    @property
+    def unknowns(self) -> int:
+        """How many there are besides those of nodes."""
+        return int(self.slides.size + self.beyond.shape[1])
 
     @property
     def ends(self) -> tuple[Ints, Ints]:
@@ -50,12 +59,12 @@ class Modes(Compact):
 
     def forces(self, stress: Floats) -> tuple[Floats, Floats]:
         """Tension N/m and moment N of each end, (E,), from what each mode carries, N m, (K,)."""
-        count = int(self.end.max(initial=-1)) + 1
+        count, carried = int(self.end.max(initial=-1)) + 1, self.centre + stress
         axial, moment = (
-            np.bincount(self.end, own * stress, count).astype(np.float64)
+            np.bincount(self.end, own * carried, count).astype(np.float64)
             for own in (self.stretch, self.turn)
         )
-        return axial + self.middle[np.unique(self.end, return_index=True)[1]], moment
+        return axial, moment
 
     def with_forces(self, stress: Floats, axial: Floats, moment: Floats) -> Floats:
         """What modes carry, changed as little as it takes for other forces of the ends, (K,)."""
@@ -71,7 +80,8 @@ class Modes(Compact):
 def modes_of(frame: Frame) -> Modes:
     """All modes of a frame: stiff ends in the order of the pieces, then bars."""
     pieces, size = frame.pieces, frame.size
-    found: list[tuple[int, int, int, float, float, float]] = []
+    found: list[tuple[int, int, int, float, float, float, float]] = []
+    beyond: list[Floats] = []
     slides, bars, end = [], [], 0
     for piece, member in enumerate(pieces.member.tolist()):
         section = frame.section_of[member]
@@ -81,30 +91,34 @@ def modes_of(frame: Frame) -> Modes:
             bars += [piece] if section.extends else []
             continue
         slides += [piece] if section.extends else []
-        arm = section.plastic_moment / section.squash_load if section.extends else 1.0
         for side, stiff in enumerate(pieces.stiff[piece].tolist()):
             if not (stiff or section.extends):
                 continue
-            fibres = section.fibres if stiff else np.array([[section.squash_load, 0.0]])
-            for axial, moment in fibres.tolist():
-                strength = abs(axial) * arm + abs(moment)
-                turn = moment / strength
-                found.append((piece, side, end, axial / strength, turn, strength))
+            own, sense = ways_of(section, stiff), 1.0 if side == 0 else -1.0
+            columns = (own.stretch, sense * own.turn, own.strength, own.centre)
+            for a, turn, strength, centre in zip(*columns, strict=True):
+                found.append((piece, side, end, a, turn, strength, centre))
+            beyond.append(own.beyond / size)
             end += 1
     for piece in bars:
-        strength = frame.section_of[pieces.member[piece]].squash_load * size
-        found.append((piece, WHOLE, end, 1 / size, 0.0, strength))
+        section = frame.section_of[pieces.member[piece]]
+        strength, centre = section.squash_load * size, section.middle * size
+        found.append((piece, WHOLE, end, 1 / size, 0.0, strength, centre))
+        beyond.append(np.zeros((1, 0)))
         end += 1
-    columns = np.array(found, dtype=np.float64).reshape(-1, 6).T
-    piece, side, end_of = columns[:3].astype(np.int64)
-    stretch, turn, strengths = columns[3:]
+    numbers = np.array(found, dtype=np.float64).reshape(-1, 7).T
+    piece, side, end_of = numbers[:3].astype(np.int64)
+    stretch, turn, strengths, centres = numbers[3:]
     every = np.array(slides, dtype=np.int64)
-    middle = np.array([frame.section_of[m].middle for m in pieces.member[piece]])
-    return Modes(piece, side, end_of, stretch, turn, strengths, every, middle.astype(np.float64))
+    more = csr_matrix(block_diag(beyond)) if beyond else csr_matrix((0, 0))
+    return Modes(piece, side, end_of, stretch, turn, strengths, every, more, centres)
 
 
 def rate_rows(frame: Frame, modes: Modes, offset: int, n: int) -> Sparse:
-    """Rows of the rates of all modes over n unknowns, (K, n); slides follow the nodes."""
+    """Rows of the rates of all modes over n unknowns, (K, n).
+
+    Slides follow the nodes, and what single ends have follows slides.
+    """
     pieces, piece = frame.pieces, modes.piece
     whole = modes.side == WHOLE
     share = modes.stretch * np.where(whole, 1.0, 0.5)
@@ -123,5 +137,10 @@ def rate_rows(frame: Frame, modes: Modes, offset: int, n: int) -> Sparse:
     matrix = csr_matrix(
         (np.stack(values, axis=1).ravel(), (rows, columns.ravel())), (piece.size, n)
     )
-    matrix.eliminate_zeros()
-    return matrix
+    first = offset + 3 * len(frame.names) + modes.slides.size
+    place = np.arange(first, first + modes.beyond.shape[1])
+    beyond = modes.beyond.tocoo()
+    more = csr_matrix((beyond.data, (beyond.row, place[beyond.col])), matrix.shape)
+    total = csr_matrix(matrix + more)
+    total.eliminate_zeros()
+    return total

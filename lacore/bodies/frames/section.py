@@ -1,14 +1,13 @@
 """Cross-sections of members: what axial force and moment they carry together.
 
-A section yields on a polygon of N and M, symmetric about ``M = 0`` and about a middle N_0. Such a
-polygon is a sum of segments, one a pair of opposite sides: ``(N, M) = (N_0, 0) + sum s_j (n_j,
-m_j)/2``, ``|s_j| <= 1`` (a zonogon). Stretched by D and turned by theta it dissipates ``N_0 D + sum
-|n_j D + m_j theta|/2``: as if it consisted of fibres, each with a strength of its own, and held a
-force N_0; so N-M interaction stays a linear program.
+A section yields on a convex polygon of N and M around ``N = M = 0``. M is positive where it bends
+the member to the left, seen from its first node: tension is on the right, below a beam drawn from
+left to right (sagging). What an end of a member dissipates is in `lacore.bodies.frames.ways`.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf, isfinite
 
 import numpy as np
@@ -18,6 +17,7 @@ from lacore.errors import InputError, is_plane_vector, require_range
 from lacore.showing import Compact
 
 _ROUND_OFF = 1e-9  # of the largest: coordinates of corners that are equal
+Corners = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -25,31 +25,44 @@ class Section(Compact):
     """What a cross-section carries; builders are in `lacore.sections`.
 
     Attributes:
-        corners: of the yield polygon where ``M >= 0``, ``((N, M), ...)`` from compression (N < 0)
+        corners: of the yield polygon, its upper side, ``((N, M), ...)`` from compression (N < 0)
             to tension, N and N m per unit thickness; N is infinite of members without limit
             to it: ``((-inf, M_p), (inf, M_p))``.
         name: for messages and tables.
-        plastic_moment: the largest M of the polygon, N.
+        lower: its lower side, likewise; None: the mirror image, of what bears the same M in either
+            sense. Then M >= 0 in `corners`.
+        plastic_moment: the largest M of the polygon in either sense, N.
+        sagging, hogging: the largest M in the one sense and in the other, N.
         squash_load: half the width of the polygon, N/m: the largest N of what bears as much in
             tension as in compression.
-        middle: N_0, N/m.
+        middle: N_0 of that width, N/m.
 
     Raises:
-        InputError: corners that are no upper half of a convex polygon symmetric about a middle N,
-            or that leave ``N = 0`` outside.
+        InputError: corners that are no sides of a convex polygon, or leave ``N = M = 0`` outside.
     """
 
-    corners: tuple[tuple[float, float], ...]
+    corners: Corners
     name: str = ""
+    lower: Corners | None = None
     plastic_moment: float = field(init=False)
+    sagging: float = field(init=False)
+    hogging: float = field(init=False)
     squash_load: float = field(init=False)
     middle: float = field(init=False)
 
     def __post_init__(self) -> None:
-        corners = _read(self.corners)
-        object.__setattr__(self, "corners", tuple(map(tuple, corners.tolist())))
-        object.__setattr__(self, "plastic_moment", float(corners[:, 1].max()))
-        first, last = corners[[0, -1], 0].tolist()
+        upper = _read("Section.corners", self.corners, 1.0)
+        lower = upper * [1.0, -1.0]
+        if self.lower is not None:
+            lower = _read("Section.lower", self.lower, -1.0)
+            object.__setattr__(self, "lower", tuple(map(tuple, lower.tolist())))
+        _check_around(upper, lower, self.lower is None)
+        object.__setattr__(self, "corners", tuple(map(tuple, upper.tolist())))
+        sagging, hogging = float(upper[:, 1].max()), -float(lower[:, 1].min()) + 0.0
+        object.__setattr__(self, "sagging", sagging)
+        object.__setattr__(self, "hogging", hogging)
+        object.__setattr__(self, "plastic_moment", max(sagging, hogging))
+        first, last = upper[[0, -1], 0].tolist()
         object.__setattr__(self, "squash_load", (last - first) / 2)
         object.__setattr__(self, "middle", (first + last) / 2 if isfinite(last) else 0.0)
 
@@ -69,77 +82,107 @@ class Section(Compact):
         return not isfinite(self.plastic_moment)
 
     @property
-    def fibres(self) -> Floats:
-        """Halves of the segments whose sum the polygon is: n_j and m_j, (k, 2)."""
-        if not self.extends:
-            return np.array([[0.0, self.plastic_moment]])
-        corners = np.array(self.corners)
-        sides = [*np.diff(corners, axis=0) / 2, [0.0, corners[0, 1]]]
-        return np.array([side for side in sides if np.any(side)])
+    def chains(self) -> tuple[Floats, Floats]:
+        """Upper and lower side, corners from compression to tension, (k, 2) each."""
+        upper = np.array(self.corners)
+        mirrored = upper * [1.0, -1.0]
+        return upper, mirrored if self.lower is None else np.array(self.lower)
 
     @property
+    def outline(self) -> Floats:
+        """All corners of a polygon that is finite, anticlockwise, each once, (k, 2)."""
+        upper, lower = self.chains
+        points = np.concatenate([lower, upper[::-1]])
+        largest = np.maximum(np.abs(points).max(axis=0), np.finfo(float).tiny)
+        step = np.abs(np.roll(points, -1, axis=0) - points) / largest
+        points = points[step.max(axis=1) > _ROUND_OFF]
+        before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+        turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        return np.asarray(points[turn > _ROUND_OFF * np.prod(largest)])
+
+    @cached_property
     def sides(self) -> tuple[Floats, Floats]:
-        """Sides where N >= N_0 and M >= 0: ``n (N - N_0) + m M <= reach``.
+        """Sides ``n N + m M <= 1 + (n, m) . centre`` about a centre of the polygon.
 
         Returns:
-            (n, m), shape (k, 2), and reach, (k,).
+            (n, m), shape (k, 2), and the centre, (2,): of a finite polygon that carries both.
         """
-        corners = np.array([*self.corners, (self.corners[-1][0], 0.0)]) - [self.middle, 0.0]
-        along = np.diff(corners, axis=0)
-        normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        reach = np.sum(normal * corners[:-1], axis=1)
-        own = (normal[:, 0] >= 0) & (reach > 0)
-        return normal[own] / reach[own, None], np.ones(int(own.sum()))
+        points = self.outline
+        along = np.roll(points, -1, axis=0) - points
+        cross = points[:, 0] * np.roll(points[:, 1], -1) - np.roll(points[:, 0], -1) * points[:, 1]
+        centre = np.sum(cross[:, None] * (points + np.roll(points, -1, axis=0)), axis=0)
+        centre = centre / (3 * cross.sum())
+        normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        reach = np.sum(normal * (points - centre), axis=1)
+        return normal / reach[:, None], centre
 
     def use(self, axial: Floats, moment: Floats) -> Floats:
-        """Factor by which N and M are beyond the polygon, at most 1 inside, shapes (k,)."""
-        axial, moment = np.abs(axial - self.middle), np.abs(moment)
+        """Factor by which N and M are beyond the polygon, at most 1 inside, shapes (k,).
+
+        From the centre of the polygon; of one that is a segment, from its middle.
+        """
         if self.rigid or not (self.bends or self.extends):
             return np.zeros(moment.shape)
         if not self.extends:
-            return np.asarray(moment / self.plastic_moment)
-        normal, reach = self.sides
-        shares = normal[:, :1] * axial + normal[:, 1:] * moment
-        return np.asarray((shares / reach[:, None]).max(axis=0))
+            half, middle = (self.sagging + self.hogging) / 2, (self.sagging - self.hogging) / 2
+            return np.asarray(np.abs(moment - middle) / half)
+        if not self.bends:
+            return np.asarray(np.abs(axial - self.middle) / self.squash_load)
+        normal, centre = self.sides
+        away = np.stack([axial - centre[0], moment - centre[1]])
+        return np.asarray((normal @ away).max(axis=0))
 
 
-def _read(corners: Sequence[Sequence[float]]) -> Floats:
-    """Corners (k, 2), checked."""
-    field = "Section.corners"
+def _read(where: str, corners: Sequence[Sequence[float]], sense: float) -> Floats:
+    """Corners (k, 2) of the upper (1) or the lower (-1) side of a convex polygon, checked."""
     if not isinstance(corners, Sequence | np.ndarray) or len(corners) < 2:
-        raise InputError(field, corners, "no polygon", "give ((-N, M), ..., (N, M))")
+        raise InputError(where, corners, "no polygon", "give ((-N, M), ..., (N, M))")
     first, last = corners[0], corners[-1]
     if len(corners) == 2 and tuple(first)[:1] == (-inf,) and tuple(last)[:1] == (inf,):
         moments = {float(first[1]), float(last[1])}
-        if len(moments) == 1 and min(moments) >= 0:
+        if len(moments) == 1 and sense * min(moments) >= 0:
             return np.array(corners, dtype=np.float64)
     for corner in corners:
         if not is_plane_vector(corner):
-            raise InputError(field, corner, "not (N, M)", "give two numbers, N/m and N")
-        require_range(field, *corner)
+            raise InputError(where, corner, "not (N, M)", "give two numbers, N/m and N")
+        require_range(where, *corner)
     points = np.array(corners, dtype=np.float64)
     largest = np.maximum(np.abs(points).max(axis=0), np.finfo(float).tiny)
-    ends = points[0, 0] + points[-1, 0]
-    mirrored = points[::-1] * [-1.0, 1.0] + [ends, 0.0]
-    if np.any(np.abs(points - mirrored) > _ROUND_OFF * largest):
-        raise InputError(
-            field,
-            [tuple(own) for own in corners],
-            "not symmetric about a middle N, and no sum of segments",
-            "give a symmetric polygon inside, to be safe, or one around it",
-        )
-    points = np.asarray((points + mirrored) / 2)
-    if not points[0, 0] <= 0 <= points[-1, 0]:
-        why = "a section that yields under no force"
-        raise InputError(field, [tuple(own) for own in corners], why, "let N = 0 lie inside")
     along = np.diff(points, axis=0)
     turning = along[:-1, 0] * along[1:, 1] - along[:-1, 1] * along[1:, 0]
-    convex = np.all(turning <= _ROUND_OFF * np.prod(largest))
-    if np.any(points[:, 1] < 0) or np.any(along[:, 0] <= 0) or not convex:
+    convex = np.all(sense * turning <= _ROUND_OFF * np.prod(largest))
+    if np.any(along[:, 0] <= 0) or not convex:
+        half, turns = ("upper", "clockwise") if sense > 0 else ("lower", "anticlockwise")
         raise InputError(
-            field,
+            where,
             [tuple(own) for own in corners],
-            "no upper half of a convex polygon",
-            "give corners from compression to tension, M >= 0, that turn clockwise",
+            f"no {half} half of a convex polygon",
+            f"give corners from compression to tension that turn {turns}",
         )
     return points
+
+
+def _check_around(upper: Floats, lower: Floats, mirrored: bool) -> None:
+    """Both sides of one polygon around ``N = M = 0``."""
+    shown = [tuple(own) for own in upper.tolist()]
+    if mirrored and np.any(upper[:, 1] < 0):
+        raise InputError(
+            "Section.corners",
+            shown,
+            "M < 0 on the upper half of a polygon that is the same below",
+            "give M >= 0, or `lower`, too; lacore.sections.polygon takes all corners",
+        )
+    ends, others = upper[[0, -1]], lower[[0, -1]]
+    if not np.array_equal(ends[:, 0], others[:, 0]) or np.any(ends[:, 1] < others[:, 1]):
+        raise InputError(
+            "Section.lower",
+            [tuple(own) for own in lower.tolist()],
+            "does not begin and end below the upper side",
+            "give both sides the same N at either end",
+        )
+    if np.isinf(ends).any():
+        return
+    above, below = (np.interp(0.0, own[:, 0], own[:, 1]) for own in (upper, lower))
+    if not (ends[0, 0] <= 0 <= ends[1, 0] and below <= 0 <= above):
+        why = "a section that yields under no force"
+        raise InputError("Section.corners", shown, why, "let N = M = 0 lie inside")

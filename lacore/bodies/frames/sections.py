@@ -7,9 +7,11 @@ moment, ``N(y) = f A(y)`` and ``M(y) = f S(y)``. The curve is replaced by a poly
 load factors are safe, or around it.
 """
 
+from collections.abc import Sequence
 from math import inf
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from lacore.arrays import Floats
 from lacore.bodies.frames.profiles import PROFILES, Profile
@@ -17,6 +19,7 @@ from lacore.bodies.frames.section import Section
 from lacore.errors import (
     InputError,
     is_number,
+    is_plane_vector,
     require_count,
     require_known,
     require_positive,
@@ -24,16 +27,108 @@ from lacore.errors import (
     suggest,
 )
 
-__all__ = ["Section", "bar", "i_section", "plastic", "rectangle", "rigid", "standard"]
+__all__ = [
+    "Section",
+    "bar",
+    "fibres",
+    "i_section",
+    "plastic",
+    "polygon",
+    "rectangle",
+    "rigid",
+    "standard",
+]
 
 POLYGONS = ("inner", "outer")
 LAYERS = 8
 
 
-def plastic(plastic_moment: float) -> Section:
-    """A plastic moment whatever the axial force: the same as ``plastic_moment=`` of a frame."""
+def plastic(plastic_moment: float, hogging: float | None = None) -> Section:
+    """A plastic moment whatever the axial force: the same as ``plastic_moment=`` of a frame.
+
+    Args:
+        plastic_moment: where it sags, with tension on the right of the member, seen from its first
+            node: below a beam that is drawn from left to right.
+        hogging: in the other sense; the same where it is None, 0 of what bears none.
+    """
     require_positive("plastic_moment", plastic_moment)
-    return Section(((-inf, float(plastic_moment)), (inf, float(plastic_moment))), "M_p")
+    upper = ((-inf, float(plastic_moment)), (inf, float(plastic_moment)))
+    if hogging is None:
+        return Section(upper, "M_p")
+    if not (is_number(hogging) and hogging >= 0):
+        raise InputError("hogging", hogging, "not a strength", "give N m per m, or leave it out")
+    require_range("hogging", hogging)
+    return Section(upper, "M_p", ((-inf, -float(hogging)), (inf, -float(hogging))))
+
+
+def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Section:
+    """The polygon around pairs (N, M) that a section can carry, in any order.
+
+    As what it carries is convex, it is safe to join what was computed, or to read it off a diagram.
+
+    Args:
+        points: N/m, tension positive, and N, positive where it sags (see `plastic`).
+        name: for messages and tables.
+    """
+    if not isinstance(points, Sequence | np.ndarray) or not all(map(is_plane_vector, points)):
+        raise InputError("points", points, "not pairs (N, M)", "give [(N, M), ...], finite numbers")
+    for point in points:
+        require_range("points", *point)
+    given = np.array(points, dtype=np.float64).reshape(-1, 2)
+    largest = np.abs(given).max(axis=0, initial=np.finfo(float).tiny)
+    try:
+        corners = given[ConvexHull(given / largest).vertices]
+    except (QhullError, ValueError):
+        raise InputError(
+            "points",
+            [tuple(own) for own in given.tolist()],
+            "enclose nothing",
+            "give three that are not in line; of axial force alone take bar(), of moment plastic()",
+        ) from None
+    # Anticlockwise, from the lower one of the leftmost: first the lower side, then the upper one.
+    corners = np.roll(corners, -np.lexsort(corners.T[::-1])[0], axis=0)
+    last = np.flatnonzero(corners[:, 0] == corners[:, 0].max())
+    lower, upper = corners[: last[0] + 1], corners[last[-1] :][::-1]
+    if upper[0, 0] > lower[0, 0]:
+        upper = np.concatenate([lower[:1], upper])
+    return Section(tuple(map(tuple, upper.tolist())), name, tuple(map(tuple, lower.tolist())))
+
+
+def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
+    """A section of fibres, or of strips yielding as a whole: reinforced concrete, tees, masonry.
+
+    A strip at its centroid bears what it bears, so that of a solid section the corners of the
+    polygon lie on the exact curve, and it is safe.
+
+    Args:
+        parts: of each fibre ``(y, tension, compression)``: height above the axis of the member, m,
+            to its left seen from the first node, and its strengths, N/m.
+        name: for messages and tables.
+    """
+    shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
+    good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
+    if not (good and shown and all(np.ndim(part) == 1 for part in shown)):
+        mend = "give [(y, tension, compression), ...], m and N/m"
+        raise InputError("parts", parts, "not fibres", mend)
+    for y, tension, compression in shown:
+        if not (is_number(y) and all(is_number(s) and s >= 0 for s in (tension, compression))):
+            raise InputError(
+                "parts", (y, tension, compression), "no fibre", "give a place and strengths >= 0"
+            )
+        require_range("parts", y, tension, compression)
+    y, tension, compression = np.array(shown, dtype=np.float64).T
+    bears = tension + compression > 0
+    if not bears.any():
+        raise InputError("parts", parts, "fibres that bear nothing", "give strengths")
+    y, both = y[bears], (tension + compression)[bears]
+    first = np.array([-compression.sum(), float(np.sum(y * compression[bears]))])
+    chains = []
+    for order in (np.argsort(y, kind="stable"), np.argsort(-y, kind="stable")):
+        steps = np.stack([both, -y * both], axis=1)[order]
+        chains.append(np.concatenate([first[None], first + np.cumsum(steps, axis=0)]))
+    upper, lower = chains
+    lower[-1] = upper[-1]  # the same sums, but for round-off
+    return Section(tuple(map(tuple, upper.tolist())), name, tuple(map(tuple, lower.tolist())))
 
 
 def rigid() -> Section:

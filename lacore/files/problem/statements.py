@@ -224,9 +224,11 @@ def _section(own: Section) -> Any:
         given = {"tension": high} if -low == high else {"tension": high, "compression": -low}
         return {key: inf if isinf(value) else plain(value) for key, value in given.items()}
     if not own.extends:
-        return {"plastic_moment": plain(own.plastic_moment)}
+        hogging = {} if own.lower is None else {"hogging": plain(own.hogging)}
+        return {"plastic_moment": plain(own.sagging), **hogging}
     name = {"name": own.name} if own.name else {}
-    return {"corners": plain(own.corners), **name}
+    lower = {} if own.lower is None else {"lower": plain(own.lower)}
+    return {"corners": plain(own.corners), **name, **lower}
 
 
 def plain(value: Any) -> Any:

@@ -72,14 +72,18 @@ class Plastic(Entry):
 
     maker: ClassVar[str] = "la.sections.plastic"
     plastic_moment: Moment
+    hogging: Moment | None = None
+    """The same if it is left out."""
 
 
 class Polygon(Entry):
-    """Corners (N, M) of a yield polygon where M >= 0, from compression, N < 0, to tension."""
+    """Corners (N, M) of a yield polygon, its upper side, from compression, N < 0, to tension."""
 
     maker: ClassVar[str] = "la.sections.Section"
     corners: tuple[tuple[Axial, Moment], ...]
     name: str = ""
+    lower: tuple[tuple[Axial, Moment], ...] | None = None
+    """The lower side likewise; the mirror image if it is left out."""
 
 
 _KEYS = {

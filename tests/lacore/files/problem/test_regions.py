@@ -207,6 +207,26 @@ def test_bars_come_back_from_a_file(tmp_path, given):
     assert again.section_of[0].corners == bar.section_of[0].corners
 
 
+@pytest.mark.parametrize(
+    "section",
+    [
+        la.sections.plastic(2.0),
+        la.sections.plastic(2.0, 0.0),
+        la.sections.plastic(2.0, 0.5),
+        la.sections.polygon([(-4, -1), (-2, 2), (1, 0), (0, -1)]),
+        la.sections.fibres([(0.2, 0, 3.0), (-0.2, 1.0, 0.0)], "beam"),
+    ],
+)
+def test_sections_unlike_in_two_senses_come_back_from_a_file(tmp_path, section):
+    beam = la.Frame({"a": (0, 0), "b": (1, 0)}, {"m": ("a", "b")}, sections=section)
+    fixed = [la.Fix("f", "a", "clamped"), la.Fix("f", "b", "y")]
+    problem = la.Problem({"f": beam}, [la.Traction("f", "m", (0, -1))], fixed)
+    la.write_problem(problem, tmp_path / "beam.toml")
+    again = la.read_problem(tmp_path / "beam.toml").bodies["f"].section_of[0]
+    same = (again.corners, again.lower, again.name)
+    assert same == (section.corners, section.lower, section.name)
+
+
 def test_places_and_functions_by_numbers():
     x = np.array([[0.0, 1.0, 2.0], [0.0, -1.0, 1.0]])
     assert la.Within(x=(0, 1))(x).tolist() == [True, True, False]
