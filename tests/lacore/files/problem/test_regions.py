@@ -184,7 +184,7 @@ def test_sections_of_frames(tmp_path):
         ),
         ('"rigd"', r"sections.left = 'rigd': unknown; did you mean 'rigid'"),
         ("{ tension = -1 }", r"sections.left.tension = -1: not a strength"),
-        ("{ corners = [[-1, 0], [0, 1]] }", r"sections.left.corners"),
+        ("{ corners = [[-1, 0], [-2, 1]] }", r"sections.left.corners"),
         ("{ }", r"sections.left: missing; add yield_stress, name"),
     ],
 )
