@@ -9,7 +9,7 @@ from dataclasses import replace
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.body_forces import require_level, require_linear
+from lacore.bodies.continuum.body_forces import require_linear
 from lacore.bodies.continuum.regions.region import Region
 from lacore.errors import InputError
 from lacore.materials.friction import Coulomb, Friction, friction_law
@@ -79,14 +79,6 @@ def require_known_forces(problem: Problem) -> None:
     for field, load in problem.loads.items():
         if load.body in bodies:
             require_linear(load, bodies[load.body], field)
-
-
-def require_level_forces(problem: Problem) -> None:
-    """Raise `InputError` where a body force varies within elements."""
-    bodies = of_kind(problem.bodies, Body)
-    for field, load in problem.loads.items():
-        if load.body in bodies:
-            require_level(load, bodies[load.body], field)
 
 
 def named_criterion(body: str, region: Region) -> str:

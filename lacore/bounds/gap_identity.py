@@ -16,6 +16,7 @@ from lacore.bodies.continuum.slip import Slip
 from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.lower import LowerBound
+from lacore.bounds.quadratic.bubbles import bubble_power
 from lacore.bounds.upper import UpperBound, plastic_power
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
@@ -126,6 +127,9 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         powers.append(group.weights * (power + p * (group.volumetric @ restricted)))
     for name, dofs, parts in by_body(lower.model.bodies, powers):
         elements[name] = dissipation[name] - element_sums(dofs.body, parts)
+        bulging = lower.model.bulging.at(name, lower.load_factor)
+        if bulging.any:
+            elements[name] -= bubble_power(bulging, discretisation.bodies[name], velocity)
 
     rows, contact = program.contact, static.contact
     limit = np.where(np.isfinite(rows.limit), rows.limit, 0.0)

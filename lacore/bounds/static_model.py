@@ -24,9 +24,9 @@ from lacore.bounds.enclosing import (
     require_associated_flow,
     require_known_forces,
     require_known_strengths,
-    require_level_forces,
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
+from lacore.bounds.quadratic.bulging import Bulging, lifted, weakened
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
@@ -59,6 +59,7 @@ class StaticModel(Shown):
         points: geometry of the contact points, the ends of facets and of joints.
         bonds: multipliers that bonded interfaces make one.
         natural: scales in which the quantities of the answer are of order one.
+        bulging: quadratic stresses beside the linear ones, of body forces that vary.
     """
 
     problem: Problem
@@ -69,6 +70,7 @@ class StaticModel(Shown):
     points: ContactPoints
     bonds: StaticBonds
     natural: Scales
+    bulging: Bulging
 
     @property
     def contents(self) -> str:
@@ -82,6 +84,18 @@ class StaticModel(Shown):
             "bodies": listed(self.problem.bodies),
         }
         return Facts(f"StaticModel: {counted(self.program.n, 'free multiplier')}", told)
+
+    def weakened(self, load_factor: float) -> "StaticModel":
+        """With what quadratic stresses leave of strengths up to a load factor.
+
+        Raises:
+            InputError: nothing is left somewhere.
+        """
+        full, program = (
+            weakened(own, self.bodies, self.bulging, load_factor)
+            for own in (self.full, self.program)
+        )
+        return replace(self, full=full, program=program)
 
     @property
     def n_elements(self) -> int:
@@ -117,14 +131,17 @@ def static_model(problem: Problem) -> StaticModel:
     assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, first + len(footings))
     n = first + len(footings) + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
+    bulging = Bulging.of(problem, bodies)
     contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
     full = KinematicProgram(
         groups=tuple(group for name, own in bodies.items() for group in own.groups(name, n)),
         contact=contact,
         reference_load=load_vector(
             acting(problem, problem.reference_loads), dofs, bodies, footings, n
-        ),
-        dead_load=load_vector(acting(problem, problem.dead_loads), dofs, bodies, footings, n),
+        )
+        + lifted(bodies, bulging.reference, n),
+        dead_load=load_vector(acting(problem, problem.dead_loads), dofs, bodies, footings, n)
+        + lifted(bodies, bulging.dead, n),
     )
     conditions = join(
         [
@@ -174,6 +191,7 @@ def static_model(problem: Problem) -> StaticModel:
         assemblies=assemblies,
         points=points.kept(kept),
         bonds=bonds,
+        bulging=bulging,
         natural=Scales(
             length=length,
             stress=max(strengths_of(full.groups, full.dead_load, length)),
@@ -239,7 +257,6 @@ def _check_statable(problem: Problem) -> None:
     require_associated_flow(of_kind(problem.bodies, Body))
     require_known_strengths(of_kind(problem.bodies, Body))
     require_known_forces(problem)
-    require_level_forces(problem)
     for field, load in problem.loads.items():
         if load.point is not None and load.body in deforming:
             raise InputError(

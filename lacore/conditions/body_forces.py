@@ -21,9 +21,9 @@ class BodyForce(Compact):
     """Force per volume [N/m^3], uniform or as it varies from place to place.
 
     A function is seen from within each element, and may jump from one to the next: let edges of the
-    mesh follow its jumps and bends. Where it is linear in each element loads are exact, and upper
-    bounds as strict as of what is uniform; lower bounds take what is uniform in each (T86). What
-    bends there `lacore.solve` integrates nearly. On rigid blocks it has to be linear in each.
+    mesh follow its jumps and bends. Where it is linear in each element loads are exact, and bounds
+    are as strict as of what is uniform (T86). What bends there `lacore.solve` integrates nearly,
+    and bounds refuse. On rigid blocks it has to be linear in each.
 
     Attributes:
         body: name of the body.

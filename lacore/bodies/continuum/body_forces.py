@@ -39,15 +39,6 @@ class ForceField(Compact):
         first = self.vertex[..., :1]
         return np.asarray(first[..., 0] + (self.vertex - first).mean(axis=2))  # exact if uniform
 
-    @property
-    def level(self) -> bool:
-        """Whether it is uniform in each element."""
-        spread = np.ptp(self.vertex, axis=2).max(initial=0.0)
-        return self.linear and bool(spread <= _LEVEL * np.abs(self.vertex).max(initial=0.0))
-
-
-_LEVEL = 1e-12  # of the largest value: what is uniform, up to round-off
-
 
 @dataclass(frozen=True, repr=False)
 class OfElements(Compact):
@@ -142,17 +133,13 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
 
 
 @singledispatch
-def require_level(load: Load, body: "Body", field: str) -> None:
-    """Raise `InputError` where a body force varies within elements of a body."""
+def at_vertices(load: Load, body: "Body", field: str) -> Floats:
+    """Forces per volume at the vertices of all elements, from within, N/m^3, shape (2, e, a)."""
+    return np.zeros((2, *body.mesh.t.T.shape))
 
 
-@require_level.register(BodyForce)
-def _level(load: BodyForce, body: "Body", field: str) -> None:
-    if not force_field(load, body, field).level:
-        raise InputError(
-            field,
-            load.told,
-            "varies within elements, and stresses that are linear there are in equilibrium with"
-            " what is uniform in each",
-            "give a value for each element, or for each region; `solve` and `upper_bound` take it",
-        )
+@at_vertices.register(BodyForce)
+def _in_volume(load: BodyForce, body: "Body", field: str) -> Floats:
+    found, own = np.zeros((2, *body.mesh.t.T.shape)), force_field(load, body, field)
+    found[:, own.elements] = own.vertex
+    return found

@@ -144,14 +144,6 @@ def test_values_of_elements_go_along_where_meshes_are_made_to_match():
     assert bound(np.full(left.nelements, -HEAVY)) == pytest.approx(bound(-HEAVY), rel=PATHS)
 
 
-def test_a_weight_that_varies_within_elements_has_an_upper_bound_only():
-    problem = clay(layers())
-    assert la.upper_bound(problem).load_factor > 0
-    with pytest.raises(la.InputError, match="varies within elements") as refused:
-        la.lower_bound(problem)
-    assert refused.value.field == "Problem.reference_loads[0]"
-
-
 def test_what_bends_within_elements_has_no_bounds():
     bent = la.ByLevel([0.0, 0.6, 1.0], [-HEAVY, -LIGHT, -LIGHT])
     problem = clay(layers(), (0.0, bent))

@@ -1,0 +1,1 @@
+"""Quadratic stresses beside the linear ones of lower bounds: what varies in elements (T86)."""

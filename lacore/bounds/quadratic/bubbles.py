@@ -1,0 +1,287 @@
+"""Stresses that carry what of body forces is linear in elements: quadratic bubbles (T86).
+
+In each triangle ``tau = sum c_f lambda_i lambda_j`` over its edges f = ij: zero at the vertices,
+and on f alone the traction ``c_f n lambda_i lambda_j``. The divergence is linear, at vertex i
+``c_ij g_j + c_ik g_k`` with the gradients g of the barycentric coordinates. With tractions the same
+on both sides of edges, and none on boundaries, they carry what is linear of forces, but for what is
+uniform in each element: that is left to linear stresses.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye_array, vstack
+
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.regions.region import Region
+from lacore.bounds.equilibrium import element_geometry
+from lacore.errors import InputError
+from lacore.numerics.linear_algebra import SingularError, SuperLU
+from lacore.showing import Compact
+
+EDGES = np.array([[0, 1], [1, 2], [0, 2]])  # vertices of the local facets of scikit-fem
+_NORMAL = ((0, 2), (2, 1))  # of (xx, yy, xy): what meets n_x and n_y in a traction
+_CHEAP = 0.1  # of a mean stress per shear, where strength feels no pressure
+_SHIFT = 1e-11  # of rows of length 1
+_REFINEMENTS = 8
+_FINISHED = 0.5  # a refinement that leaves more than this has come to round-off
+_LEFT = 1e-9  # of the linear part of forces: more is not carried
+_NONE = 1e-12  # of the largest force: no linear part
+
+
+@dataclass(frozen=True, repr=False)
+class Bubbles(Compact):
+    """Quadratic stresses in the elements of a body.
+
+    Attributes:
+        control: c of the edges of each element, (xx, yy, xy), shape (elements, 3, 3), Pa.
+        divergence: at the vertices of each element, N/m^3, shape (2, elements, 3).
+    """
+
+    control: Floats
+    divergence: Floats
+
+    @classmethod
+    def none(cls, body: Body) -> "Bubbles":
+        """No stress."""
+        count = body.mesh.nelements
+        return cls(np.zeros((count, 3, 3)), np.zeros((2, count, 3)))
+
+    @property
+    def any(self) -> bool:
+        """Whether there is any."""
+        return bool(self.control.any())
+
+    def times(self, factor: float) -> "Bubbles":
+        """All of them times a factor."""
+        return Bubbles(factor * self.control, factor * self.divergence)
+
+    def plus(self, other: "Bubbles") -> "Bubbles":
+        """Both together."""
+        return Bubbles(self.control + other.control, self.divergence + other.divergence)
+
+    def uses(self, region: Region) -> tuple[Floats, Floats]:
+        """The most that they take of strengths anywhere in elements, Pa, >= 0.
+
+        What criteria judge is sublinear: beside linear stresses within what is left at the vertices
+        all is within the strength between.
+
+        Returns:
+            Of the bound, shape (e,), and of each surface, shape (e, k).
+        """
+        form = region.form
+        rows = np.concatenate([form.rows, form.volumes])
+        own = self.control[region.elements] @ np.linalg.pinv(rows)  # sigma = rows^T (s, p)
+        dim = len(form.rows)
+        size, mean = np.linalg.norm(own[..., :dim], axis=2), own[..., dim:]
+        bound = _most(size)
+        surfaces = form.surfaces_of(region.elements)
+        if surfaces is None:
+            return bound, np.zeros((len(bound), 0))
+        used = [
+            surfaces.use(np.ascontiguousarray(size[:, f]), mean[:, f].ravel()) for f in range(3)
+        ]
+        return bound, _most(np.maximum(np.stack(used, axis=-1), 0.0))
+
+
+def bubbles(body: Body, forces: Floats, field: str) -> Bubbles:
+    """Quadratic stresses that carry what is linear in the elements of a body.
+
+    The smallest: what is deviatoric in them counts, mean stress less where no strength feels it.
+
+    Args:
+        body: of straight triangles.
+        forces: at the vertices of each element, linear between, N/m^3, shape (2, elements, 3).
+        field: for messages.
+
+    Raises:
+        InputError: a mesh whose edges do not carry the moments of forces.
+    """
+    linear = forces - forces.mean(axis=2, keepdims=True)
+    if np.abs(linear).max(initial=0.0) <= _NONE * np.abs(forces).max(initial=0.0):
+        return Bubbles.none(body)
+    gradients, spread = _gradients(body), _spread(body)
+    divergence = _divergence(gradients)
+    wanted = np.concatenate([-linear[axis, :, k] for axis in (0, 1) for k in (0, 1)])
+    rows = csr_matrix(vstack([_continuity(body), *(_less_mean(divergence))], format="csr") @ spread)
+    right = np.concatenate([np.zeros(rows.shape[0] - wanted.size), wanted])
+    control = (spread @ _least(rows, right)).reshape(-1, 3, 3)
+    found = np.stack([(own @ control.ravel()).reshape(3, -1).T for own in divergence])
+    left = np.abs(found - found.mean(axis=2, keepdims=True) + linear).max()
+    if left > _LEFT * np.abs(linear).max():
+        raise InputError(
+            field,
+            None,
+            "the edges of the mesh cannot carry the moments of a body force that varies in its"
+            " elements",
+            "refine the mesh once, mesh.refined(); or give a value for each element",
+        )
+    return Bubbles(control, found)
+
+
+def bubble_power(own: Bubbles, dofs: BodyDofs, velocity: Floats) -> Floats:
+    """``int tau : eps`` of a velocity in elements, shape (elements,), W/m.
+
+    By parts: tractions do power on the mean of both sides where velocities jump.
+
+    Args:
+        own: stresses of the body.
+        dofs: of straight triangles.
+        velocity: of all unknowns.
+    """
+    mesh = dofs.body.mesh
+    u = velocity[dofs.dofs][:, dofs.element_nodes]  # (2, nodes of an element, elements)
+    corner, first, last = u[:, :3], u[:, EDGES[:, 0]], u[:, EDGES[:, 1]]
+    middle = 2 * u[:, 3:] - (first + last) / 2 if dofs.degree > 1 else (first + last) / 2
+    # Bernstein: u = sum corner l_i^2 + sum middle 2 l_i l_j; the divergence is linear.
+    d = own.divergence.transpose(0, 2, 1)
+    whole = d.sum(axis=1, keepdims=True)
+    ends = d[:, EDGES[:, 0]] + d[:, EDGES[:, 1]]
+    inside = np.sum(corner * (d / 10 + (whole - d) / 30), axis=(0, 1))
+    inside += np.sum(middle * (ends / 15 + (whole - ends) / 30), axis=(0, 1))
+    area, sides = element_geometry(dofs.body)
+    total = np.zeros((2, mesh.nfacets))
+    for local in range(3):
+        along = (first + last)[:, local] / 20 + middle[:, local] / 15
+        for axis in (0, 1):
+            np.add.at(total[axis], mesh.t2f[local], along[axis])
+    mean = total / (1 + (mesh.f2t[1] >= 0))
+    c = own.control.transpose(2, 1, 0)  # (xx, yy, xy), edges, elements
+    traction = np.stack([c[0] * sides[0] + c[2] * sides[1], c[2] * sides[0] + c[1] * sides[1]])
+    around = np.sum(traction * mean[:, mesh.t2f], axis=(0, 1))
+    return np.asarray(around - area * inside)
+
+
+def _gradients(body: Body) -> Floats:
+    """Gradients of barycentric coordinates, 1/m, shape (2, 3, elements)."""
+    p = body.mesh.p[:, body.mesh.t]
+    after, last = np.roll(p, -1, axis=1), np.roll(p, -2, axis=1)
+    along = last - after
+    across = np.stack([-along[1], along[0]])
+    return np.asarray(across / np.sum(across * (p - after), axis=0))
+
+
+def _spread(body: Body) -> Sparse:
+    """Control stresses of (mean, difference, shear), cheap ones large, as a square matrix."""
+    count = body.mesh.nelements
+    pressed = np.zeros(count, dtype=bool)
+    for region in body.regions:
+        pressed[region.elements] = bool(region.form.surfaces)
+    cheap = np.repeat(np.where(pressed, 1.0, 1 / _CHEAP), 3)
+    first = 3 * np.arange(3 * count)
+    entries = [
+        (first, first, cheap),
+        (first, first + 1, np.ones(first.size)),
+        (first + 1, first, cheap),
+        (first + 1, first + 1, -np.ones(first.size)),
+        (first + 2, first + 2, np.ones(first.size)),
+    ]
+    i, j, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+    return csr_matrix(coo_matrix((values, (i, j)), shape=(9 * count, 9 * count)))
+
+
+def _traction(
+    elements: Ints, facets: Ints, normal: Floats, sign: Floats, size: int
+) -> list[Sparse]:
+    """Rows of ``c n`` on local facets of elements, (x, y), each (k, size)."""
+    first = 9 * elements + 3 * facets
+    rows = np.arange(elements.size)
+    found = []
+    for parts in _NORMAL:
+        i = np.tile(rows, 2)
+        j = np.concatenate([first + part for part in parts])
+        values = np.concatenate([sign * normal[0], sign * normal[1]])
+        found.append(csr_matrix(coo_matrix((values, (i, j)), shape=(elements.size, size))))
+    return found
+
+
+def _continuity(body: Body) -> Sparse:
+    """Tractions on both sides of edges less each other, of boundaries themselves."""
+    mesh = body.mesh
+    size = 9 * mesh.nelements
+    along = mesh.p[:, mesh.facets[1]] - mesh.p[:, mesh.facets[0]]
+    normal = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
+    total = [csr_matrix((mesh.nfacets, size)) for _ in _NORMAL]
+    for local in range(3):
+        facets = mesh.t2f[local]
+        elements = np.arange(mesh.nelements)
+        sign = np.where(mesh.f2t[0, facets] == elements, 1.0, -1.0)
+        own = _traction(elements, np.full(elements.size, local), normal[:, facets], sign, size)
+        onto = csr_matrix(
+            (np.ones(elements.size), (facets, elements)), shape=(mesh.nfacets, elements.size)
+        )
+        total = [csr_matrix(one + onto @ more) for one, more in zip(total, own, strict=True)]
+    return csr_matrix(vstack(total))
+
+
+def _divergence(gradients: Floats) -> list[Sparse]:
+    """Rows of the divergence at vertices, vertex after vertex, (x, y), each (3 e, 9 e)."""
+    count = gradients.shape[2]
+    elements = np.arange(count)
+    found = []
+    for parts in _NORMAL:
+        i, j, values = [], [], []
+        for local, (a, b) in enumerate(EDGES):
+            for vertex, other in ((a, b), (b, a)):
+                for part, gradient in zip(parts, gradients[:, other], strict=True):
+                    i.append(vertex * count + elements)
+                    j.append(9 * elements + 3 * local + part)
+                    values.append(gradient)
+        own = coo_matrix(
+            (np.concatenate(values), (np.concatenate(i), np.concatenate(j))),
+            shape=(3 * count, 9 * count),
+        )
+        found.append(csr_matrix(own))
+    return found
+
+
+def _less_mean(divergence: list[Sparse]) -> list[Sparse]:
+    """The divergence at the first two vertices less its mean."""
+    found = []
+    for own in divergence:
+        count = own.shape[0] // 3
+        parts = [own[k * count : (k + 1) * count] for k in range(3)]
+        mean = (parts[0] + parts[1] + parts[2]) / 3
+        found += [csr_matrix(part - mean) for part in parts[:2]]
+    return found
+
+
+def _least(rows: Sparse, right: Floats) -> Floats:
+    """The shortest vector with ``rows @ x = right``, to round-off if there is one."""
+    length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
+    rows = csr_matrix(diags_array(1 / length) @ rows)
+    right = right / length
+    matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
+    matrix.sort_indices()
+    found, left = np.zeros(rows.shape[1]), right
+    solver = SuperLU()
+    try:
+        solver.factorise(matrix)
+        for _ in range(_REFINEMENTS):
+            moved = found + rows.T @ solver.solve(left)
+            more = right - rows @ moved
+            if not np.abs(more).max() < np.abs(left).max():
+                break
+            done = np.abs(more).max() > _FINISHED * np.abs(left).max()
+            found, left = moved, more
+            if done:
+                break
+    except SingularError:
+        pass  # what is left tells
+    finally:
+        solver.close()
+    return np.asarray(found)
+
+
+def _most(of_edges: Floats) -> Floats:
+    """Largest value of ``sum F_f lambda_i lambda_j`` in triangles, F >= 0 of edges the last axis.
+
+    On an edge, or where it is stationary inside.
+    """
+    a, b, c = np.moveaxis(of_edges, -1, 0)
+    determinant = 2 * (a * b + b * c + c * a) - a**2 - b**2 - c**2
+    inside = (a * (b + c - a) > 0) & (b * (a + c - b) > 0) & (c * (a + b - c) > 0)
+    stationary = np.where(inside, a * b * c / np.where(inside, determinant, 1.0), 0.0)
+    return np.asarray(np.maximum(of_edges.max(axis=-1) / 4, stationary))
