@@ -26,6 +26,10 @@ _STOPPED = 130
     help="Search for the lowest and the highest load factor, where friction leaves a choice.",
 )
 @click.option("--safety", is_flag=True, help="Prove the factor of safety on strength.")
+@click.option("--stable", is_flag=True, help="Draw what carries the dead loads, or how they fall.")
+@click.option("--sensitivity", is_flag=True, help="List what the load factor depends on.")
+@click.option("--cases", is_flag=True, help="Solve each case of the loads alone: which governs?")
+@click.option("--envelope", is_flag=True, help="Search all combinations of two or three cases.")
 @click.option("--backend", metavar="NAME", help="In place of that of the file, or clarabel.")
 @click.option(
     "--out",
@@ -41,11 +45,18 @@ def solve(
     bracket: float | None,
     whole_range: bool,
     safety: bool,
+    stable: bool,
+    sensitivity: bool,
+    cases: bool,
+    envelope: bool,
     backend: str | None,
     out: Path | None,
     as_json: bool,
 ) -> None:
     """Solve a problem of your own: its load factor, what that is worth, how it falls.
+
+    Cases are names that reference loads have in the file, case = "wind". With --bracket each case,
+    and each direction of an envelope, is proven to that width.
 
     FILE.toml states bodies, materials, supports, contact and loads; `lacore new` writes files to
     begin with. Nothing in it is run. Beside the answer come a page with pictures, tables, a file
@@ -59,6 +70,7 @@ def solve(
       lacore new footing > footing.toml
       lacore solve footing.toml
       lacore solve footing.toml --bracket 0.05 --out answer
+      lacore solve frame.toml --cases --envelope
     """  # noqa: D301  # click reads the backspace
     folder = out or Path("reports") / file.stem
     try:  # to import all of it takes a second, too
@@ -67,7 +79,9 @@ def solve(
         from verification.problems import answers, records, words, writing
 
         stated = read(file)
-        question = answers.asked(stated, backend, bracket=bracket, range=whole_range, safety=safety)
+        more = {"stable": stable, "sensitivity": sensitivity, "cases": cases, "envelope": envelope}
+        more |= {"range": whole_range, "safety": safety}
+        question = answers.asked(stated, backend, bracket=bracket, **more)
         writing.require_writable(folder)
         with stated.locating():
             answer = answers.answered(stated.problem, question, progress.status)

@@ -1,9 +1,9 @@
 """What is asked of a problem, and what came out."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isnan
 from typing import Any
 
@@ -12,6 +12,7 @@ from lacore.bounds.enclosing import has_coulomb
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import InputError, require_known, require_positive
 from lacore.files.problem.reading import Stated
+from verification.problems.more import MORE, Given, check
 
 _NARROW = 1e-3  # of a range: below it its ends are one
 
@@ -27,6 +28,8 @@ class Question:
         bracket: width of a bracket; None: none is asked for.
         range: whether all load factors are searched.
         safety: whether the factor of safety is asked for.
+        more: names of `MORE` that are asked for.
+        cases: reference loads by the name of their case, as places in the list of the problem.
     """
 
     backend: str
@@ -34,6 +37,8 @@ class Question:
     bracket: float | None
     range: bool
     safety: bool
+    more: tuple[str, ...] = ()
+    cases: Mapping[str, Sequence[int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ class Answer:
         interval: load factors that its mechanism carries; None where there is no choice.
         stability: of the dead loads; None without any.
         bracket, range, safety: as asked for.
+        more: answers by their name in `MORE`; a text says why there is none.
         seconds: of all of it.
     """
 
@@ -54,6 +60,7 @@ class Answer:
     bracket: la.Bracket | None
     range: la.CoulombRange | la.SoilRange | None
     safety: la.SafetyFactor | None
+    more: Mapping[str, Any]
     seconds: float
 
     @property
@@ -66,6 +73,9 @@ class Answer:
             proven.append(self.range.lowest is not None)
         if self.safety is not None:
             proven.append(not isnan(self.safety.width))
+        proven += [
+            not isinstance(own, str) and MORE[name].good(own) for name, own in self.more.items()
+        ]
         return all(proven)
 
 
@@ -75,7 +85,7 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     Args:
         stated: the file.
         backend: in place of that of the file.
-        more: `bracket`, `range`, `safety`, where they are asked for.
+        more: `bracket`, `range`, `safety`, those of `MORE`, where they are asked for.
 
     Raises:
         InputError: an unknown backend or coupling, a width that is none; of the file with its line.
@@ -83,17 +93,22 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     own = stated.asked
     if backend is not None:
         la.find_backend(backend)
-    for key, check in _CHECKS.items():
+    for key, known in _CHECKS.items():
         try:
-            check(getattr(own, key))
+            known(getattr(own, key))
         except InputError as error:
             raise stated.source.error(("solve", key), error.value, error.why, error.mend) from error
+    wanted = tuple(name for name in MORE if more.get(name) or getattr(own, name))
+    for name in wanted:
+        check(name, stated)
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,
         bracket=more.get("bracket") or own.bracket,
         range=bool(more.get("range") or own.range),
         safety=bool(more.get("safety") or own.safety),
+        more=wanted,
+        cases=stated.cases,
     )
 
 
@@ -133,8 +148,16 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
     if question.safety:
         with doing("dividing the strength"):
             safety = la.safety_factor(problem, backend=question.backend)
+    given = Given(state, question.cases, question.backend, question.bracket)
+    others: dict[str, Any] = {}
+    for name in question.more:
+        with doing(MORE[name].doing):
+            try:
+                others[name] = MORE[name].ask(given)
+            except InputError as error:  # the load factor stays an answer
+                others[name] = f"none: {error}"
     seconds = time.perf_counter() - begin
-    return Answer(state, interval, stability, bracket, found, safety, seconds)
+    return Answer(state, interval, stability, bracket, found, safety, others, seconds)
 
 
 def _telling(tell: Callable[[str], None]) -> Callable[[Any], None]:

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 import lacore as la
 from verification.problems.answers import Answer
+from verification.problems.more import MORE
 from verification.problems.words import worth
 from verification.report.blocks import (
     Block,
@@ -62,6 +64,7 @@ def page(
     if answer.safety is not None:
         history = _table(answer.safety.history, "Bounds on the way")
         sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
+    sections += [_more(*pair) for pair in answer.more.items()]
     sections += [
         Section("certificate", "Certificate", [*_certificate(state)]),
         Section("tables", "Tables", [*_tables(state)]),
@@ -112,6 +115,16 @@ def _range(found: la.CoulombRange | la.SoilRange) -> Section:
     facts = found.facts()
     blocks: list[Block] = [Facts(dict(facts.told)), _table(found.states, "States found")]
     return Section("range", "Range of load factors", blocks, facts.title)
+
+
+def _more(name: str, found: Any) -> Section:
+    own = MORE[name]
+    if isinstance(found, str):
+        return Section(name, own.title, [Text(found)])
+    blocks: list[Block] = [Gallery([_picture(name, own.caption(found), found)])]
+    if own.table is not None:
+        blocks.append(_table(own.table(found), own.title))
+    return Section(name, own.title, blocks, own.said(found))
 
 
 def _certificate(state: la.LimitState) -> Iterator[Block]:

@@ -7,6 +7,7 @@ from typing import Any
 import lacore as la
 from lacore.files.problem.reading import Stated
 from verification.problems.answers import Answer
+from verification.problems.more import MORE
 from verification.problems.words import mechanism
 
 
@@ -52,6 +53,8 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
         }
     if answer.safety is not None:
         found["safety"] = {"lower": answer.safety.lower, "upper": answer.safety.upper}
+    for name, own in answer.more.items():
+        found[name] = {"failure": own} if isinstance(own, str) else MORE[name].document(own)
     return found
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import lacore as la
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
+from verification.problems.more import MORE
 
 _MOVES = 1e-6  # of the largest velocity: below it a thing is at rest
 _TURNS = 1e-3  # of the largest velocity: below it a block slides
@@ -29,6 +30,8 @@ def lines(answer: Answer) -> dict[str, str]:
         told["range"] = answer.range.facts().title.partition(": ")[2]
     if answer.safety is not None:
         told["safety"] = answer.safety.facts().title.partition(": ")[2]
+    for name, found in answer.more.items():
+        told[name] = found if isinstance(found, str) else MORE[name].said(found)
     if state.point is not None:
         told["mechanism"] = mechanism(state)
     if answer.stability is not None:

@@ -7,6 +7,7 @@ import lacore as la
 from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import script
+from verification.problems import more
 from verification.problems.answers import Answer, Question, Status
 from verification.problems.page import page
 from verification.problems.words import lines
@@ -59,6 +60,7 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
         ends.append(f'print(la.{soil}(problem, backend="{question.backend}"))')
     if question.safety:
         ends.append(f'print(la.safety_factor(problem, backend="{question.backend}"))')
+    ends += more.lines(question.more, question.cases, question.backend, question.bracket)
     title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
     head = f'"""{title}: as {stated.source.file.name} states it."""\n\n'
     return f"{head}{paths}import lacore as la\n\n{problem}" + "\n".join(ends) + "\n"

@@ -1,7 +1,7 @@
 """`read_problem`: from a TOML file to the problem that it states, without running any of it."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
@@ -9,7 +9,7 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from lacore.errors import InputError
-from lacore.files.problem.calls import Key, MisfitError, Program, listed, parts
+from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
 from lacore.files.problem.places import Path, lines
 from lacore.problem.problem import Problem
 
@@ -30,6 +30,7 @@ class Stated:
         things: what it made before.
         title: of it; the name of the file, if it gives none.
         asked: what is to be found.
+        cases: reference loads by the name of their case, as places in the list of the problem.
     """
 
     source: "Source"
@@ -38,6 +39,7 @@ class Stated:
     things: Mapping[Key, Any]
     title: str
     asked: "Asked"
+    cases: Mapping[str, Sequence[int]]
 
     @contextmanager
     def locating(self) -> Iterator[None]:
@@ -78,7 +80,13 @@ def read(path: str | PathLike[str]) -> Stated:
         error = misfit.error
         raise source.error(misfit.at, error.value, error.why, error.mend) from error
     title = stated.title or source.file.stem
-    return Stated(source, problem, program, things, title, stated.solve)
+    cases: dict[str, list[int]] = {}
+    nodes = program.call.arguments["reference_loads"]
+    for place in range(len(problem.reference_loads)):
+        case = stated.reference_loads[entry(nodes, place, things)].case
+        if case is not None:
+            cases.setdefault(case, []).append(place)
+    return Stated(source, problem, program, things, title, stated.solve, cases)
 
 
 @dataclass(frozen=True)

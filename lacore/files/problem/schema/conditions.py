@@ -87,6 +87,8 @@ class Interface(Entry):
 class _Load(Entry):
     tag: ClassVar[str] = "load"
     body: str
+    case: str | None = None
+    """Name of the load case, or of the component of an envelope, that a reference load is of."""
 
     @property
     def several(self) -> str:
@@ -96,6 +98,7 @@ class _Load(Entry):
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""
         given = super().arguments(at)
+        given.pop("case", None)
         if "where" in given:
             given["where"] = of_body(given["where"], self.body, at)
         return given

@@ -28,6 +28,14 @@ class Asked(Entry):
     """Whether all load factors are searched, not one."""
     safety: StrictBool = False
     """Whether the factor of safety on strength is asked for."""
+    stable: StrictBool = False
+    """Whether the dead loads alone are carried, with the proof drawn."""
+    sensitivity: StrictBool = False
+    """Whether it is asked what the load factor depends on."""
+    cases: StrictBool = False
+    """Whether each case of the reference loads is solved alone."""
+    envelope: StrictBool = False
+    """Whether all combinations of the cases, two or three, are searched."""
 
 
 class ProblemFile(Entry):

@@ -1,0 +1,207 @@
+"""More than the load factor: whether it stands, what matters, which case, which combination."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import pandas as pd
+
+import lacore as la
+from lacore.conditions.loads import Load
+from lacore.files.problem.reading import Stated
+from lacore.questions.stable import require_dead_loads
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a question is asked with.
+
+    Attributes:
+        state: of all reference loads.
+        places: of the reference loads of each case.
+        backend: its name.
+        bracket: width that each case, or direction, is proven to; None: none is.
+    """
+
+    state: la.LimitState
+    places: Mapping[str, Sequence[int]]
+    backend: str
+    bracket: float | None
+
+    @property
+    def problem(self) -> la.Problem:
+        """As it is stated."""
+        return self.state.discretisation.problem
+
+    @property
+    def cases(self) -> dict[str, Sequence[Load]]:
+        """Reference loads by case."""
+        loads = self.problem.reference_loads
+        return {name: [loads[place] for place in own] for name, own in self.places.items()}
+
+
+@dataclass(frozen=True)
+class More:
+    """A question that is asked of a problem beside its load factor.
+
+    Attributes:
+        title: of its section.
+        doing: what is said on the way.
+        ask: the answer.
+        good: whether that is certified.
+        said: it in a line.
+        caption: of its picture.
+        document: its numbers.
+        script: the call that asks it.
+        table: of it, if there is one.
+        cases: least and largest number of cases that it takes.
+        takes: the same in words.
+        dead: whether it is about dead loads.
+    """
+
+    title: str
+    doing: str
+    ask: Callable[[Given], Any]
+    good: Callable[[Any], bool]
+    said: Callable[[Any], str]
+    caption: Callable[[Any], str]
+    document: Callable[[Any], dict[str, Any]]
+    script: Callable[[str, str], str]
+    table: Callable[[Any], pd.DataFrame] | None = None
+    cases: tuple[float, float] = (0, inf)
+    takes: str = ""
+    dead: bool = False
+
+
+def check(name: str, stated: Stated) -> None:
+    """Raise `InputError`, with its line, where a file has not what a question is about."""
+    least, most = MORE[name].cases
+    if not least <= len(stated.cases) <= most:
+        why = f"{name} takes {MORE[name].takes}, and there are {len(stated.cases)}"
+        mend = 'name the case of each reference load: case = "wind"'
+        raise stated.source.error(("reference_loads",), list(stated.cases), why, mend)
+    if MORE[name].dead:
+        with stated.locating():
+            require_dead_loads(stated.problem)
+
+
+def lines(
+    names: Sequence[str], places: Mapping[str, Sequence[int]], backend: str, bracket: float | None
+) -> Iterator[str]:
+    """What asks the same in a script."""
+    if any(MORE[name].cases[0] for name in names):
+        yield "loads = {"
+        for case, own in places.items():
+            listed = ", ".join(f"problem.reference_loads[{place}]" for place in own)
+            yield f'    "{case}": [{listed}],'
+        yield "}"
+    width = "" if bracket is None else f", target_width={bracket!r}"
+    for name in names:
+        yield f"print({MORE[name].script(backend, width)})"
+
+
+def _stands(found: la.Stable) -> str:
+    return f"{found.stability.standing.label}: {found.stability.standing.value}"
+
+
+def _fallen(found: la.Stable) -> str:
+    if found.stands is None:
+        return "Neither is proven"
+    return "What carries the dead loads" if found.stands else "How the dead loads alone fall"
+
+
+def _differentiated(given: Given) -> la.Sensitivity:
+    return la.sensitivity(given.state)
+
+
+def _most(found: la.Sensitivity) -> str:
+    methods = " and ".join(dict.fromkeys(found.table["method"]))
+    return f"{found.facts().told['most']}: per cent for each per cent, by {methods}"
+
+
+def _cases(given: Given) -> la.LoadCases:
+    width = given.bracket
+    return la.load_cases(given.problem, given.cases, given.backend, target_width=width)
+
+
+def _named(found: la.LoadCases) -> str:
+    said = found.facts().title.partition(": ")[2]
+    return f"{said}, proven" if found.sure and not found.failed else f"{said}; {found.message}"
+
+
+def _by_case(found: la.LoadCases) -> dict[str, Any]:
+    rows = found.table[["case", "status", "load_factor", "lower", "upper"]].to_dict("records")
+    return {"governing": found.governing, "sure": found.sure, "cases": rows}
+
+
+def _combined(given: Given) -> la.Envelope:
+    width = given.bracket
+    return la.envelope(given.problem, given.cases, backend=given.backend, target_width=width)
+
+
+def _hulls(found: la.Envelope) -> dict[str, Any]:
+    return {
+        "names": list(found.names),
+        "width": found.width,
+        "inner": found.inner.tolist(),
+        "outer": found.outer.tolist(),
+        "planes": found.planes.tolist(),
+        "rigor": found.rigor,
+    }
+
+
+MORE: Mapping[str, More] = {
+    "stable": More(
+        title="Under the dead loads alone",
+        doing="asking whether it stands by itself",
+        ask=lambda given: la.stable(given.problem, given.backend),
+        good=lambda found: found.stands is not None,
+        said=_stands,
+        caption=_fallen,
+        document=lambda found: {
+            "stands": found.stands,
+            "residual": found.stability.residual,
+        },
+        script=lambda backend, width: f'la.stable(problem, "{backend}")',
+        dead=True,
+    ),
+    "sensitivity": More(
+        title="What the load factor depends on",
+        doing="differentiating the load factor",
+        ask=_differentiated,
+        good=lambda found: bool((found.table["why"] == "").any()),
+        said=_most,
+        caption=lambda found: "Elasticities: per cent for each per cent",
+        document=lambda found: {"table": found.table.to_dict("records")},
+        script=lambda backend, width: "la.sensitivity(state)",
+        table=lambda found: found.table,
+    ),
+    "cases": More(
+        title="Load cases",
+        doing="solving each case",
+        ask=_cases,
+        good=lambda found: bool(found.governing) and not found.failed,
+        said=_named,
+        caption=lambda found: "Load factors by case",
+        document=_by_case,
+        script=lambda backend, width: f'la.load_cases(problem, loads, "{backend}"{width})',
+        table=lambda found: found.table,
+        cases=(1, inf),
+        takes="one case or more",
+    ),
+    "envelope": More(
+        title="Combinations of the cases",
+        doing="searching combinations of the cases",
+        ask=_combined,
+        good=lambda found: bool(found.table["status"].isin(["solved", "reached"]).all()),
+        said=lambda found: found.message,
+        caption=lambda found: "Factors of the cases that are carried, and that are not",
+        document=_hulls,
+        script=lambda backend, width: f'la.envelope(problem, loads, backend="{backend}"{width})',
+        table=lambda found: found.table,
+        cases=(2, 3),
+        takes="two or three cases",
+    ),
+}
+"""By the key in ``[solve]``, which is that of the option."""
