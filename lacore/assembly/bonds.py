@@ -3,22 +3,25 @@
 Where the edges of two continua match, and velocities are continuous on both sides, their nodes move
 as one: a body that is cut in two, and bonded, is the uncut one. Elsewhere velocities may jump, at
 the cost of a layer of the weaker side: see `lacore.assembly.seams`. A rigid obstacle holds what is
-bonded to it like a support.
+bonded to it like a support. What is rigid on both sides has no strength at which a bond could
+break: it moves as one.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import block_diag, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.bodies.any_body import Dofs
+from lacore.bodies.any_body import Dofs, RigidParts
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments
+from lacore.numerics.null_space import null_space_by_parts
 from lacore.problem.problem import Problem
 
 
@@ -104,6 +107,53 @@ def supports_of(problem: Problem) -> Sequence[Fix]:
 
 def _held(problem: Problem) -> list[Interface]:
     return [one for one in problem.interfaces if one.bonded and one.obstacle is not None]
+
+
+def rigid_basis(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sparse:
+    """What supports and bonds leave free of rigid bodies, the last m of n unknowns, (m, free)."""
+    basis = _supported(problem, rigid)
+    rows = rigid_bonds(problem, rigid, n)[:, n - basis.shape[0] :]
+    return csr_matrix(basis @ null_space_by_parts(rows @ basis)) if rows.shape[0] else basis
+
+
+def _supported(problem: Problem, rigid: Mapping[str, RigidParts]) -> Sparse:
+    """What supports leave free of rigid bodies, of their m unknowns, (m, free)."""
+    supports = supports_of(problem)
+    own = [
+        part.free([support for support in supports if support.body == name])
+        for name, part in rigid.items()
+    ]
+    return csr_matrix(block_diag(own, format="csr")) if own else csr_matrix((0, 0))
+
+
+def rigid_bonds(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sparse:
+    """Rows of n unknowns that bonds of rigid bodies with each other make zero, shape (k, n)."""
+    found = [csr_matrix((0, n))]
+    for interface, segments in zip(problem.interfaces, problem.segments, strict=True):
+        names = [name for name, _ in interface.sides]
+        if interface.bonded and len(names) == 2 and all(name in rigid for name in names):
+            for places in (segments.start, segments.end):
+                one, other = (
+                    rigid[name].velocity_rows(rigid[name].parts(edges), places, n)
+                    for name, edges in zip(names, segments.edges, strict=True)
+                )
+                found += [csr_matrix(a - b) for a, b in zip(one, other, strict=True)]
+    return csr_matrix(vstack(found, format="csr"))
+
+
+def without_bonds(problem: Problem, rigid: Mapping[str, RigidParts], force: Floats) -> Floats:
+    """Forces of supports and bonds on all unknowns, less those of bonds of rigid bodies, (n,).
+
+    Where supports make bonds redundant, the least that these may be.
+    """
+    rows = rigid_bonds(problem, rigid, force.size)
+    if not rows.shape[0]:
+        return force
+    basis = _supported(problem, rigid)
+    first = force.size - basis.shape[0]
+    freed = csr_matrix(rows[:, first:] @ basis)
+    multiplier = lsqr(freed.T, basis.T @ force[first:], atol=0.0, btol=0.0)[0]
+    return np.asarray(force - rows.T @ multiplier)
 
 
 def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Ints:

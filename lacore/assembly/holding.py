@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 
 from lacore.arrays import Bools, Sparse
-from lacore.assembly.bonds import Ties, supports_of
+from lacore.assembly.bonds import Ties, rigid_basis, supports_of
 from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.held import footing_of, support_of
@@ -60,9 +60,6 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     conditions = join([conditions, *(held(tied.following, axis) for axis in tied.both_axes)])
     deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
     deforming = tied.spread(deforming, node_dofs)
-    rigid = [
-        own.free([support for support in problem.supports if support.body == name])
-        for name, own in unknowns.rigid.items()
-    ]
-    basis = csr_matrix(block_diag([deforming, *rigid], format="csr"))
+    rigid = rigid_basis(problem, unknowns.rigid, unknowns.n)
+    basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
     return Held(csr_matrix(basis[:, column_order(basis, unknowns.assemblies)]), nodes)

@@ -54,7 +54,8 @@ def seams(
     for index, (interface, segments) in enumerate(
         zip(problem.interfaces, problem.segments, strict=True)
     ):
-        if not interface.bonded or interface.obstacle is not None:
+        names = [name for name, _ in interface.sides]
+        if not interface.bonded or len(names) < 2 or not any(name in continua for name in names):
             continue
         jumping = ~tied.tied.get(index, np.zeros(segments.slave.size, dtype=bool))
         if jumping.any():

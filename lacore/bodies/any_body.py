@@ -166,6 +166,10 @@ class RigidParts(Dofs, Protocol):
         """Basis of the velocities that supports leave free, shape (count, free)."""
         ...
 
+    def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
+        """Places (2, k), and what supports exert there, (3, k), of forces on the unknowns."""
+        ...
+
 
 KINDS: tuple[type[Stated], ...] = (Body, BlockAssembly, Frame)
 """All kinds, in the order of their unknowns: type checkers find here what one lacks."""

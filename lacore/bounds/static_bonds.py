@@ -90,12 +90,13 @@ def static_bonds(
     following = beside = np.zeros(0, dtype=np.int64)
     x = y = csr_matrix((0, n))
     for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True)):
-        if not interface.bonded or interface.obstacle is not None:
+        names = [name for name, _ in interface.sides]
+        if not interface.bonded or len(names) < 2 or all(name in rigid for name in names):
             continue
         turned = interface.slave[0] in rigid
         station = traction_station(interface, own, index, bodies, rigid, n)
         nodes, others = station.moving.T[::-1] if turned else station.moving.T
-        between = any(name in rigid for name, _ in interface.sides)
+        between = any(name in rigid for name in names)
         _check_free(np.concatenate([nodes, others[:0] if between else others]), asked, interface)
         mine, jump = selected(nodes, n), (station.x, station.y)
         sign = -1.0 if turned else 1.0

@@ -9,7 +9,7 @@ from scipy.sparse import block_diag, csr_matrix
 from skfem.mesh import MeshTri1
 
 from lacore.arrays import Floats, Ints
-from lacore.assembly.bonds import supports_of
+from lacore.assembly.bonds import rigid_basis, supports_of
 from lacore.assembly.loading import footings_of, load_vector, require_power
 from lacore.assembly.natural import strengths_of
 from lacore.bodies.any_body import numbered, of_kind
@@ -162,10 +162,7 @@ def static_model(problem: Problem) -> StaticModel:
         block_diag(
             [
                 free_basis(conditions, node_dofs, [footing.name for footing in footings]),
-                *(
-                    own.free([s for s in problem.supports if s.body == name])
-                    for name, own in assemblies.items()
-                ),
+                rigid_basis(problem, assemblies, n),
             ],
             format="csr",
         )

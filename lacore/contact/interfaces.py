@@ -30,7 +30,7 @@ class Interface(Compact):
             freely, without any tension: the limit mu -> infinity of associated friction, not of
             Coulomb friction. No body carries more shear than its strength: see
             `lacore.assembly.sticking` for corners. BOND transfers tension, too, all that the weaker
-            side can carry: see `lacore.assembly.bonds`.
+            side can carry, and makes rigid bodies one: see `lacore.assembly.bonds`.
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.

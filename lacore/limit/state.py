@@ -21,12 +21,13 @@ from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
 from lacore.limit.checking import Table, checked, program_of
+from lacore.limit.held_parts import support_reactions
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
 from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.showing import Facts, Picture, Shown, counted
-from lacore.state import ProgramState, out_of_balance
+from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:
@@ -355,39 +356,7 @@ class LimitState(Shown):
         On the nodes of continua and of frames, and at the centroids of rigid blocks. A frame that
         is held twice along a member gets the least of the forces that its supports may exert.
         """
-        point = self._point()
-        force = out_of_balance(self.discretisation.full, point)
-        jumps = self.discretisation.jumps.values()
-        after = point.stress[gathering.region_count(self.discretisation.bodies) :]
-        for jump, stress in zip(jumps, after, strict=False):
-            force -= jump.held_force(stress)  # what the body slips past pulls it back
-        frames = []
-        for name, dofs in self.discretisation.bodies.items():
-            held = self.discretisation.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
-            frames.append(
-                pd.DataFrame(
-                    {
-                        "body": name,
-                        "x": dofs.nodes[0, held],
-                        "y": dofs.nodes[1, held],
-                        "force_x": force[dofs.dofs[0, held]],
-                        "force_y": force[dofs.dofs[1, held]],
-                        "moment": 0.0,
-                    }
-                )
-            )
-        supports = self.discretisation.problem.supports
-        for rigid in (self.discretisation.assemblies, self.discretisation.frames):
-            for name, part in rigid.items():
-                place, exerted = part.support_forces(
-                    force[part.offset : part.offset + part.count],
-                    [support for support in supports if support.body == name],
-                )
-                columns = dict(
-                    zip(("x", "y", "force_x", "force_y", "moment"), (*place, *exerted), strict=True)
-                )
-                frames.append(pd.DataFrame({"body": name, **columns}))
-        return pd.concat(frames, ignore_index=True)
+        return support_reactions(self.discretisation, self._point())
 
     def plot(self) -> "Figure":
         """Mechanism and forces: see `lacore.pictures.mechanism.plot_mechanism`."""

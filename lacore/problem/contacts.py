@@ -39,7 +39,7 @@ def check_contacts(problem: "Problem") -> None:
 
 
 def _check_bonds(problem: "Problem") -> None:
-    """What is bonded has a strength, along edges."""
+    """What is bonded is so along edges."""
     for index, interface in enumerate(problem.interfaces):
         if not interface.bonded:
             continue
@@ -50,14 +50,6 @@ def _check_bonds(problem: "Problem") -> None:
                 "BOND",
                 f"{interface.name}: a node of a frame has no edge along which it could be bonded",
                 "give it a friction, or hold the node by a Fix",
-            )
-        if not any(body.deforms for body in bodies):
-            raise InputError(
-                f"Problem.interfaces[{index}].friction",
-                "BOND",
-                f"{interface.name}: what is rigid on both sides has no strength at which a bond"
-                " could break",
-                "hold blocks by a Fix; make those that never part one block; or give a friction",
             )
 
 

@@ -59,7 +59,8 @@ def joint_law(friction: float | Friction, field: str) -> Friction:
             field,
             "BOND",
             "rigid blocks have no strength at which a bond could break",
-            "make what never parts one block, or give a friction",
+            "make what never parts one block, or two bodies with a bonded Interface; or give a"
+            " friction",
         )
     return law
 

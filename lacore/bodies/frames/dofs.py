@@ -14,7 +14,6 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-import scipy.linalg
 from scipy.sparse import csr_matrix
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
@@ -23,11 +22,9 @@ from lacore.bodies.frames.held import COMPONENTS
 from lacore.bodies.frames.loaded import line_load, nodal
 from lacore.bodies.frames.modes import WHOLE, Modes, modes_of, rate_rows
 from lacore.conditions.loads import Fix, Load
+from lacore.numerics.null_space import null_space
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
-
-_DEPENDENT = 1e-9  # a sine: far above round-off, far below any angle that is meant
-_ROUND_OFF = 1e-13  # of an entry of order one
 
 
 @dataclass(frozen=True, repr=False)
@@ -250,7 +247,7 @@ class FrameDofs(Compact):
         moves = np.append(np.flatnonzero(~held.ravel()), np.arange(self.nodal, self.count))
         basis = np.zeros((self.count, moves.size))
         basis[moves, np.arange(moves.size)] = 1.0
-        return csr_matrix(basis @ _null_space(self._kept()[:, moves]))
+        return csr_matrix(basis @ null_space(self._kept()[:, moves]))
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
         """Places (2, k) of the held nodes, and what supports exert there: forces, moments (3, k).
@@ -299,22 +296,3 @@ class FrameDofs(Compact):
         turns[each, pieces.nodes[piece, side], 2] = -pieces.length[piece] / self.body.size
         nodal = np.concatenate([rows, turns]).reshape(-1, self.nodal)
         return np.pad(nodal, [(0, 0), (0, self.count - self.nodal)])
-
-
-def _null_space(conditions: Floats) -> Floats:
-    """Basis of the x with ``conditions x = 0``, (n, free): some of the x, and what follows them.
-
-    Unlike an orthonormal basis it keeps the zeros: a beam that moves sideways is one unknown.
-    """
-    n = conditions.shape[1]
-    if not n:
-        return np.zeros((0, 0))
-    triangle, pivots = scipy.linalg.qr(conditions, mode="r", pivoting=True)
-    size = np.abs(np.diagonal(triangle))
-    rank = int(np.sum(size > _DEPENDENT))
-    following = -scipy.linalg.solve_triangular(triangle[:rank, :rank], triangle[:rank, rank:])
-    following[np.abs(following) < _ROUND_OFF] = 0.0
-    basis = np.zeros((n, n - rank))
-    basis[pivots[:rank]] = following
-    basis[pivots[rank:], np.arange(n - rank)] = 1.0
-    return basis

@@ -213,14 +213,6 @@ def test_what_cannot_be_bonded_is_refused():
     load = [la.Traction("b", "right", (1, 0))]
     with pytest.raises(la.InputError, match="does not touch"):
         la.Problem(apart, load, [la.Fix("a", "left")], [bond])
-    blocks = la.BlockAssembly({"foot": [(0, 0), (0.5, 0), (0.5, 0.2), (0, 0.2)]}, friction=0.5)
-    with pytest.raises(la.InputError, match="rigid on both sides"):
-        la.Problem(
-            {"blocks": blocks},
-            [la.BodyForce("blocks", (1, 0))],
-            [],
-            [la.Interface(("blocks", lambda x: x[1] < 1e-9), la.RigidObstacle(), la.BOND)],
-        )
     with pytest.raises(la.InputError, match="no strength at which a bond"):
         la.BlockAssembly({"foot": [(0, 0), (1, 0), (1, 1), (0, 1)]}, friction=la.BOND)
 
