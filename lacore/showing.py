@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
@@ -120,6 +120,19 @@ def cut(text: str, longest: int) -> str:
 def counted(number: int, what: str) -> str:
     """``1 element``, ``12 elements``."""
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def placed(place: Iterable[float]) -> str:
+    """``(1.25, 0.4)``."""
+    x, y = place
+    return f"({x:.6g}, {y:.6g})"
+
+
+def spanned(low: Iterable[float], high: Iterable[float]) -> str:
+    """``x = 0 to 5, y = -2 to 0`` of a box by two of its corners."""
+    return ", ".join(
+        f"{axis} = {a:.6g} to {b:.6g}" for axis, a, b in zip("xy", low, high, strict=True)
+    )
 
 
 def sized(elements: int, unknowns: int, points: int) -> str:

@@ -10,6 +10,7 @@ from lacore.conditions.where import edges_inside
 from lacore.errors import InputError
 from lacore.meshes.curved import edge_curves
 from lacore.meshes.polygonal import geometry_of, labelled
+from lacore.showing import spanned
 
 _INNER = 1 - 1e-6  # of the way from the middle of an element to its corners
 
@@ -81,5 +82,4 @@ def _elements(mesh: Any, regions: Mapping[str, Places]) -> dict[str, Ints]:
 
 
 def _extent(mesh: Any) -> str:
-    (left, low), (right, high) = mesh.p.min(axis=1), mesh.p.max(axis=1)
-    return f"the mesh goes from x = {left:.6g} to {right:.6g}, y = {low:.6g} to {high:.6g}"
+    return f"the mesh lies in {spanned(mesh.p.min(axis=1), mesh.p.max(axis=1))}"

@@ -32,7 +32,7 @@ from lacore.conditions.where import edges_inside
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
-from lacore.showing import Facts, Shown, counted, listed, short
+from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
 
 Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the mean block size
@@ -229,7 +229,8 @@ class BlockAssembly(Shown):
                     field,
                     None,
                     f"it ends inside an edge of block {self.names[self.edges.block[first]]!r},"
-                    f" from {self.edges.start[:, first]} to {self.edges.end[:, first]}",
+                    f" from {placed(self.edges.start[:, first])}"
+                    f" to {placed(self.edges.end[:, first])}",
                     "put a vertex of the block where it ends",
                 )
         elif isinstance(where, str | tuple):
@@ -242,7 +243,8 @@ class BlockAssembly(Shown):
                 field, where, "no part of the blocks", "give a name, names, or a function of (2, n)"
             )
         if chosen.size == 0:
-            raise InputError(field, None, "an empty outline", "select at least one edge")
+            mend = f"select at least one edge: the blocks lie in {spanned(*self.box)}"
+            raise InputError(field, None, "an empty outline", mend)
         return chosen
 
 

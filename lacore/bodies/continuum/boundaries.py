@@ -10,6 +10,7 @@ from lacore.bodies.touching import TOUCH
 from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, is_plane_vector, require_place, suggest_all
 from lacore.meshes.curved import edge_curves, vertices
+from lacore.showing import placed, spanned
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.body import Body
@@ -54,7 +55,8 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None
-        raise InputError(field, shown, "an empty boundary", "select at least one boundary facet")
+        mend = f"select at least one boundary facet: the mesh lies in {spanned(*body.box)}"
+        raise InputError(field, shown, "an empty boundary", mend)
     return facets
 
 
@@ -69,7 +71,8 @@ def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Int
         raise InputError(
             field,
             None,
-            f"it ends inside the element edge from {start[:, first]} to {end[:, first]}"
+            f"it ends inside the element edge from {placed(start[:, first])}"
+            f" to {placed(end[:, first])}"
             " (at a midside node or elsewhere between vertices)",
             "put a vertex of the mesh where it ends",
         )

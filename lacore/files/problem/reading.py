@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lacore.errors import InputError
 from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
 from lacore.files.problem.places import Path, lines
+from lacore.files.problem.wording import in_words_of_files, value_of_files
 from lacore.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -47,11 +48,17 @@ class Stated:
         try:
             yield
         except InputError as error:
-            path = parts(error.field)
-            if path[:1] != ("Problem",):
-                raise
-            own = listed(self.program.call, path[1:], self.things)
+            own = listed(self.program.call, self._inside(parts(error.field)), self.things)
+            if not own and error.field.startswith("--"):
+                raise  # of the command line
             raise self.source.error(own, error.value, error.why, error.mend) from error
+
+    def _inside(self, path: Path) -> Path:
+        """Where in the file is what an error of the problem is about."""
+        if path[:1] == ("Problem",):
+            return path[1:]
+        kind = [where for where, own in self.problem.loads.items() if type(own).__name__ == path[0]]
+        return (*parts(kind[0])[1:], *path[1:]) if len(kind) == 1 else ()
 
 
 def read_problem(path: str | PathLike[str]) -> Problem:
@@ -137,9 +144,14 @@ class Source:
         there, own = self._nearest(path)
         if own is not None and not isinstance(own, dict | list):
             value = own
-        value = None if value == [] else value
+        shown = value_of_files(value)
         field = _written(there if there else path[:1])
-        return InputError(f"{self.file}:{self.line(path)}: {field}".rstrip(": "), value, why, mend)
+        return InputError(
+            f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
+            None if shown == [] else shown,
+            in_words_of_files(why),
+            in_words_of_files(mend),
+        )
 
     def line(self, path: Path) -> int:
         """Where a path, or the nearest thing around it that is there, is written."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import singledispatch
-from math import inf, isinf
+from math import inf, isinf, pi
 from typing import Any
 
 from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -16,6 +16,7 @@ from lacore.conditions.where import Where
 from lacore.conditions.within import Along, Beyond, Within
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, is_number
+from lacore.files.problem.units import DEGREES
 from lacore.materials import friction, hardening, mohr_coulomb
 from lacore.materials.drucker_prager import DruckerPrager
 from lacore.materials.fields import Field, varying
@@ -52,6 +53,8 @@ def tagged(thing: object, field: str) -> Table:
     own = {name: value for name, value in vars(thing).items() if value is not None}
     for name, value in varying(thing).items():
         own[name] = _varying(value, f"{field}.{name}")
+    if 0 < own.get("friction_angle", 0) <= pi / 2:  # as a bare number it would be in radians
+        own["friction_angle"] = f"{own['friction_angle']:.17g} {DEGREES}"
     if "hardening" in own:
         own["hardening"] = _hardening(own["hardening"], f"{field}.hardening")
     if "where" in own and tag[0] == "load":

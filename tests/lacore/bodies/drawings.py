@@ -94,10 +94,15 @@ def geojson(path, polygons):
     return path
 
 
-def compas(path, polygons, wide=0.3):
-    """Prisms in the plane of x and z, as compas_assembly writes them."""
-    nodes = {}
-    for key, (layer, ring) in enumerate(polygons):
+def compas(path, polygons, wide=0.3, form="data"):
+    """Prisms in the plane of x and z, as compas_assembly 0.7 writes them, or by one of FORMS."""
+    path.write_text(json.dumps(FORMS[form](_prisms(polygons, wide))))
+    return path
+
+
+def _prisms(polygons, wide):
+    """Meshes of blocks as all versions of compas state them, and whether they are supports."""
+    for layer, ring in polygons:
         k = len(ring)
         ends = [(x, y, z) for y in (0.0, wide) for x, z in ring.tolist()]
         sides = [[n, (n + 1) % k, (n + 1) % k + k, n + k] for n in range(k)]
@@ -106,12 +111,66 @@ def compas(path, polygons, wide=0.3):
             "vertex": {str(n): dict(zip("xyz", at, strict=True)) for n, at in enumerate(ends)},
             "face": {str(n): face for n, face in enumerate(faces)},
         }
-        block = {"dtype": "compas_assembly.datastructures/Block", "data": mesh}
-        nodes[str(key)] = {"block": block, "is_support": layer == "ground"}
-    graph = {"dtype": "compas.datastructures/Graph", "data": {"node": nodes, "edge": {}}}
+        yield mesh, layer == "ground"
+
+
+def _graph(prisms, wrap):
+    """Of compas_assembly 0.2 to 0.7: blocks in the nodes of a graph."""
+    nodes = {
+        str(key): {
+            "block": wrap("compas_assembly.datastructures/Block", mesh),
+            "is_support": support,
+        }
+        for key, (mesh, support) in enumerate(prisms)
+    }
+    return {"node": nodes, "edge": {}, "adjacency": {}}
+
+
+def _as_data(prisms):
+    def wrap(kind, data):
+        return {"dtype": kind, "data": data, "guid": "0"}
+
+    graph = wrap("compas.datastructures/Graph", _graph(prisms, wrap))
     data = {"attributes": {"name": "Assembly"}, "graph": graph}
-    path.write_text(json.dumps({"dtype": "compas_assembly.datastructures/Assembly", "data": data}))
-    return path
+    return wrap("compas_assembly.datastructures/Assembly", data)
+
+
+def _as_value(prisms):
+    def wrap(kind, data):
+        return {"dtype": kind, "value": {"data": data, "compas": "0.18.1"}}
+
+    return wrap("compas_assembly.datastructures/Assembly", _graph(prisms, wrap))
+
+
+def _as_network(prisms):
+    blocks, vertices = {}, {}
+    for key, (mesh, support) in enumerate(prisms):
+        faces = {name: [str(n) for n in face] for name, face in mesh["face"].items()}
+        blocks[str(key)] = {"attributes": {"name": "Block"}, **mesh, "face": faces}
+        vertices[str(key)] = {"x": 0.0, "y": 0.0, "z": 0.0, "is_support": support}
+    return {"assembly": {"attributes": {}, "vertex": vertices, "edge": {}}, "blocks": blocks}
+
+
+def _as_model(prisms):
+    elements = {
+        f"guid-{key}": {
+            "dtype": "compas_dem.elements/Block",
+            "data": {
+                "transformation": None,
+                "geometry": {"dtype": "compas.datastructures/Mesh", "data": mesh},
+                "is_support": support,
+            },
+        }
+        for key, (mesh, support) in enumerate(prisms)
+    }
+    nodes = {str(key): {"element": guid} for key, guid in enumerate(elements)}
+    graph = {"default_node_attributes": {"element": None}, "node": nodes, "edge": {}}
+    data = {"transformation": None, "elements": elements, "graph": graph}
+    return {"dtype": "compas_dem.models/BlockModel", "data": data}
+
+
+FORMS = {"data": _as_data, "value": _as_value, "network": _as_network, "model": _as_model}
+"""How versions of compas_assembly, compas_model and compas_dem write blocks."""
 
 
 def pushed(body, weight, push, ground):

@@ -12,6 +12,7 @@ import lacore as la
 from lacore.bodies.blocks.drawings.drawn import GRAVITY
 from lacore.errors import InputError
 from tests.lacore.bodies.drawings import (
+    FORMS,
     LAYERS,
     MM,
     STONE,
@@ -141,14 +142,30 @@ def test_corners_lie_on_the_edges_that_they_rest_on(tmp_path):
     assert np.abs(gap).max() < 1e3 * EPS
 
 
-def test_assemblies_of_compas_are_read_as_data(tmp_path):
+@pytest.mark.parametrize("form", FORMS)
+def test_assemblies_of_compas_are_read_as_data(form, tmp_path):
     blocks, _ = SMALL
-    path = compas(tmp_path / "wall.json", drawn(blocks))
+    path = compas(tmp_path / "wall.json", drawn(blocks), form=form)
     read = la.masonry.read(path, {"block": STONE, "support": STONE}, unit="m")
     assert read.blocks.joints.count == blocks.joints.count
     assert read.named("support") == ("support 1",)
     assert read.blocks.area.sum() == pytest.approx(blocks.area.sum(), rel=1e-12)
-    assert read.handles["support 1"] == "0"
+    assert read.handles["support 1"] == ("guid-0" if form == "model" else "0")
+
+
+def test_elements_that_a_model_moves_are_refused(tmp_path):
+    path = compas(tmp_path / "wall.json", drawn(SMALL[0]), form="model")
+    content = json.loads(path.read_text())
+    unit = [[float(row == column) for column in range(4)] for row in range(4)]
+    moved = [[*row[:3], 1.0] for row in unit]
+    for matrix, said in ((unit, None), (moved, "handle guid-0: its element is moved")):
+        content["data"]["transformation"] = {"data": {"matrix": matrix}}
+        path.write_text(json.dumps(content))
+        if said is None:
+            la.masonry.read(path, {"block": STONE, "support": STONE}, unit="m")
+            continue
+        with pytest.raises(InputError, match=said):
+            la.masonry.read(path, {"block": STONE, "support": STONE}, unit="m")
 
 
 def test_units_are_those_of_the_drawing_or_of_the_user(tmp_path):

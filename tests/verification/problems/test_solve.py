@@ -111,6 +111,14 @@ def test_what_is_asked_for_in_the_file_is_checked_before_it_is_solved(
     assert re.search(said, result.stderr)
 
 
+def test_what_is_seen_when_it_is_solved_is_said_with_its_line_too(tmp_path):
+    file = tmp_path / "footing.toml"
+    file.write_text(footing.TEXT.replace('where = "bottom"', 'where = "top"'), encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "footing.toml:22: reference_loads[0] = 'clay: footing': a support" in result.stderr
+
+
 def test_ctrl_c_is_a_sentence(tmp_path, monkeypatch):
     def stopped(*words, **options):
         raise KeyboardInterrupt

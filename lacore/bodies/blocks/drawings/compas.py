@@ -1,8 +1,13 @@
 """Outlines of blocks in assemblies of compas, read from its JSON as data.
 
-An assembly is a graph, each node with the mesh of a block: ``{"vertex": {key: {x, y, z}}, "face":
-{key: [vertices]}}`` (compas_assembly 0.7; compas 1 and 2 wrap it differently, so it is searched
-for). Meshes are plane, or prisms across the plane of the wall.
+The mesh of a block is ``{"vertex": {key: {x, y, z}}, "face": {key: [vertices]}}`` in all of them.
+It is found in
+
+- the nodes of a graph (compas_assembly 0.2 to 0.7), which compas wrapped as "value", later "data";
+- the elements of a model (compas_model, compas_dem), which nodes of its graph only refer to;
+- "blocks", beside a network whose vertices say which are supports (compas_assembly 0.1).
+
+Meshes are plane, or prisms across the plane of the wall.
 """
 
 from collections.abc import Iterator, Set
@@ -17,6 +22,7 @@ from lacore.errors import InputError, is_number
 
 BLOCK, SUPPORT = "block", "support"
 _PLANES = ((2, (0, 1)), (1, (0, 2)), (0, (1, 2)))  # across it, and right and up in it
+_MOVES = "transformation"
 _FLAT = 1e-6  # of the size: compas writes coordinates as they were computed
 
 
@@ -63,11 +69,37 @@ def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
 
 
 def _nodes(content: Any) -> dict[str, Any] | None:
-    """The nodes of the graph, wherever it stands."""
-    for own in _dictionaries(content):
-        if isinstance(own.get("node"), dict) and "edge" in own:
-            return {str(key): node for key, node in own["node"].items()}
+    """What is said of each block, wherever it stands: models before graphs, which repeat less."""
+    for kind in (_of_model, _of_graph, _of_network):
+        for own in _dictionaries(content):
+            found = kind(own)
+            if found is not None:
+                return found
     return None
+
+
+def _of_model(own: dict[str, Any]) -> dict[str, Any] | None:
+    elements = own.get("elements")
+    if not (isinstance(elements, dict | list) and elements and "graph" in own):
+        return None
+    moved = {_MOVES: own.get(_MOVES)}  # of the model
+    named = elements.items() if isinstance(elements, dict) else enumerate(elements)
+    return {str(key): [moved, element] for key, element in named}
+
+
+def _of_graph(own: dict[str, Any]) -> dict[str, Any] | None:
+    if isinstance(own.get("node"), dict) and "edge" in own:
+        return {str(key): node for key, node in own["node"].items()}
+    return None
+
+
+def _of_network(own: dict[str, Any]) -> dict[str, Any] | None:
+    blocks, network = own.get("blocks"), own.get("assembly")
+    if not (isinstance(blocks, dict) and isinstance(network, dict)):
+        return None
+    said = network.get("vertex")
+    said = said if isinstance(said, dict) else {}
+    return {str(key): [mesh, said.get(key)] for key, mesh in blocks.items()}
 
 
 def _dictionaries(content: Any) -> Iterator[dict[str, Any]]:
@@ -93,6 +125,13 @@ def _layer(node: Any) -> str:
 def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
     """Vertices (k, 3), and faces as their numbers."""
     for own in _dictionaries(node):
+        if own.get(_MOVES) is not None and not _rests(own[_MOVES]):
+            raise refused(
+                path,
+                f"handle {key}",
+                "its element is moved by a transformation, of which only compas knows all",
+                "write the blocks where they are: Block.from_mesh(element.modelgeometry)",
+            )
         vertex, face = own.get("vertex"), own.get("face")
         if not (isinstance(vertex, dict) and isinstance(face, dict) and face):
             continue
@@ -103,6 +142,14 @@ def _mesh(node: Any, path: str, key: str) -> tuple[Floats, list[list[int]]]:
             faces = [[number[str(name)] for name in corners] for corners in face.values()]
             return np.array(places, dtype=np.float64), faces
     raise refused(path, f"handle {key}", "a node without the mesh of a block", "add its block")
+
+
+def _rests(transformation: Any) -> bool:
+    """Whether a transformation is none: the unit matrix."""
+    for own in _dictionaries(transformation):
+        if "matrix" in own:
+            return bool(own["matrix"] == np.eye(4).tolist())
+    return False
 
 
 def _plane(path: str, vertices: list[Floats]) -> tuple[int, list[int]]:

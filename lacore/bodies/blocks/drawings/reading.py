@@ -115,8 +115,13 @@ def _require_layers(layers: Mapping[str, Layer], openings: Sequence[str]) -> Non
 
 def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | None) -> Drawing:
     file = Path(path)
-    if not file.is_file():
-        raise InputError("path", path, "no such file", "give the path of a .dxf, .geojson or .json")
+    mend = "give the path of a .dxf, .geojson or .json"
+    try:
+        there = file.is_file()
+    except (OSError, ValueError) as error:  # a name that no file can have
+        raise InputError("path", path, "not the name of a file", mend) from error
+    if not there:
+        raise InputError("path", path, "no such file", mend)
     ending = file.suffix.lower()
     if ending == ".dxf":
         return read_dxf(path, wanted, unit, sagitta)
@@ -125,6 +130,9 @@ def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | Non
         raise InputError("path", path, "a format that is not known", mend)
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        why = f"cannot be read ({error.strerror or error})"
+        raise InputError("path", path, why, "see whether you may read it") from error
     except (ValueError, RecursionError) as error:
         raise InputError("path", path, f"no JSON ({error})", "write it anew") from None
     if isinstance(content, dict) and isinstance(content.get("type"), str):

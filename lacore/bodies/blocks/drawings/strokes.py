@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from lacore.arrays import Floats
 from lacore.errors import InputError
-from lacore.showing import Compact
+from lacore.showing import Compact, placed
 
 METRES = {
     **{"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0},
@@ -60,8 +60,7 @@ def refused(path: str, what: str, why: str, mend: str) -> InputError:
 
 def place_told(place: Floats | Sequence[float]) -> str:
     """``(1.25, 0.4) m``."""
-    x, y = place
-    return f"({x:.6g}, {y:.6g}) m"
+    return f"{placed(place)} m"
 
 
 def metres(path: str, said: str | None, unit: str | None) -> tuple[str, float]:

@@ -14,13 +14,13 @@ from lacore.files.problem.schema.meshes import Mesh, NamedFile
 from lacore.files.problem.schema.places import Part, Place
 from lacore.files.problem.schema.sections import Section, section
 from lacore.files.problem.schema.values import (
-    Angle,
     Count,
     Length,
     MassDensity,
     Moment,
     Number,
     Point,
+    Turn,
     Whole,
     refused,
 )
@@ -225,7 +225,7 @@ class Arch(_Blocks):
     voussoirs: _Few
     inner_radius: Length
     thickness: Length
-    embrace: Angle | None = None
+    embrace: Turn | None = None
     """Angle at the centre; 180 degrees if left out."""
 
     def arguments(self, at: Path) -> dict[str, Any]:

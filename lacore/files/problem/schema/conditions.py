@@ -203,7 +203,7 @@ class BodyForce(_Load):
 
 
 def _at(given: Any) -> str:
-    return "~name" if isinstance(given, str) else "~point"
+    return "~point" if isinstance(given, list | tuple | dict) else "~name"
 
 
 class PointForce(_Load):

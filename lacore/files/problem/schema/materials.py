@@ -9,7 +9,7 @@ from lacore.files.problem.calls import Call, Name
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.fields import Strength
-from lacore.files.problem.schema.values import Angle, Number, Stress, refused
+from lacore.files.problem.schema.values import Angle, Number, Steep, Stress, refused
 
 
 class _Hardening(Entry):
@@ -88,7 +88,7 @@ class MohrCoulomb(Entry):
     tag: ClassVar[str] = "criterion"
     criterion: Literal["mohr-coulomb"]
     cohesion: Strength
-    friction_angle: Angle
+    friction_angle: Steep
     tension_cutoff: Strength | None = None
     crushing: Strength | None = None
     dilation_angle: Angle | None = None
@@ -101,7 +101,7 @@ class DruckerPrager(Entry):
     tag: ClassVar[str] = "criterion"
     criterion: Literal["drucker-prager"]
     cohesion: Strength
-    friction_angle: Angle
+    friction_angle: Steep
     match: str = "plane_strain"
     dilation_angle: Angle | None = None
 
@@ -157,7 +157,7 @@ class FrictionLaw(Entry):
 
     mu: Number | None = None
     """Coefficient of Coulomb friction."""
-    angle: Angle | None = None
+    angle: Steep | None = None
     """Of Coulomb friction."""
     limit: Stress | None = None
     """Shear stress that slips at any pressure."""

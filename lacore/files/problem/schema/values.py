@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite, isinf
+from math import isfinite, isinf, pi
 from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
@@ -45,11 +45,13 @@ class Measure(_Read):
         unit: that numbers are in; empty: they have none.
         whole: of bodies that are meant as they stand, not per thickness: frames.
         endless: whether it may be infinite.
+        radians: of angles in degrees, the most that they are in radians: no bare number is less.
     """
 
     unit: str = ""
     whole: str = ""
     endless: bool = False
+    radians: float = 0.0
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -74,6 +76,9 @@ class Measure(_Read):
             least = isinstance(given, float) and not isfinite(given)
             unit = f" in {' or '.join(accepted)}" if accepted else ""
             raise refused("not finite" if least else "not a number", f"give a finite number{unit}")
+        if isinstance(given, float) and 0 < given <= self.radians:
+            said = f"'{given:g} rad', or '{given:g} deg' if that is meant"
+            raise refused("radians, by its looks: angles are in degrees", f"give {said}")
         return float(given)  # type: ignore[arg-type]  # a real number
 
     def _accepted(self, info: ValidationInfo) -> tuple[str, ...]:
@@ -111,6 +116,10 @@ Number = Annotated[float, Measure()]
 Length = Annotated[float, Measure("m")]
 End = Annotated[float, Measure("m", endless=True)]
 Angle = Annotated[float, Measure(DEGREES)]
+Steep = Annotated[float, Measure(DEGREES, radians=pi / 2)]
+"""Of friction: 1.5 degrees are none."""
+Turn = Annotated[float, Measure(DEGREES, radians=2 * pi)]
+"""Of an arch."""
 MassDensity = Annotated[float, Measure("kg/m^3")]
 Stress = Annotated[float, Measure("Pa")]
 UnitWeight = Annotated[float, Measure("N/m^3")]

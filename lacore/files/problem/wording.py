@@ -1,0 +1,63 @@
+"""Mends of lacore in the words of problem files: it speaks of Python, of which there is none."""
+
+import re
+from collections.abc import Sequence
+from numbers import Real
+from typing import Any
+
+from lacore.files.problem.statements import plain
+
+_L = r"(?:lacore|la)\."
+_WORDS: Sequence[tuple[str, str]] = (
+    (
+        r"give a finite mu >= 0 \(0 or lacore.SMOOTH: none; lacore.STICK: no slip at all\)",
+        'give a number >= 0, or "smooth" or "stick"',
+    ),
+    (
+        r"give the tangent of the angle, or lacore.Coulomb\((\S+)\) if it is meant",
+        r'give the tangent, { angle = "\1 deg" }, or { mu = \1 } if that is meant',
+    ),
+    (r"joint_friction=\{\('(.*?)', '(.*?)'\): friction\}", r'joints: between = ["\1", "\2"]'),
+    (r"give VonMises\(shear_strength=k\).*", "give shear_strength, yield_stress or hardening"),
+    (r"Layer\(density=\)", "density, as in { friction = 0.6, density = 2400 }"),
+    (r"give (bodies=)?\{'name': [^}]*\)\}", "give one as a table, such as [bodies.NAME]"),
+    (r"\(the own weight: BodyForce\)", '(the own weight: load = "weight")'),
+    (r"a boundary name or a function of coordinates \(2, n\)", "a name, or places in numbers"),
+    (r"a name, names, or a function of \(2, n\)", "a name, names, or places in numbers"),
+    (rf"{_L}meshes\.rectangle\(crossed=True\)", "crossed = true"),
+    (rf"{_L}meshes\.(layered|fan|rectangle|patches)", r'shape = "\1"'),
+    (rf"{_L}SMOOTH", '"smooth"'),
+    (rf"{_L}STICK", '"stick"'),
+    (rf"{_L}BOND", '"bond"'),
+    (rf"{_L}Coulomb\((\S+)\)", r"{ mu = \1 }"),
+    (rf"{_L}(?:coulomb|soil)_range", "--range"),
+    (rf"{_L}WaterTable\(height\)", "{ height = ... }"),
+    (rf"a {_L}Pressure", 'load = "pressure"'),
+    (r"\ba PointForce\b", 'load = "point-force"'),
+    (r"\bby Pressure\b", 'by load = "pressure"'),
+    (r"\ba Body of its own\b", "a body of its own"),
+    (r"\bby a Fix\b", "by a support"),
+    (r"\bRigidObstacle\.(point|normal)", r"\1"),
+    (r"\bTrue\b", "true"),
+    (r"\bFalse\b", "false"),
+    (r"\ba tuple of\b", "a list of"),
+)
+
+
+def in_words_of_files(text: str) -> str:
+    """A mend of lacore as one of a problem file."""
+    for python, own in _WORDS:
+        text = re.sub(python, own, text)
+    return text
+
+
+def value_of_files(value: Any) -> Any:
+    """A value as a file writes it; None of what no file writes, an opening, say."""
+    if isinstance(value, str | bool | None):
+        return value
+    if isinstance(value, Real):
+        return plain(value)
+    if isinstance(value, list | tuple):
+        inner = [value_of_files(own) for own in value]
+        return None if None in inner else inner
+    return None
