@@ -36,6 +36,10 @@ if TYPE_CHECKING:
 _GOOD, _LEFT = 1e-6, 1e2
 _MORE, _ROUNDS = 1.001, 4  # of the load factor, up to which quadratic stresses take of strengths
 _TOLERANCE = 1e-6  # residuals of the velocity that proves a collapse under dead load
+_UNSETTLED = (
+    "not certified: the load factor grows as quadratic stresses of body forces leave less of"
+    " strengths; refine the mesh, or give forces by elements"
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -198,8 +202,14 @@ def lower_bound(
         if min(most, 0.0) <= bound.load_factor <= max(most, 0.0):
             break
     else:
-        if model.bulging.live:
-            bound = replace(bound, status=Status.NOT_CERTIFIED, load_factor=np.nan)
+        if model.bulging.live and bound.status is Status.SOLVED:
+            bound = replace(
+                bound,
+                status=Status.NOT_CERTIFIED,
+                load_factor=np.nan,
+                rigor=Rigor.NOT_CERTIFIED,
+                message=_UNSETTLED,
+            )
     if throw and bound.status is not Status.SOLVED:
         raise SolveError(bound.message, bound)
     return bound

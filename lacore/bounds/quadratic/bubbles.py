@@ -17,6 +17,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bounds.equilibrium import element_geometry
+from lacore.bounds.precision import exactness
 from lacore.errors import InputError
 from lacore.numerics.linear_algebra import SingularError, SuperLU
 from lacore.showing import Compact
@@ -27,7 +28,6 @@ _CHEAP = 0.1  # of a mean stress per shear, where strength feels no pressure
 _SHIFT = 1e-11  # of rows of length 1
 _REFINEMENTS = 8
 _FINISHED = 0.5  # a refinement that leaves more than this has come to round-off
-_LEFT = 1e-9  # of the linear part of forces: more is not carried
 _NONE = 1e-12  # of the largest force: no linear part
 
 
@@ -110,7 +110,7 @@ def bubbles(body: Body, forces: Floats, field: str) -> Bubbles:
     control = (spread @ _least(rows, right)).reshape(-1, 3, 3)
     found = np.stack([(own @ control.ravel()).reshape(3, -1).T for own in divergence])
     left = np.abs(found - found.mean(axis=2, keepdims=True) + linear).max()
-    if left > _LEFT * np.abs(linear).max():
+    if not left <= exactness([body]) * np.abs(linear).max():
         raise InputError(
             field,
             None,
