@@ -53,8 +53,9 @@ def tagged(thing: object, field: str) -> Table:
     own = {name: value for name, value in vars(thing).items() if value is not None}
     for name, value in varying(thing).items():
         own[name] = _varying(value, f"{field}.{name}")
-    if 0 < own.get("friction_angle", 0) <= pi / 2:  # as a bare number it would be in radians
-        own["friction_angle"] = f"{own['friction_angle']:.17g} {DEGREES}"
+    angle = own.get("friction_angle", 0)
+    if is_number(angle) and 0 < angle <= pi / 2:  # as a bare number it would be in radians
+        own["friction_angle"] = f"{angle:.17g} {DEGREES}"
     if "hardening" in own:
         own["hardening"] = _hardening(own["hardening"], f"{field}.hardening")
     if "where" in own and tag[0] == "load":

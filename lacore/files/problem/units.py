@@ -27,6 +27,7 @@ _EXAMPLES = {
     "N/m": "'50 kN/m'",
     "kg/m^3": "'2400 kg/m3' or '2.4 t/m3'",
     "Pa/m": "'2 kPa/m'",
+    "deg/m": "'2 deg/m'",
     "N": "'50 kN'",
     "N m": "'120 kN m'",
     DEGREES: "'30 deg' or '0.5 rad'",

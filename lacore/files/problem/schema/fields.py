@@ -1,4 +1,4 @@
-"""Strengths, pressures and weights that vary from place to place."""
+"""Strengths, angles, pressures and weights that vary from place to place."""
 
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -9,9 +9,12 @@ from lacore.files.problem.calls import Call
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
 from lacore.files.problem.schema.values import (
+    Angle,
+    AngleSlope,
     Length,
     Point,
     Slope,
+    Steep,
     Stress,
     UnitWeight,
     WeightSlope,
@@ -64,13 +67,33 @@ Strength = Annotated[
 """A number, or as it varies from place to place."""
 
 
-class LinearWeight(Entry):
+class LinearAngle(Linear):
+    """The same of a friction angle."""
+
+    value: Angle
+    gradient: tuple[AngleSlope, AngleSlope]
+
+
+class AngleByLevel(StrengthByLevel):
+    """Friction angles at heights y, linear between them."""
+
+    values: tuple[Angle, ...]
+
+
+FrictionAngle = Annotated[
+    Annotated[Steep, Tag("~number")]
+    | Annotated[LinearAngle, Tag("~linear")]
+    | Annotated[AngleByLevel, Tag("~levels")],
+    Discriminator(_kind),
+]
+"""An angle, or as it varies from place to place."""
+
+
+class LinearWeight(Linear):
     """The same per volume: a weight or another force."""
 
-    maker: ClassVar[str] = "la.Linear"
     value: UnitWeight
     gradient: tuple[WeightSlope, WeightSlope]
-    at: Point | None = None
 
     def times(self, factor: float) -> "LinearWeight":
         """As a component of a force."""
@@ -79,11 +102,9 @@ class LinearWeight(Entry):
         return self.model_copy(update={"value": factor * self.value, "gradient": gradient})
 
 
-class WeightByLevel(Entry):
+class WeightByLevel(ByLevel):
     """Weights or other forces per volume at heights y, linear between them."""
 
-    maker: ClassVar[str] = "la.ByLevel"
-    levels: tuple[Length, ...]
     values: tuple[UnitWeight, ...]
 
     def times(self, factor: float) -> "WeightByLevel":

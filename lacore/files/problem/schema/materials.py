@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, mode
 from lacore.files.problem.calls import Call, Name
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.fields import Strength
+from lacore.files.problem.schema.fields import FrictionAngle, Strength
 from lacore.files.problem.schema.values import Angle, Number, Steep, Stress, refused
 
 
@@ -88,7 +88,7 @@ class MohrCoulomb(Entry):
     tag: ClassVar[str] = "criterion"
     criterion: Literal["mohr-coulomb"]
     cohesion: Strength
-    friction_angle: Steep
+    friction_angle: FrictionAngle
     tension_cutoff: Strength | None = None
     crushing: Strength | None = None
     dilation_angle: Angle | None = None

@@ -275,3 +275,36 @@ def test_a_weight_in_the_wrong_unit_names_the_line(tmp_path):
     with pytest.raises(la.InputError, match="does not fit") as refused:
         la.read_problem(file)
     assert "gradient" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("stated", "own"),
+    [
+        (
+            '{ value = 25, gradient = [0, "-4 deg/m"], at = [0, -1] }',
+            la.Linear(25.0, (0.0, -4.0), at=(0.0, -1.0)),
+        ),
+        (
+            '{ levels = [-1, 0], values = ["30 deg", 20] }',
+            la.Field(la.ByLevel([-1, 0], [30.0, 20.0]), steepest=10.0),
+        ),
+    ],
+    ids=["linear", "by level"],
+)
+def test_angles_that_vary_are_those_of_python_and_come_again(stated, own, tmp_path):
+    text = GROUND.format(mesh=LAYERED, regions="", strength=LINEAR)
+    text = text.replace("friction_angle = 30", f"friction_angle = {stated}")
+    file = tmp_path / "ground.toml"
+    file.write_text(text, encoding="utf-8")
+    problem = la.read_problem(file)
+    la.write_problem(problem, tmp_path / "again.toml")
+    again = la.read_problem(tmp_path / "again.toml")
+    mesh = problem.bodies["ground"].mesh
+    fill = la.MohrCoulomb(2e3, own)
+    mine = la.Body(mesh, {"fill": fill, "clay": problem.bodies["ground"].criterion["clay"]})
+    forms = [body.regions[0] for body in (mine, *(p.bodies["ground"] for p in (problem, again)))]
+    for region in forms[1:]:
+        for one, two in ((region.form, forms[0].form), (region.within, forms[0].within)):
+            surfaces, others = (form.surfaces_of(region.elements) for form in (one, two))
+            assert np.array_equal(surfaces.slope, others.slope)
+            assert np.array_equal(surfaces.strength, others.strength)
