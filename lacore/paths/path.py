@@ -217,7 +217,7 @@ class Path(Shown):
     def problem(self, step: int = -1) -> Problem:
         """The problem on the bodies of a `snapshot`: the last by default.
 
-        Without its interfaces, and of bodies that are as strong as at the beginning: it is for new
+        Without obstacles, and of bodies that are as strong as at the beginning: it is for new
         meshes, pictures and measures of the shape. What they bear by then is `state`.
 
         Raises:

@@ -14,6 +14,7 @@ import numpy as np
 from skfem import Mesh
 
 from lacore.arrays import Floats, Ints
+from lacore.assembly.bonds import ties
 from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
@@ -41,7 +42,8 @@ class Stage(Compact):
     """What does not change along a path.
 
     Attributes:
-        problem: the first configuration; every `where` is a name, and there are no interfaces.
+        problem: the first configuration; every `where` is a name, and all interfaces are bonds, of
+            nodes that move as one.
         obstacles: of the interfaces, those that touch and those that bodies may come to.
         grips: nodes of the point forces, in their order among all reference, then dead loads.
         interfaces: those of the obstacles, planes all of them, by names of boundaries.
@@ -160,8 +162,9 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         approaching: more interfaces with planes, which the bodies need not touch yet.
 
     Raises:
-        InputError: bodies that do not deform, plane stress, contact of two bodies, obstacles that
-            are no planes or dilate or are the same for one edge, bodies that begin behind one.
+        InputError: bodies that do not deform, plane stress, contact of bodies that are not bonded
+            edge by edge, obstacles that are no planes or dilate or are the same for one edge,
+            bodies that begin behind one.
     """
     if not isinstance(approaching, Sequence) or isinstance(approaching, str):
         raise InputError("approaching", approaching, "not a list", "put it in [ ]")
@@ -184,8 +187,16 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     reference = [renamed(load) for load in problem.reference_loads]
     dead = [renamed(load) for load in problem.dead_loads]
     supports = [renamed(support) for support in problem.supports]
-    interfaces = [*problem.interfaces, *approaching]
+    bonds = [own for own in problem.interfaces if _ties(own)]
+    interfaces = [*(own for own in problem.interfaces if not _ties(own)), *approaching]
     obstacles = tuple(_obstacle(interface, bodies, names) for interface in interfaces)
+    sides = [
+        [
+            (name, names.of(bodies[name], name, where, "Interface.slave"))
+            for name, where in own.sides
+        ]
+        for own in bonds
+    ]
     for name, body in bodies.items():
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
@@ -195,8 +206,13 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
         if load.point is not None
     ]
     _check_once(obstacles, bodies)
+    bonded = [
+        Interface(one, other, own.law) for own, (one, other) in zip(bonds, sides, strict=True)
+    ]
+    ready = Problem(MappingProxyType(bodies), reference, supports, bonded, dead)
+    _check_tied(ready)
     return Stage(
-        problem=Problem(MappingProxyType(bodies), reference, supports, (), dead),
+        problem=ready,
         obstacles=obstacles,
         grips=tuple(grips),
         interfaces=tuple(
@@ -208,6 +224,23 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
             for own, interface in zip(obstacles, interfaces, strict=True)
         ),
     )
+
+
+def _ties(interface: Interface) -> bool:
+    return interface.bonded and interface.obstacle is None
+
+
+def _check_tied(problem: Problem) -> None:
+    """Bonds of edges that match, so that no velocity jumps, and nothing parts as bodies deform."""
+    tied = ties(problem, numbered(of_kind(problem.bodies, Body), BodyDofs.at)).tied
+    for index, interface in enumerate(problem.interfaces):
+        if not tied[index].all():
+            raise InputError(
+                f"Problem.interfaces[{index}]",
+                interface.name,
+                "edges of its two sides do not match, and along a path what is bonded moves as one",
+                "give both sides the same vertices: lacore.matching(problem)",
+            )
 
 
 def _check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:
@@ -298,14 +331,14 @@ def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names")
         raise InputError(
             "Interface.master",
             interface.name,
-            "along a path bodies touch plane obstacles, not each other",
-            "give a lacore.RigidObstacle(point=..., normal=...)",
+            "along a path bodies touch plane obstacles, and each other where they are bonded",
+            "give a lacore.RigidObstacle(point=..., normal=...), or lacore.BOND",
         )
     if interface.bonded:
         raise InputError(
             "Interface.friction",
             interface.law,
-            "along a path nothing is bonded: obstacles are come to, and left",
+            "along a path no obstacle is bonded: they are come to, and left",
             "hold the boundary by a Fix",
         )
     if interface.law.terms().tension > 0:
