@@ -14,6 +14,7 @@ from lacore.numerics.linear_algebra import SingularError
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE = 2
+_OWN_SETTINGS = 1  # all others 0: no refinement, order by minimum degree
 
 
 class Pardiso:
@@ -21,10 +22,12 @@ class Pardiso:
 
     name = "PARDISO"
 
-    def __init__(self) -> None:
+    def __init__(self, refined: bool = True) -> None:
+        """Solutions are refined twice, which triples their time; or not, by whoever does it."""
         self._solver = copy(_loaded())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
+        self._solver.iparm[0] = 0 if refined else _OWN_SETTINGS
         self._pattern: tuple[Any, Any] | None = None
         self._upper: Any = None  # which entries of the matrix are in its upper triangle
         self._matrix: Any = None

@@ -1,18 +1,23 @@
 """Which solver factorises symmetric matrices: the best that is installed."""
 
+from collections.abc import Callable
 from functools import cache
 
 from lacore.numerics.linear_algebra import SuperLU, SymmetricSolver
 
 
-def symmetric_solver() -> SymmetricSolver:
-    """The best solver installed: PARDISO (extra ``fast``), else SuperLU."""
+def symmetric_solver(refined: bool = True) -> SymmetricSolver:
+    """The best solver installed: PARDISO (extra ``fast``), else SuperLU.
+
+    Args:
+        refined: solutions are refined where the solver can; else whoever asks for them does it.
+    """
     fast = fast_solver()
-    return SuperLU() if fast is None else fast()
+    return SuperLU() if fast is None else fast(refined)
 
 
 @cache
-def fast_solver() -> type[SymmetricSolver] | None:
+def fast_solver() -> Callable[[bool], SymmetricSolver] | None:
     """PARDISO where it is installed, else None."""
     try:
         # Here: MKL takes half a second to load, and only second-order methods have a use for it.
