@@ -1,0 +1,1 @@
+"""A homogeneous self-dual embedding of kinematic programs, factorised on velocities alone."""

@@ -1,0 +1,203 @@
+"""Newton steps of the embedding: predictor, corrector, and the correctors of Gondzio."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from backends._embedding.cones import Scaling, inner, product, quotient
+from backends._embedding.place import Place, Step
+from backends._embedding.system import Border, Soft, System
+from backends._embedding.vectors import Vector
+from lacore.arrays import Floats
+
+EXACT, MOST = 1e-5, 5
+ROUGH, FEW = 1e-3, 1
+
+
+@dataclass(frozen=True)
+class _Reduced:
+    """Right-hand sides of a direction, its t set aside: ``dt = lead + by_tau dtau - across.dz_1``.
+
+    Attributes:
+        right: of `System`.
+        leads: of the t of costly cones.
+        slacks: of the x of free cones beside ``G du + g dtau``.
+        kappa: of ``tau dkappa + kappa dtau``.
+    """
+
+    right: Vector
+    leads: tuple[Floats, ...]
+    slacks: tuple[Floats, ...]
+    kappa: float
+
+
+class Directions:
+    """Steps from one place."""
+
+    def __init__(self, place: Place, system: System) -> None:
+        """Raises `SingularError` where the stiffness is not definite."""
+        conic, at = place.conic, place.at
+        self._place, self._system = place, system
+        self._slopes: list[Floats] = []
+        pairs = zip(place.slacks, place.multipliers, strict=True)
+        self._scalings = [Scaling.between(s, z) for s, z in pairs]
+        count = len(conic.costly)
+        self._costly, self._free = self._scalings[:count], self._scalings[count:]
+        self._soft = [
+            Soft.of(scaling, one.rise)
+            for scaling, one in zip(self._costly, conic.costly, strict=True)
+        ]
+        # Of the t: 1 + a, what tau does to it, and what stresses do.
+        self._raised, self._by_tau, self._across = [], [], []
+        rates, stresses = [], []
+        slope_tau = -place.rising / at.tau**2 - at.kappa / at.tau
+        for one, scaling, t in zip(conic.costly, self._costly, at.leads, strict=True):
+            first, square = scaling.w[0], scaling.square
+            both = square * (2 * first**2 - 1)
+            raised = 1 + both * one.rise
+            across = 2 * square * first / raised * scaling.w[1:]
+            slope = one.cost + one.rise * t * (2 / at.tau)
+            self._raised.append(raised)
+            self._by_tau.append(-both * one.cost / raised)
+            self._across.append(across)
+            rates.append(one.cost * across)
+            stresses.append(-slope * across)
+            slope_tau += float(slope @ self._by_tau[-1])
+            self._slopes.append(slope)
+        border = Border(tuple(rates), tuple(stresses), slope_tau)
+        system.factorise(self._soft, self._free, self._reference(), border)
+
+    def _reference(self) -> float:
+        """A compliance per squared norm of rows, of the cones where power is dissipated.
+
+        Across its direction a flowing cone has t/c; along it none resists.
+        """
+        conic, place = self._place.conic, self._place
+        softness = power = 0.0
+        for one, scaling, lead in zip(conic.costly, self._costly, place.at.leads, strict=True):
+            share = one.cost * lead
+            softness += float(np.sum(share * scaling.square / one.rows.norms))
+            power += float(share.sum())
+        if softness > 0:
+            return softness / power
+        for kind, scaling, own in zip(
+            conic.free, self._free, place.powers[len(conic.costly) :], strict=True
+        ):
+            softness += float(np.sum(own * scaling.square / kind.rows.norms))
+            power += float(own.sum())
+        return softness / power if softness > 0 else 1.0
+
+    def _reduced(self, share: float, aims: Sequence[Floats], kappa: float) -> _Reduced:
+        """Right-hand sides of a step that takes a share of what is left, and products to aims.
+
+        Args:
+            share: of the residuals.
+            aims: ``W dz + W^-1 ds`` of each cone.
+            kappa: ``tau dkappa + kappa dtau``.
+        """
+        conic, left = self._place.conic, self._place.left
+        count = len(conic.costly)
+        heights = [scaling.times(aim) for scaling, aim in zip(self._scalings, aims, strict=True)]
+        costly, leads = [], []
+        for one, height, raised, across in zip(
+            conic.costly, heights[:count], self._raised, self._across, strict=True
+        ):
+            leads.append(height[0] / raised)
+            costly.append(height[1:] - one.rise * height[0] * across)
+        slacks = tuple(share * part for part in left.free)
+        free = tuple(height - slack for height, slack in zip(heights[count:], slacks, strict=True))
+        gap = -share * left.gap - kappa / self._place.at.tau
+        gap -= sum(float(a @ b) for a, b in zip(self._slopes, leads, strict=True))
+        right = self._system.layout.zeros()
+        right.force[:] = -share * left.force
+        right.equal[:] = -share * left.equal
+        for part, given in zip((*right.costly, *right.free), (*costly, *free), strict=True):
+            part[:] = given
+        right.data[-2:] = -share * left.load, gap
+        return _Reduced(right, tuple(leads), slacks, kappa)
+
+    def _roughly(self, given: _Reduced) -> Step:
+        """The step by a single solve."""
+        system = self._system
+        x = system.solve(given.right, system.once(given.right), ROUGH, FEW)
+        return self._step(given, x)
+
+    def _step(self, given: _Reduced, x: Vector) -> Step:
+        """All of a step of which the solution of the equations is known."""
+        conic, at = self._place.conic, self._place.at
+        leads = tuple(
+            lead + more * x.tau - inner(across, z)
+            for lead, more, across, z in zip(
+                given.leads, self._by_tau, self._across, x.costly, strict=True
+            )
+        )
+        slacks = tuple(
+            kind.rows.at(x.force) + x.tau * kind.offset + slack
+            for kind, slack in zip(conic.free, given.slacks, strict=True)
+        )
+        kappa = (given.kappa - at.kappa * x.tau) / at.tau
+        return Step(conic, x.force, leads, x.costly, x.equal, slacks, x.free, x.load, x.tau, kappa)
+
+    def to_edges(self) -> Step:
+        """The predictor: to the edges of all cones."""
+        at = self._place.at
+        aims = [-scaling.middle for scaling in self._scalings]
+        return self._roughly(self._reduced(1.0, aims, -at.tau * at.kappa))
+
+    def to_centre(self, mu: float, share: float, ahead: Step) -> tuple[Step, "Aim"]:
+        """Towards ``s o z = mu e``, corrected by what the predictor leaves of its own aim."""
+        at = self._place.at
+        slacks, multipliers = ahead.cones
+        wanted = []
+        for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True):
+            more = -product(scaling.by(ds), scaling.times(dz))
+            more -= product(scaling.middle, scaling.middle)
+            more[0] += mu
+            wanted.append(more)
+        kappa = mu - at.tau * at.kappa - ahead.tau * ahead.kappa
+        aim = Aim(share, tuple(wanted), kappa)
+        return self.towards(aim), aim
+
+    def towards(self, aim: "Aim") -> Step:
+        """The step to an aim, by a single solve."""
+        return self._roughly(self._given(aim))
+
+    def exactly(self, aim: "Aim") -> Step:
+        """The step to an aim, refined."""
+        given, system = self._given(aim), self._system
+        start = system.once(given.right)
+        return self._step(given, system.solve(given.right, start, EXACT, MOST))
+
+    def _given(self, aim: "Aim") -> _Reduced:
+        aims = [
+            quotient(scaling.middle, more)
+            for scaling, more in zip(self._scalings, aim.products, strict=True)
+        ]
+        return self._reduced(aim.share, aims, aim.kappa)
+
+    def products(self, step: Step, share: float) -> tuple[list[Floats], float]:
+        """``s o z`` in the frame of the scaling, and tau kappa, after a share of a step."""
+        at = self._place.at
+        slacks, multipliers = step.cones
+        found = [
+            product(
+                scaling.middle + share * scaling.by(ds), scaling.middle + share * scaling.times(dz)
+            )
+            for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True)
+        ]
+        return found, (at.tau + share * step.tau) * (at.kappa + share * step.kappa)
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What a step is to do: with a share of the residuals, to products, and to tau kappa."""
+
+    share: float
+    products: tuple[Floats, ...]
+    kappa: float
+
+    def more(self, products: Sequence[Floats], kappa: float) -> "Aim":
+        """With other products added."""
+        pairs = zip(self.products, products, strict=True)
+        return Aim(self.share, tuple(a + b for a, b in pairs), self.kappa + kappa)

@@ -1,0 +1,143 @@
+"""The way of the embedding from its start to an answer, or to a proof that there is none."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from backends._embedding.arrays import Conic, Multipliers
+from backends._embedding.cones import clipped
+from backends._embedding.directions import Directions
+from backends._embedding.place import Place, Step
+from backends._embedding.start import start
+from backends._embedding.system import System
+from lacore.arrays import Floats
+from lacore.numerics.linear_algebra import SingularError
+
+_AWAY = 0.97  # of the way to the boundary of the cones
+_CORRECTORS = 3  # of Gondzio
+_FURTHER = 0.1  # how much longer a step they aim at
+_GAIN = 0.1  # share of that which they must gain
+_BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
+_SHORTEST = 1e-5  # step that leads nowhere
+
+
+@dataclass(frozen=True)
+class Goal:
+    """When the iteration ends: tolerance, number of iterations, and by the clock."""
+
+    tolerance: float
+    max_iterations: int
+    deadline: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the iteration ended."""
+
+    native: str
+    iterations: int
+    velocity: Floats
+    multipliers: Multipliers
+
+
+def follow(conic: Conic, system: System, goal: Goal) -> Found:
+    """From the start to the end."""
+    at, power = start(conic, system)
+    native, iteration = "iteration limit", 0
+    for iteration in range(goal.max_iterations + 1):
+        place = Place(conic, at)
+        native = judged(place, goal, power)
+        if native:
+            break
+        if iteration == goal.max_iterations:
+            native = "iteration limit"
+            break
+        if time.perf_counter() > goal.deadline:
+            native = "time limit"
+            break
+        try:
+            directions = Directions(place, system)
+        except SingularError:
+            native = "singular matrix"
+            break
+        step, share = chosen(place, directions)
+        moved = at.plus(step, share)
+        if share < _SHORTEST or not Place(conic, moved).sound:
+            native = "no progress"
+            break
+        at = moved
+    return Found(native, iteration, *Place(conic, at).solution)
+
+
+def chosen(place: Place, directions: Directions) -> tuple[Step, float]:
+    """The step and its share."""
+    ahead = directions.to_edges()
+    alpha = min(1.0, place.farthest(ahead))
+    sigma = (1 - alpha) ** 4
+    mu = sigma * place.mu
+    step, aim = directions.to_centre(mu, 1 - sigma, ahead)
+    share = min(1.0, _AWAY * place.farthest(step))
+    for _ in range(_CORRECTORS):
+        if share >= 0.9:
+            break
+        target = min(1.0, share + _FURTHER)
+        products, kappa = directions.products(step, target)
+        more = [clipped(x, _BAND[0] * mu, _BAND[1] * mu) for x in products]
+        extra = min(max(kappa, _BAND[0] * mu), _BAND[1] * mu) - kappa
+        further = aim.more(more, max(extra, -_BAND[1] * mu))
+        other = directions.towards(further)
+        longer = min(1.0, _AWAY * place.farthest(other))
+        if longer < share + _GAIN * _FURTHER:
+            break
+        step, share, aim = other, longer, further
+    step = directions.exactly(aim)
+    return step, min(1.0, _AWAY * place.farthest(step))
+
+
+def judged(place: Place, goal: Goal, power: float) -> str:
+    """How it ends here; empty where it goes on.
+
+    Args:
+        power: of the elastic velocity, which turns a size of tau into one of power.
+    """
+    at, conic, left = place.at, place.conic, place.left
+    if max(residuals(place, power)) <= goal.tolerance:
+        return "solved"
+    # A ray of multipliers: whatever has F0.u = 1 would do more work than nothing at no cost.
+    gain = place.bound + place.rising / (2 * at.tau)
+    force = np.abs(place.force + at.load * conic.load).max(initial=0.0)
+    size = float(np.abs(conic.load).max(initial=0.0))
+    if gain > 0 and max(force / size, at.tau * power) <= goal.tolerance * gain:
+        return "locked"
+    # A ray of velocities: the dead loads work more than it dissipates.
+    fastest = float(np.abs(at.velocity).max(initial=0.0))
+    missed = max(_missed(place), abs(left.load) / size, at.tau / size)
+    if at.tau * power <= -goal.tolerance * place.cost and (missed <= goal.tolerance * fastest):
+        return "unsafe"
+    return ""
+
+
+def _missed(place: Place) -> float:
+    """Largest rate that is missed of what holds exactly, and of slacks, per norm of its row."""
+    conic, left = place.conic, place.left
+    sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
+    sizes += [
+        (np.abs(part) / np.sqrt(kind.rows.norms)).ravel()
+        for kind, part in zip(conic.free, left.free, strict=True)
+    ]
+    return max(float(part.max(initial=0.0)) for part in sizes)
+
+
+def residuals(place: Place, power: float) -> tuple[float, float, float]:
+    """Of powers, forces and velocities, relative."""
+    at, conic, left = place.at, place.conic, place.left
+    floor = min(1.0, power)
+    gap = abs(place.cost - place.bound) / at.tau
+    gap /= max(abs(place.cost) / at.tau, abs(place.bound) / at.tau, floor)
+    loads = abs(at.load) / at.tau * float(np.abs(conic.load).sum())
+    loads += float(np.abs(conic.dead).sum())
+    force = float(np.abs(left.force).max(initial=0.0)) / at.tau / max(loads, 1e-300)
+    fastest = float(np.abs(at.velocity).max(initial=0.0))
+    slow = _missed(place) / max(fastest, 1e-300)
+    return gap, force, max(slow, abs(left.load) / at.tau)

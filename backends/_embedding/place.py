@@ -1,0 +1,191 @@
+"""Where the method is: an iterate of the homogeneous self-dual embedding, and what it leaves."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from backends._embedding.arrays import Conic, Multipliers
+from backends._embedding.cones import farthest, inner, inside
+from lacore.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Step:
+    """An iterate or a change of one.
+
+    Attributes:
+        conic: the program.
+        velocity: u, shape (n,).
+        leads: the t of costly cones, shape (m,) each.
+        stresses: z_1 of costly cones, shape (d, m) each.
+        equal: p.
+        slacks, pressures: x and r of free cones, shape (dim, m) each.
+        load: lambda.
+        tau, kappa: of the embedding.
+    """
+
+    conic: Conic
+    velocity: Floats
+    leads: tuple[Floats, ...]
+    stresses: tuple[Floats, ...]
+    equal: Floats
+    slacks: tuple[Floats, ...]
+    pressures: tuple[Floats, ...]
+    load: float
+    tau: float
+    kappa: float
+
+    def plus(self, other: "Step", share: float = 1.0) -> "Step":
+        """The sum, of a share of the other."""
+
+        def sums(own: Iterable[Floats], more: Iterable[Floats]) -> tuple[Floats, ...]:
+            return tuple(a + share * b for a, b in zip(own, more, strict=True))
+
+        return Step(
+            self.conic,
+            self.velocity + share * other.velocity,
+            sums(self.leads, other.leads),
+            sums(self.stresses, other.stresses),
+            self.equal + share * other.equal,
+            sums(self.slacks, other.slacks),
+            sums(self.pressures, other.pressures),
+            self.load + share * other.load,
+            self.tau + share * other.tau,
+            self.kappa + share * other.kappa,
+        )
+
+    @cached_property
+    def cones(self) -> tuple[list[Floats], list[Floats]]:
+        """Slacks and multipliers of all cones, costly ones first, each of shape (1 + d, m).
+
+        Of costly cones ``s = (t, D u)`` and ``z_0 = c tau + h t`` hold whatever the step is.
+        """
+        slacks, multipliers = [], []
+        for one, lead, stress in zip(self.conic.costly, self.leads, self.stresses, strict=True):
+            slacks.append(np.vstack([lead, one.rows.at(self.velocity)]))
+            multipliers.append(np.vstack([one.cost * self.tau + one.rise * lead, stress]))
+        return [*slacks, *self.slacks], [*multipliers, *self.pressures]
+
+
+@dataclass(frozen=True)
+class Left:
+    """What an iterate leaves of the equations of the embedding.
+
+    Attributes:
+        force: of equilibrium, shape (n,).
+        equal: ``E u - e tau``.
+        free: ``G u + g tau - x``.
+        load: ``F0.u - tau``.
+        gap: ``kappa + c.t - Fd.u - ...``.
+    """
+
+    force: Floats
+    equal: Floats
+    free: tuple[Floats, ...]
+    load: float
+    gap: float
+
+
+class Place:
+    """An iterate with what is computed of it once."""
+
+    def __init__(self, conic: Conic, at: Step) -> None:
+        self.conic, self.at = conic, at
+        self.slacks, self.multipliers = at.cones
+
+    @property
+    def sound(self) -> bool:
+        """Whether it is strictly inside of all cones."""
+        return (
+            self.at.tau > 0
+            and self.at.kappa > 0
+            and all(inside(part) for part in (*self.slacks, *self.multipliers))
+        )
+
+    @cached_property
+    def powers(self) -> list[Floats]:
+        """``s.z`` of each cone."""
+        return [inner(s, z) for s, z in zip(self.slacks, self.multipliers, strict=True)]
+
+    @cached_property
+    def mu(self) -> float:
+        """Mean of ``s.z`` and ``tau kappa``."""
+        total = sum(float(power.sum()) for power in self.powers) + self.at.tau * self.at.kappa
+        return total / (self.conic.degree + 1)
+
+    @cached_property
+    def rising(self) -> float:
+        """``sum h t^2``."""
+        pairs = zip(self.conic.costly, self.at.leads, strict=True)
+        return sum(float(one.rise @ (t * t)) for one, t in pairs)
+
+    @cached_property
+    def cost(self) -> float:
+        """``c.t + h t^2/(2 tau) - Fd.u``: tau times what is minimised."""
+        pairs = zip(self.conic.costly, self.at.leads, strict=True)
+        plastic = sum(float(one.cost @ t) for one, t in pairs)
+        return plastic + self.rising / (2 * self.at.tau) - float(self.conic.dead @ self.at.velocity)
+
+    @cached_property
+    def bound(self) -> float:
+        """``lambda - g.r + e.p - h t^2/(2 tau)``: tau times what is maximised."""
+        conic, at = self.conic, self.at
+        shifted = sum(
+            float(np.sum(kind.offset * r)) for kind, r in zip(conic.free, at.pressures, strict=True)
+        )
+        return at.load - shifted + float(conic.given @ at.equal) - self.rising / (2 * at.tau)
+
+    @cached_property
+    def force(self) -> Floats:
+        """Of all multipliers, without those of the loads, shape (n,)."""
+        conic, at = self.conic, self.at
+        force = conic.equal.across @ at.equal
+        for one, z in zip(conic.costly, at.stresses, strict=True):
+            force = force + one.rows.force(z)
+        for kind, r in zip(conic.free, at.pressures, strict=True):
+            force = force + kind.rows.force(r)
+        return np.asarray(force)
+
+    @cached_property
+    def left(self) -> Left:
+        """Of all equations."""
+        conic, at = self.conic, self.at
+        return Left(
+            self.force + at.load * conic.load + at.tau * conic.dead,
+            conic.equal.matrix @ at.velocity - at.tau * conic.given,
+            tuple(
+                kind.rows.at(at.velocity) + at.tau * kind.offset - x
+                for kind, x in zip(conic.free, at.slacks, strict=True)
+            ),
+            float(conic.load @ at.velocity) - at.tau,
+            at.kappa + self.cost - self.bound,
+        )
+
+    def farthest(self, step: Step) -> float:
+        """Largest share of a step that stays inside."""
+        at = self.at
+        slacks, multipliers = step.cones
+        shares = [
+            farthest(x, change)
+            for x, change in zip(
+                [*self.slacks, *self.multipliers], [*slacks, *multipliers], strict=True
+            )
+        ]
+        shares += [
+            -now / change if change < 0 else np.inf
+            for now, change in ((at.tau, step.tau), (at.kappa, step.kappa))
+        ]
+        return min(shares)
+
+    @property
+    def solution(self) -> tuple[Floats, Multipliers]:
+        """Velocity and multipliers of the program."""
+        at = self.at
+        return at.velocity / at.tau, Multipliers(
+            tuple(z / at.tau for z in at.stresses),
+            tuple(r / at.tau for r in at.pressures),
+            at.equal / at.tau,
+            at.load / at.tau,
+        )

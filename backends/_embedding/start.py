@@ -1,0 +1,60 @@
+"""Where the method starts: at the velocity of an elastic body, without stress."""
+
+import numpy as np
+
+from backends._embedding.arrays import Conic
+from backends._embedding.cones import lengths
+from backends._embedding.place import Step
+from backends._embedding.system import System
+
+_BULK = 1e2  # stiffness of rows that hold exactly, per that of their body
+_AWAY = 1.1  # of the length of a strain rate: the t
+
+
+def start(conic: Conic, system: System) -> tuple[Step, float]:
+    """An iterate inside of all cones, and the power that its velocity turns over.
+
+    Without dead loads and contact stress zero is in equilibrium, and stays near it.
+    """
+    typical = _typical([one.cost for one in conic.costly])
+    costly = [one.cost / one.weights for one in conic.costly]
+    free = [typical / np.sqrt(kind.rows.norms) for kind in conic.free]
+    equal = _BULK * typical / np.sqrt(conic.equal.norms)
+    velocity = system.elastic(costly, equal, free)
+    work = float(conic.load @ velocity)
+    velocity = velocity / work if work > 0 else velocity
+    sizes = [lengths(one.rows.at(velocity)) for one in conic.costly]
+    power = sum(float(one.cost @ size) for one, size in zip(conic.costly, sizes, strict=True))
+    power += float(np.abs(conic.dead) @ np.abs(velocity))
+    power = power if power > 0 else 1.0
+    mu = power / (conic.degree + 1)
+    leads = tuple(
+        2 * mu / np.maximum(one.cost, typical * 1e-6) + _AWAY * size
+        for one, size in zip(conic.costly, sizes, strict=True)
+    )
+    slacks, pressures = [], []
+    for kind in conic.free:
+        x = kind.rows.at(velocity) + kind.offset
+        r = np.zeros_like(x)
+        r[0] = typical
+        x[0] = np.maximum(x[0], _AWAY * lengths(x[1:])) + mu / typical
+        slacks.append(x)
+        pressures.append(r)
+    step = Step(
+        conic,
+        velocity,
+        leads,
+        tuple(np.zeros((one.rows.dim, one.rows.count)) for one in conic.costly),
+        np.zeros(conic.equal.count),
+        tuple(slacks),
+        tuple(pressures),
+        0.0,
+        1.0,
+        mu,
+    )
+    return step, power
+
+
+def _typical(costs: list[np.ndarray]) -> float:
+    every = np.concatenate([np.zeros(0), *costs])
+    return float(np.median(every)) if every.size and np.median(every) > 0 else 1.0

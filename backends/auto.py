@@ -1,0 +1,152 @@
+"""The exact program by whichever solver is faster, and by the other one where that fails."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from lacore.backend import (
+    Backend,
+    Capabilities,
+    InnerSolution,
+    PreparedSolver,
+    check_capable,
+    checked_answer,
+    find_backend,
+)
+from lacore.errors import CapabilityError, require_count, require_positive
+from lacore.numerics.symmetric import fast_solver
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.status import Status
+
+_FIRST, _OTHER = "interior_point", "clarabel"
+_LEAST = 60_000  # unknowns from which the first is faster: docs/measured.md
+_NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
+_INSTANT = 1e-9  # s: the least time limit there is
+_SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
+
+
+@dataclass(frozen=True)
+class AutoOptions:
+    """Options of the `auto` backend.
+
+    Attributes:
+        tolerance: of `interior_point`; `clarabel` is asked for a hundredth of it.
+        max_iterations: of each of them.
+        time_limit: s, one inner solve, both of them together.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 200
+    time_limit: float = 3600.0
+
+    def __post_init__(self) -> None:
+        require_positive("auto.tolerance", self.tolerance)
+        require_count("auto.max_iterations", self.max_iterations)
+        require_positive("auto.time_limit", self.time_limit)
+
+
+class Auto:
+    """`interior_point` where it is faster, `clarabel` elsewhere and where the first fails."""
+
+    name: ClassVar[str] = "auto"
+    title: ClassVar[str] = "interior_point where it is faster, else clarabel"
+    source: ClassVar[str] = "those of interior_point and clarabel"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=False,
+        hardening=True,
+        surfaces=True,
+        paths=True,
+        on_demand=True,
+        packages=("clarabel", "scipy"),
+    )
+    Options: ClassVar[type] = AutoOptions
+
+    @property
+    def statuses(self) -> Mapping[Any, Status]:
+        """Those of both, with their names, alone and one after the other."""
+        first, other = find_backend(_FIRST).statuses, find_backend(_OTHER).statuses
+        alone = {f"{_FIRST}: {word}": status for word, status in first.items()}
+        then = {f"{_OTHER}: {word}": status for word, status in other.items()}
+        both = {f"{one}; {two}": status for one in alone for two, status in then.items()}
+        return {**alone, **then, **both}
+
+    def unavailable(self) -> str:
+        """Both come with lacore."""
+        return ""
+
+    def version(self) -> str:
+        """Those of both."""
+        return f"{find_backend(_FIRST).version()}, {find_backend(_OTHER).version()}"
+
+    def prepare(self, program: KinematicProgram, options: AutoOptions) -> PreparedSolver:
+        """The first is made ready where it is faster, the other when it is needed."""
+        return AutoSolver(program, options, _LEAST)
+
+
+class AutoSolver:
+    """Both solvers at work on one program.
+
+    Args:
+        least: unknowns from which `interior_point` is asked first.
+    """
+
+    def __init__(self, program: KinematicProgram, options: AutoOptions, least: int) -> None:
+        self._program, self._options = program, options
+        self._solvers: dict[str, PreparedSolver] = {}
+        self._names = [_OTHER]
+        if program.n >= least and fast_solver() is not None and _takes(_FIRST, program):
+            self._names = [_FIRST, _OTHER]
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """By the first that is sure of its answer; the words of all that were asked are told."""
+        begin, said, iterations = time.perf_counter(), [], 0
+        for name in self._names:
+            solver = self._ready(name, self._options.time_limit - (time.perf_counter() - begin))
+            try:
+                answer = checked_answer(self._program, False, solver.solve(contact))
+            finally:
+                if name not in self._solvers:
+                    solver.close()
+            said.append(f"{name}: {answer.native_status}")
+            iterations += answer.iterations
+            if answer.status in _SURE:
+                break
+        return replace(
+            answer,
+            native_status="; ".join(said),
+            iterations=iterations,
+            solve_time=time.perf_counter() - begin,
+        )
+
+    def _ready(self, name: str, left: float) -> PreparedSolver:
+        """The first, kept; or the other one with so many seconds left, for this once."""
+        options, first = self._options, name == self._names[0]
+        if name in self._solvers:
+            return self._solvers[name]
+        backend: Backend = find_backend(name)
+        solver = backend.prepare(
+            self._program,
+            backend.Options(
+                tolerance=options.tolerance * (1.0 if name == _FIRST else _NOMINAL),
+                max_iterations=options.max_iterations,
+                time_limit=options.time_limit if first else max(left, _INSTANT),
+            ),
+        )
+        if first:
+            self._solvers[name] = solver
+        return solver
+
+    def close(self) -> None:
+        """Close those that are at work."""
+        for solver in self._solvers.values():
+            solver.close()
+        self._solvers.clear()
+
+
+def _takes(name: str, program: KinematicProgram) -> bool:
+    try:
+        check_capable(find_backend(name), program)
+    except CapabilityError:
+        return False
+    return True

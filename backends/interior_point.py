@@ -1,0 +1,129 @@
+"""lacore's own interior-point method on the exact program, factorised on velocities alone.
+
+A homogeneous self-dual embedding (`backends._embedding`): the lengths of strain rates and all
+multipliers are eliminated point by point, so that what is factorised is as sparse as the stiffness
+of the bodies, positive definite, and of one pattern.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy
+
+from backends._embedding.arrays import Translation
+from backends._embedding.follow import Goal, follow
+from backends._embedding.stiffness import Stiffness
+from backends._embedding.system import System
+from lacore.backend import Capabilities, InnerSolution, PreparedSolver
+from lacore.certificate import certify
+from lacore.errors import require_count, require_positive
+from lacore.numerics.symmetric import fast_solver, symmetric_solver
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.status import Status
+
+_LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
+
+STATUS_MAP = {
+    "solved": Status.SOLVED,
+    "almost solved": Status.ALMOST_SOLVED,  # by its own residuals, but not by those recomputed
+    "locked": Status.LOCKED,
+    "unsafe": Status.UNSAFE,
+    "iteration limit": Status.ITERATION_LIMIT,
+    "time limit": Status.TIME_LIMIT,
+    "no progress": Status.STALLED,
+    "singular matrix": Status.FAILED,
+}
+
+fast_solver()  # loads its library, which is no part of the time of the first solve
+
+
+@dataclass(frozen=True)
+class InteriorPointOptions:
+    """Options of the `interior_point` backend.
+
+    Attributes:
+        tolerance: on the gap, per power, nodal forces, per load, and velocities, per the fastest.
+        max_iterations: factorisations.
+        time_limit: s, one inner solve.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 100
+    time_limit: float = 3600.0
+
+    def __post_init__(self) -> None:
+        require_positive("interior_point.tolerance", self.tolerance)
+        require_count("interior_point.max_iterations", self.max_iterations)
+        require_positive("interior_point.time_limit", self.time_limit)
+
+
+class InteriorPoint:
+    """The exact program by a method that knows what it solves; no soils."""
+
+    name: ClassVar[str] = "interior_point"
+    title: ClassVar[str] = "Interior point of its own, exact program, factorised on velocities"
+    source: ClassVar[str] = "Andersen, Roos & Terlaky, Math. Program. 95, 2003"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        regularised=False, hardening=True, paths=True, on_demand=True, packages=("scipy",)
+    )
+    statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
+    Options: ClassVar[type] = InteriorPointOptions
+
+    def unavailable(self) -> str:
+        """Always there: scipy is a dependency."""
+        return ""
+
+    def version(self) -> str:
+        """The solver and its version."""
+        return f"{symmetric_solver().name}, SciPy {scipy.__version__}"
+
+    def prepare(self, program: KinematicProgram, options: InteriorPointOptions) -> PreparedSolver:
+        """What the pattern of the matrix depends on is kept between solves."""
+        return InteriorPointSolver(program, options)
+
+
+class InteriorPointSolver:
+    """The method at work on one program."""
+
+    def __init__(self, program: KinematicProgram, options: InteriorPointOptions) -> None:
+        self._program, self._options = program, options
+        self._solver = symmetric_solver(refined=False)
+        self._known: tuple[Translation, Stiffness] | None = None
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve from a cold start; the pattern is that of the last where rows are the same."""
+        begin = time.perf_counter()
+        own, options = Translation(self._program, contact), self._options
+        if self._known is None or not self._known[0].alike(contact):
+            self._known = own, Stiffness(own.conic.kinds)
+        system = System(own.conic, self._known[1], self._solver)
+        goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
+        with np.errstate(all="ignore"):  # a step that overflows is refused
+            found = follow(own.conic, system, goal)
+        native = found.native
+        status = STATUS_MAP[native]
+        answer = InnerSolution(
+            status=status,
+            native_status=native,
+            iterations=found.iterations,
+            solve_time=time.perf_counter() - begin,
+            point=own.state(found.velocity, found.multipliers) if status.has_point else None,
+        )
+        if status is not Status.SOLVED or answer.point is None:
+            return answer
+        name, left = certify(self._program, answer.point, contact).worst
+        if left <= _LEFT * options.tolerance:
+            return answer
+        return replace(
+            answer,
+            status=Status.ALMOST_SOLVED,
+            native_status="almost solved",
+            message=f"the residual {name!r}, recomputed, is {left:.1e}",
+        )
+
+    def close(self) -> None:
+        """Give the factors back."""
+        self._solver.close()

@@ -1,0 +1,160 @@
+"""lacore's own interior point: statuses and values of Clarabel, and residuals recomputed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from backends import interior_point
+from backends._embedding.follow import Found
+from backends.auto import AutoOptions, AutoSolver
+from backends.interior_point import InteriorPoint
+from lacore.backend import find_backend
+from lacore.certificate import certify
+from lacore.errors import CapabilityError
+from lacore.numerics.linear_algebra import SuperLU
+from lacore.program import associated_contact, dimensionless
+from lacore.status import Status
+from tests.lacore.models import punch
+from tests.lacore.random_programs import (
+    POINTS,
+    frozen,
+    random_program,
+    random_soil,
+    random_step,
+)
+
+BAR = 1e-6  # residuals, of certificates: a hundred tolerances of 1e-8
+# Where a shift or hardening rounds the minimum, the load factor is a slope: the root of the gap.
+ROUND = 1e-4
+KINDS = ("friction", "dilatant and shifted", "step", "sticking", "rigid")
+
+
+def stated(kind, seed):
+    """A random program, and its frozen contact."""
+    rng, program = np.random.default_rng(1000 + seed), random_program(seed)
+    bound = rng.uniform(0, 2, POINTS) * (rng.uniform(size=POINTS) > 0.3)
+    match kind:
+        case "friction":
+            return program, frozen(bound)
+        case "dilatant and shifted":
+            dilatancy = rng.uniform(0, 1, POINTS) * (rng.uniform(size=POINTS) > 0.3)
+            return program, frozen(bound, dilatancy, rng.uniform(0, 0.3, POINTS))
+        case "step":
+            program = random_step(seed)
+            return program, frozen(bound, 0.0, program.contact.lead)
+        case "sticking":
+            light = replace(program, dead_load=0.1 * program.dead_load)
+            stuck = np.where(rng.uniform(size=POINTS) > 0.6, np.inf, bound)
+            return light, frozen(stuck, rng.uniform(0, 0.5, POINTS))
+        case _:
+            rigid = replace(program, groups=())
+            return rigid, frozen(bound, rng.uniform(0, 1, POINTS))
+
+
+def answer(name, program, contact):
+    backend = InteriorPoint() if name == "interior_point" else find_backend(name)
+    solver = backend.prepare(program, backend.Options())
+    found = solver.solve(contact)
+    solver.close()
+    return found
+
+
+def check(kind, seed):
+    program, contact = stated(kind, seed)
+    own, other = (answer(name, program, contact) for name in ("interior_point", "clarabel"))
+    assert own.status is other.status, (kind, seed)
+    if own.status is Status.SOLVED:
+        assert certify(program, own.point, contact).holds(BAR)
+        slope = ROUND if kind in KINDS[1:3] else BAR
+        known = other.point.load_factor
+        assert own.point.load_factor == pytest.approx(known, rel=slope, abs=slope)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_programs_end_as_with_clarabel(kind):
+    for seed in range(5):
+        check(kind, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_random_programs_end_as_with_clarabel(kind):
+    for seed in range(5, 45):
+        check(kind, seed)
+
+
+@pytest.fixture(scope="module")
+def smooth():
+    d = la.discretise(punch(8, 4, rough=False))
+    program = dimensionless(d.program, d.natural)
+    return program, associated_contact(program.contact)
+
+
+def test_a_punch_has_the_load_factor_of_clarabel(smooth):
+    own, other = answer("interior_point", *smooth), answer("clarabel", *smooth)
+    assert own.status is Status.SOLVED
+    assert certify(smooth[0], own.point, smooth[1]).holds(BAR)
+    assert own.point.load_factor == pytest.approx(other.point.load_factor, rel=BAR)
+
+
+def test_without_pardiso_the_answer_is_the_same(smooth, monkeypatch):
+    own = answer("interior_point", *smooth)
+    monkeypatch.setattr(interior_point, "symmetric_solver", lambda refined: SuperLU())
+    other = answer("interior_point", *smooth)
+    assert other.status is Status.SOLVED
+    assert other.point.load_factor == pytest.approx(own.point.load_factor, rel=BAR)
+
+
+def test_soils_are_refused():
+    with pytest.raises(CapabilityError, match="pressure"):
+        la.solve(
+            replace(
+                punch(2, 1),
+                bodies={
+                    "soil": la.Body(punch(2, 1).bodies["soil"].mesh, la.MohrCoulomb(1.0, 30.0))
+                },
+            ),
+            "interior_point",
+        )
+
+
+def test_auto_takes_clarabel_for_little_and_for_soils(smooth):
+    soil = random_soil(1)
+    for program, contact, least in ((*smooth, 10**6), (soil, frozen(1.0), 0)):
+        solver = AutoSolver(program, AutoOptions(), least)
+        assert solver.solve(contact).native_status.startswith("clarabel: ")
+        solver.close()
+
+
+@pytest.fixture
+def fast(monkeypatch):
+    """As where PARDISO is installed."""
+    monkeypatch.setattr("backends.auto.fast_solver", lambda: SuperLU)
+
+
+def test_auto_tells_who_solved(smooth, fast):
+    solver = AutoSolver(smooth[0], AutoOptions(), 0)
+    assert solver.solve(smooth[1]).native_status == "interior_point: solved"
+    solver.close()
+
+
+def test_auto_falls_back_in_the_same_call(smooth, fast, monkeypatch):
+    follow = interior_point.follow
+
+    def stalls(conic, system, goal) -> Found:
+        return replace(follow(conic, system, replace(goal, max_iterations=1)), native="no progress")
+
+    monkeypatch.setattr(interior_point, "follow", stalls)
+    solver = AutoSolver(smooth[0], AutoOptions(), 0)
+    found = solver.solve(smooth[1])
+    solver.close()
+    assert found.status is Status.SOLVED
+    assert found.native_status == "interior_point: no progress; clarabel: Solved"
+    assert certify(smooth[0], found.point, smooth[1]).holds(BAR)
+
+
+def test_the_history_tells_which_solver_it_was():
+    state = la.solve(punch(4, 2), "auto", coupling="associated")
+    assert state.history["native_status"].iloc[-1] == "clarabel: Solved"
