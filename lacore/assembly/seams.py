@@ -16,7 +16,7 @@ from lacore.assembly.bonds import Ties
 from lacore.bodies.any_body import Dofs
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps, layer
-from lacore.bodies.continuum.regions.layers import Layer, costs
+from lacore.bodies.continuum.regions.layers import Beside, Layer, costs, within_both
 from lacore.bodies.continuum.regions.region import Region
 from lacore.contact.controls import controls
 from lacore.contact.interfaces import Interface
@@ -112,31 +112,37 @@ def _seam(
     places, ends = np.arange(copies), (segments.start, segments.end)
     found = {}
     for which, own in enumerate(beside):
+        other = beside[1 - which]
         for number, weak in own.layers.items():
             mine = np.flatnonzero((side == which) & (own.owner == number))
             if not mine.size:
                 continue
-            cones = (copies * mine[:, None] + places).ravel()
-            at = (ends[0][:, mine], ends[1][:, mine])
-            carried = weak.along(own.dofs.body.mesh, at, own.elements[mine], copies)
-            title = interface.name
-            if len(own.layers) > 1 or not np.all(side == which):
-                title = f"{title}, {weak.region.group_name(own.name)}"
-            group = layer(
-                f"{title}: jumps",
-                weak.form,
-                (opening[cones], slipping[cones]),
-                (weights * length)[cones],
-                carried,
-            )
-            found[title] = Jumps(
-                bodies=(beside[0].name, beside[1].name),
-                group=group,
-                elements=np.stack([np.repeat(one.elements[mine], copies) for one in beside]),
-                place=np.arange(cones.size),
-                copies=copies,
-                ends=np.repeat(carried.ends, copies, axis=1),
-            )
+            for beyond, part, carried in within_both(
+                own.beside, other.beside, number, mine, ends, copies
+            ):
+                if not part.size:
+                    continue
+                cones = (copies * part[:, None] + places).ravel()
+                title = interface.name
+                if len(own.layers) > 1 or part.size < count:
+                    title = f"{title}, {weak.region.group_name(own.name)}"
+                if beyond is not None:
+                    title = f"{title} beside {other.layers[beyond].region.group_name(other.name)}"
+                group = layer(
+                    f"{title}: jumps",
+                    weak.form,
+                    (opening[cones], slipping[cones]),
+                    (weights * length)[cones],
+                    carried,
+                )
+                found[title] = Jumps(
+                    bodies=(beside[0].name, beside[1].name),
+                    group=group,
+                    elements=np.stack([np.repeat(one.elements[part], copies) for one in beside]),
+                    place=np.arange(cones.size),
+                    copies=copies,
+                    ends=np.repeat(carried.ends, copies, axis=1),
+                )
     return found
 
 
@@ -159,6 +165,11 @@ class _Side(Compact):
     elements: Ints
     cost: Floats
     owner: Ints
+
+    @property
+    def beside(self) -> Beside:
+        """As one side of the segments."""
+        return Beside(self.dofs.body.mesh, self.layers, self.elements, self.owner)
 
     @classmethod
     def of(cls, index: int, name: str, dofs: BodyDofs, facets: Ints, segments: Segments) -> "_Side":

@@ -21,11 +21,12 @@ from skfem import Mesh
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.layers import (
+    Beside,
     Carried,
     Layer,
-    alike,
     costs,
     shares_of_controls,
+    within_both,
 )
 from lacore.bodies.continuum.slip import Slip
 from lacore.materials.conic_form import ConicForm
@@ -154,41 +155,32 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
     start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     cost = [costs(layers, mesh, (start, end), side) for side in elements]
     side = np.argmin([mean for mean, _ in cost], axis=0)
-    owner, other = (np.where(side == k, cost[0][1], cost[1][1]) for k in (0, 1))
-
-    def carried(number: int, mine: Ints, at: Ints) -> Carried:
-        beside = elements[at[mine], mine]
-        return layers[number].along(mesh, (start[:, mine], end[:, mine]), beside, copies)
-
-    def jumping(title: str, number: int, mine: Ints, strengths: Carried) -> Jumps:
-        cones = (copies * mine[:, None] + np.arange(copies)).ravel()
-        ours = layers[number]
-        group = layer(
-            f"{ours.region.group_name(name)}: {title}",
-            ours.form,
-            (opening[cones], slipping[cones]),
-            (length**2 / copies)[cones],
-            strengths,
+    every = np.arange(facets.size)
+    weak, strong = (
+        Beside(
+            mesh, layers, elements[at, every], np.asarray(np.where(at == 0, cost[0][1], cost[1][1]))
         )
-        both = np.repeat(elements[:, mine], copies, axis=1)
-        ends = np.repeat(strengths.ends, copies, axis=1)
-        return Jumps((name, name), group, both, np.arange(cones.size), copies, ends)
-
+        for at in (side, 1 - side)
+    )
     found = []
     for number, ours in layers.items():
-        mine = np.flatnonzero(owner == number)
-        apart = np.zeros(mine.size, dtype=bool)
-        for opposite in layers if ours.form.surfaces else ():
-            there = np.flatnonzero(other[mine] == opposite)
-            pair = carried(number, mine[there], side), carried(opposite, mine[there], 1 - side)
-            apart[there] = ~alike(*pair).reshape(-1, copies).all(axis=1)
-            differing = mine[there[apart[there]]]
-            if differing.size:
-                one, two = carried(number, differing, side), carried(opposite, differing, 1 - side)
-                title = f"jumps beside {layers[opposite].region.name or 'other angles'}"
-                found.append(jumping(title, number, differing, one.within(two)))
-        mine = mine[~apart]
-        found.append(jumping("jumps", number, mine, carried(number, mine, side)))
+        mine = np.flatnonzero(weak.owner == number)
+        parts = within_both(weak, strong, number, mine, (start, end), copies)
+        for opposite, part, carried in parts:
+            cones = (copies * part[:, None] + np.arange(copies)).ravel()
+            title = f"{ours.region.group_name(name)}: jumps"
+            if opposite is not None:
+                title = f"{title} beside {layers[opposite].region.name or 'other angles'}"
+            group = layer(
+                title,
+                ours.form,
+                (opening[cones], slipping[cones]),
+                (length**2 / copies)[cones],
+                carried,
+            )
+            both = np.repeat(elements[:, part], copies, axis=1)
+            ends = np.repeat(carried.ends, copies, axis=1)
+            found.append(Jumps((name, name), group, both, np.arange(cones.size), copies, ends))
     return found
 
 

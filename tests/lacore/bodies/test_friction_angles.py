@@ -190,3 +190,25 @@ def test_an_angle_that_nobody_knows_within_elements_has_no_bounds():
 def test_a_dilation_angle_beside_an_angle_that_varies_is_refused():
     with pytest.raises(la.InputError, match="only known where it is associated"):
         la.MohrCoulomb(1.0, jumping, dilation_angle=10)
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])
+def test_a_body_that_is_cut_between_two_soils_and_bonded_is_the_uncut_one(space):
+    """Jumps across the bond and within the body cost the same, whichever side has the least c."""
+    soils = {"low": la.MohrCoulomb(1.0, LOOSE), "high": la.MohrCoulomb(0.6, DENSE)}
+    whole = pressed(soils, mesh(), space=space)
+    parts = {
+        name: la.Body(la.meshes.rectangle((0, 2), y, 4, 2), soils[name], space=space)
+        for name, y in {"low": (0, 0.5), "high": (0.5, 1)}.items()
+    }
+    cut = la.Problem(
+        parts,
+        [la.RigidFooting("high", lambda x: (x[1] == 1) & (x[0] <= 0.5), (0, -1))],
+        [la.Fix("low", "bottom"), *(la.Fix(n, s, "x") for n in parts for s in ("left", "right"))],
+        [la.Interface(("high", "bottom"), ("low", "top"), la.BOND)],
+    )
+    one, other = (la.solve(problem, throw=True) for problem in (whole, cut))
+    assert other.load_factor == pytest.approx(one.load_factor, rel=1e-6)  # bar of a solve
+    names = [group.name for group in one.program.groups]
+    assert any(name.endswith("jumps beside low") for name in names)
+    assert any("beside low: jumps" in group.name for group in other.program.groups)

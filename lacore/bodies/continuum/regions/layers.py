@@ -1,6 +1,6 @@
 """What a layer costs that is thin along an edge: strengths of velocity jumps (T23)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,6 +143,60 @@ def costs(
         own = layer.along(mesh, (start[:, mine], end[:, mine]), elements[mine], 1)
         cost[mine], owner[mine] = own.ends.mean(axis=0), number
     return cost, owner
+
+
+@dataclass(frozen=True, repr=False)
+class Beside(Compact):
+    """What lies on one side of e edges.
+
+    Attributes:
+        mesh: of the body there.
+        layers: of its regions, by number.
+        elements: at the edges, shape (e,).
+        owner: numbers of their regions, shape (e,).
+    """
+
+    mesh: Mesh
+    layers: Mapping[int, Layer]
+    elements: Ints
+    owner: Ints
+
+    def along(self, edges: Ends, number: int, mine: Ints, copies: int) -> Carried:
+        """What a region carries along some edges, of numbers (m,)."""
+        start, end = edges
+        ends = (start[:, mine], end[:, mine])
+        return self.layers[number].along(self.mesh, ends, self.elements[mine], copies)
+
+
+def within_both(
+    weak: Beside, strong: Beside, number: int, mine: Ints, edges: Ends, copies: int
+) -> Iterator[tuple[int | None, Ints, Carried]]:
+    """What edges carry on which a region is the weaker side, in parts.
+
+    Where both sides rub, each by its own friction, that is what is within both (T87).
+
+    Args:
+        weak, strong: both sides of all edges.
+        number: of the region.
+        mine: edges on which it is the weaker side, shape (m,).
+        edges: all of them.
+        copies: control values of an edge.
+
+    Returns:
+        The region beyond where it counts, else None, edges, and what they carry; None comes last.
+    """
+    apart = np.zeros(mine.size, dtype=bool)
+    for beyond in strong.layers if weak.layers[number].form.surfaces else ():
+        there = np.flatnonzero(strong.owner[mine] == beyond)
+        one = weak.along(edges, number, mine[there], copies)
+        other = strong.along(edges, beyond, mine[there], copies)
+        apart[there] = ~alike(one, other).reshape(-1, copies).all(axis=1)
+        differing = mine[there[apart[there]]]
+        if differing.size:
+            one = weak.along(edges, number, differing, copies)
+            yield beyond, differing, one.within(strong.along(edges, beyond, differing, copies))
+    rest = mine[~apart]
+    yield None, rest, weak.along(edges, number, rest, copies)
 
 
 def _cross(u: Floats, v: Floats) -> Floats:
