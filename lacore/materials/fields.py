@@ -73,6 +73,10 @@ class Field(Compact):
         """In a word: ``varies``."""
         return "varies" if callable(self.values) else "of each element"
 
+    def told_in(self, unit: str) -> str:
+        """The same, if no values are known."""
+        return self.told
+
     def at(self, places: Floats, field: str) -> Floats:
         """Values of a function at places of shape (2, n), without the factor, Pa, shape (n,).
 
@@ -81,6 +85,22 @@ class Field(Compact):
         """
         assert callable(self.values)
         return np.asarray(called(field, self.values, places, (places.shape[1],)))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Ranged(Field):
+    """A field of which the least and the greatest value are known, to be told.
+
+    Attributes:
+        ends: least and greatest of the values, without the factor.
+    """
+
+    ends: tuple[float, float] = (0.0, 0.0)
+
+    def told_in(self, unit: str) -> str:
+        """``= 10000 to 16000 Pa``."""
+        low, high = sorted(float(np.max(self.factor)) * end for end in self.ends)
+        return f"= {low:.4g} to {high:.4g} {unit}"
 
 
 Strength = float | Field
@@ -123,7 +143,7 @@ def with_fields(criterion: Any, change: Callable[[Field], Field]) -> Any:
 def number_told(name: str, value: Strength, unit: str = "Pa") -> str:
     """``k = 1 Pa``, or ``k varies``."""
     if isinstance(value, Field):
-        return f"{name} {value.told}"
+        return f"{name} {value.told_in(unit)}"
     return f"{name} = {value:.4g} {unit}"
 
 

@@ -126,7 +126,7 @@ class MohrCoulomb(Compact):
         """``c = 5000 Pa, phi = 30°``."""
         told = [number_told("c", self._cohesion)]
         if isinstance(self._friction, Field):
-            told.append(number_told("φ", self._friction))
+            told.append(number_told("φ", self._friction, "°"))
         else:
             told.append(f"φ = {self._friction:.4g}°")
         if self.dilation_angle is not None:

@@ -12,6 +12,7 @@ from matplotlib.gridspec import SubplotSpec
 from lacore.arrays import Floats
 from lacore.contact.obstacles import Shape
 from lacore.limit.state import LimitState
+from lacore.numerics.quantities import Units
 from lacore.pictures.contact_segments import SegmentedContact
 
 COLOURS = {"stick": "#4d4d4d", "slip": "#0072b2", "open": "#e69f00"}  # legible to the colour-blind
@@ -181,12 +182,13 @@ def _profile(contact: SegmentedContact) -> _Profile:
 
 
 def draw_panel(
-    figure: Figure, cell: SubplotSpec, contact: SegmentedContact, fastest: float
+    figure: Figure, cell: SubplotSpec, contact: SegmentedContact, fastest: float, units: Units
 ) -> None:
     """Reactions and relative velocities along one interface, means over its edges as steps.
 
     Args:
         fastest: largest velocity, m/s: the unit of the velocities shown.
+        units: that tractions are told in.
     """
     profile = _profile(contact)
     halves = cell.subgridspec(1, 2, wspace=0.08)
@@ -195,10 +197,10 @@ def draw_panel(
         (
             left,
             (
-                ("$t_n$ pressure", profile.t_n, "#222222"),
-                ("$t_t$ friction", profile.t_t, "#d55e00"),
+                ("$t_n$ pressure", profile.t_n / units.size, "#222222"),
+                ("$t_t$ friction", profile.t_t / units.size, "#d55e00"),
             ),
-            "traction [Pa]",
+            f"traction [{units.label('Pa')}]",
             0.0,
         ),
         (

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from lacore.arrays import Floats, Ints
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.limit.state import LimitState
+from lacore.numerics.quantities import Units
 from lacore.pictures.blocks import fill_blocks, held_blocks, outlines
 from lacore.pictures.contact_segments import rigid_sides
 from lacore.pictures.continua import boundary_lines
@@ -30,7 +31,7 @@ _PART = 0.06  # of the size of a frame: of a load along a member that one arrow 
 _OF_FRAMES = 0.16  # of the size of a frame: length of the longest arrow
 
 
-def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
+def draw_forces(axes: Axes, state: LimitState, thickest: float, units: Units) -> list[Line2D]:
     """The structure before collapse with its loads, and the forces that its contacts carry.
 
     A line of thrust passes through the centre of pressure of each joint in the direction of its
@@ -39,6 +40,7 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
 
     Args:
         thickest: width of the line of the largest force, points.
+        units: that sizes are told in.
 
     Returns:
         handles of a legend.
@@ -54,13 +56,15 @@ def draw_forces(axes: Axes, state: LimitState, thickest: float) -> list[Line2D]:
     size = np.linalg.norm(forces.force, axis=0)
     peak = float(size.max(initial=0.0))
     if peak > _ROUND_OFF * _largest_load(state):
-        handles.append(_draw_thrust(axes, forces, size, thickest))
-    handles += _draw_feet(axes, state)
+        handles.append(_draw_thrust(axes, forces, size, thickest, units))
+    handles += _draw_feet(axes, state, units)
     handles += _draw_loads(axes, state)
     return handles
 
 
-def _draw_thrust(axes: Axes, forces: "ContactForces", size: Floats, thickest: float) -> Line2D:
+def _draw_thrust(
+    axes: Axes, forces: "ContactForces", size: Floats, thickest: float, units: Units
+) -> Line2D:
     """Lines of thrust, as wide as the force, and the entry of a legend.
 
     Between many blocks the small forces are most in number, and hide those that bear the load: the
@@ -74,7 +78,7 @@ def _draw_thrust(axes: Axes, forces: "ContactForces", size: Floats, thickest: fl
         order = order[np.argsort(size[order], kind="stable")]  # the largest on top
         order = order[np.cumsum(size[order]) > _LEFT_OUT * size[order].sum()]
         shade = np.sqrt(size[order] / peak)
-        told = f", those above {size[order[0]]:.2g}"
+        told = f", those above {size[order[0]] / units.size:.2g}"
     lines = np.concatenate([own[:, :, order] for own in forces.lines], axis=2).T
     faint, full = (np.array(matplotlib.colors.to_rgb(colour)) for colour in (_FAINT, THRUST))
     axes.add_collection(
@@ -86,7 +90,8 @@ def _draw_thrust(axes: Axes, forces: "ContactForces", size: Floats, thickest: fl
             zorder=3,
         )
     )
-    return Line2D([], [], color=THRUST, lw=4, label=f"contact force (max {peak:.3g} N/m{told})")
+    label = f"contact force (max {units.told(peak, 'N/m', digits=3)}{told})"
+    return Line2D([], [], color=THRUST, lw=4, label=label)
 
 
 @dataclass(frozen=True)
@@ -207,7 +212,7 @@ def _draw_arrows(axes: Axes, place: Floats, arrow: Floats, colour: str) -> None:
     axes.update_datalim((place - arrow).T)
 
 
-def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
+def _draw_feet(axes: Axes, state: LimitState, units: Units) -> list[Line2D]:
     """Contact forces on the nodes of frames, as arrows that end there."""
     d, table = state.discretisation, state.reactions
     places, forces, lengths = [], [], []
@@ -228,7 +233,7 @@ def _draw_feet(axes: Axes, state: LimitState) -> list[Line2D]:
     if peak <= _ROUND_OFF * _largest_load(state):
         return []
     _draw_arrows(axes, np.concatenate(places, axis=1), max(lengths) / peak * force, THRUST)
-    label = f"reaction (max {peak:.3g} N/m)"
+    label = f"reaction (max {units.told(peak, 'N/m', framed=True, digits=3)})"
     return [Line2D([], [], color=THRUST, lw=2, marker=">", label=label)]
 
 

@@ -18,6 +18,7 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.modes import WHOLE
 from lacore.limit.span_moments import SpanMoments, span_moments
 from lacore.limit.state import LimitState
+from lacore.numerics.quantities import Units
 from lacore.pictures.contact import COLOURS, GROUND
 from lacore.pictures.contact_segments import SegmentedContact
 from lacore.pictures.continua import BEFORE
@@ -199,7 +200,7 @@ def draw_foot(
     axes.scatter(moved[:, 0], moved[:, 1], s=70, marker="s", color=colours, zorder=5)
 
 
-def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
+def draw_moments(axes: Axes, state: LimitState, units: Units) -> list[Artist]:
     """Bending moments on the tension side of the members, parabolas under loads along them.
 
     Returns:
@@ -230,15 +231,17 @@ def draw_moments(axes: Axes, state: LimitState) -> list[Artist]:
                     zorder=2,
                 )
             )
-    handles = _draw_bars(axes, state, moments)
+    handles = _draw_bars(axes, state, moments, units)
     if not peak > 0:
         return handles
-    text = f"moment (max {peak:.3g} N)"
+    text = f"moment (max {units.told(peak, 'N', framed=True, digits=3)})"
     patch = Patch(facecolor=matplotlib.colors.to_rgba(MOMENT, 0.25), edgecolor=MOMENT, label=text)
     return [patch, *handles]
 
 
-def _draw_bars(axes: Axes, state: LimitState, moments: Mapping[str, SpanMoments]) -> list[Artist]:
+def _draw_bars(
+    axes: Axes, state: LimitState, moments: Mapping[str, SpanMoments], units: Units
+) -> list[Artist]:
     """Bars, as wide as their axial force, in tension and in compression."""
     forces, lines = [np.zeros(0)], []
     for name, dofs in state.discretisation.frames.items():
@@ -254,10 +257,14 @@ def _draw_bars(axes: Axes, state: LimitState, moments: Mapping[str, SpanMoments]
     colours = [BAR[1 if own > 0 else -1][0] for own in force]
     widths = 0.8 + _WIDEST * np.abs(force) / peak
     axes.add_collection(LineCollection(lines, colors=colours, linewidths=widths, zorder=3.5))
-    return [
-        Line2D([], [], color=colour, lw=3, label=f"{text} (max {np.abs(force[own]).max():.3g} N/m)")
-        for sign, (colour, text) in BAR.items()
+    largest = {
+        sign: units.told(float(np.abs(force[own]).max()), "N/m", framed=True, digits=3)
+        for sign in BAR
         if (own := np.sign(force) == sign).any()
+    }
+    return [
+        Line2D([], [], color=BAR[sign][0], lw=3, label=f"{BAR[sign][1]} (max {size})")
+        for sign, size in largest.items()
     ]
 
 

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
 from lacore.limit.state import LimitState
+from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.blocks import FIXED, draw_blocks, held_blocks
 from lacore.pictures.contact import (
@@ -48,7 +49,7 @@ _THRUST = 0.2  # of the side of a block: width of the thickest line of thrust
 _TINY = np.finfo(float).tiny
 
 
-def plot_mechanism(state: LimitState) -> Figure:
+def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     """Picture of the mechanism: deformed meshes, displaced blocks and frames, what contact does.
 
     With rigid blocks or frames a second picture shows what they carry: the forces in joints as
@@ -60,10 +61,12 @@ def plot_mechanism(state: LimitState) -> Figure:
 
     Args:
         state: any state with a point, whatever its status; the title says which.
+        units: that forces are told in; one prefix that fits most sizes of the problem if None.
 
     Raises:
         ValueError: there is no point to show.
     """
+    units = units or Units(fitting(state.discretisation.problem.sizes))
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0
@@ -97,7 +100,8 @@ def plot_mechanism(state: LimitState) -> Figure:
     label_coordinates(axes, bodies)
     for picture in others:
         thickest = float(np.clip(_THRUST * layout.points * _block_size(state, extent), 2.0, 6.0))
-        handles = [*draw_moments(picture, state), *draw_forces(picture, state, thickest)]
+        handles = [*draw_moments(picture, state, units)]
+        handles += draw_forces(picture, state, thickest, units)
         for contact in interfaces:
             if len(contact.sides) == 1 and not contact.pointwise:
                 draw_ground(picture, contact, _GROUND * size)
@@ -107,7 +111,7 @@ def plot_mechanism(state: LimitState) -> Figure:
             picture.set_ylabel("")
     _fit(layout, colours)
     for cell, contact in zip(layout.cells, panels, strict=True):
-        draw_panel(layout.figure, cell, contact, fastest)
+        draw_panel(layout.figure, cell, contact, fastest, units)
     layout.figure.suptitle(_title(state), fontsize=11, x=0.01, ha="left")
     layout.figure.draw_without_rendering()  # the layout needs the scales to find the margins
     return layout.figure

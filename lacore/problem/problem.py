@@ -66,6 +66,12 @@ class Problem(Shown):
         """Sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""
         return views.picture(self)
 
+    @property
+    def sizes(self) -> list[str]:
+        """What is said of its loads and strengths, in SI: by these units for it are chosen."""
+        loads = [load.told for load in self.loads.values()]
+        return [*loads, *(body.contents for body in self.bodies.values())]
+
     def facts(self) -> Facts:
         """What it consists of."""
         parts = {

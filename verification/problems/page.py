@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 import lacore as la
+from lacore import views
+from lacore.numerics.quantities import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
-from verification.problems.words import worth
+from verification.problems.tables import in_units
+from verification.problems.words import friction, loads_told, worth
 from verification.report.blocks import (
     Block,
     Column,
@@ -38,6 +42,7 @@ def page(
     title: str,
     answer: Answer,
     told: Mapping[str, str],
+    units: Units,
     files: Mapping[str, str],
     text: str,
     machine: Mapping[str, str],
@@ -48,14 +53,15 @@ def page(
         title: of the problem.
         answer: to it.
         told: what to say of it, by name.
+        units: that all of it is told in.
         files: beside the page, with what each is for.
         text: of the problem file.
         machine: what it was found with.
     """
     state = answer.state
     sections = [
-        Section("mechanism", "Mechanism", [*_mechanism(state)], told.get("mechanism", "")),
-        Section("problem", "The problem", [_sketch(state), Facts(_parts(state))]),
+        Section("mechanism", "Mechanism", [*_mechanism(state, units)], told.get("mechanism", "")),
+        Section("problem", "The problem", [_sketch(state, units), Facts(_parts(state, units))]),
     ]
     if answer.bracket is not None:
         sections.append(_bracket(answer.bracket))
@@ -67,7 +73,7 @@ def page(
     sections += [_more(*pair) for pair in answer.more.items()]
     sections += [
         Section("certificate", "Certificate", [*_certificate(state)]),
-        Section("tables", "Tables", [*_tables(state)]),
+        Section("tables", "Tables", [*_tables(state, units)]),
         Section("file", "The problem file", [Preformatted(text)]),
         Section("files", "Files", [Pages([Page(file, file, why) for file, why in files.items()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
@@ -83,25 +89,38 @@ def _lead(answer: Answer) -> str:
     return state.status.said(state.message)
 
 
-def _picture(name: str, caption: str, thing: object) -> Picture:
-    return Picture(name, caption, png(thing.plot(), _DPI))  # type: ignore[attr-defined]
+def _picture(name: str, caption: str, thing: object, **options: Any) -> Picture:
+    return Picture(name, caption, png(views.picture(thing, **options), _DPI))
 
 
-def _mechanism(state: la.LimitState) -> Iterator[Block]:
+def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
     if state.point is None:
         yield Text("There is no mechanism to be drawn.", soft=True)
         return
-    yield Gallery([_picture("mechanism", "Mechanism, drawn larger than life", state)])
+    caption = "Mechanism, drawn larger than life"
+    yield Gallery([_picture("mechanism", caption, state, units=units)])
 
 
-def _sketch(state: la.LimitState) -> Block:
+def _sketch(state: la.LimitState, units: Units) -> Block:
     problem = state.discretisation.problem
-    return Gallery([_picture("problem", "The problem: supports, contact, loads", problem)])
+    caption = "The problem: supports, contact, loads"
+    return Gallery([_picture("problem", caption, problem, units=units)])
 
 
-def _parts(state: la.LimitState) -> dict[str, str]:
-    facts = state.discretisation.problem.facts()
-    return {"problem": facts.title.partition(": ")[2], **facts.told}
+def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
+    """As a problem prints itself, with nothing cut off."""
+    problem = state.discretisation.problem
+    said = {
+        "bodies": [f"{name}: {units.rewritten(o.contents)}" for name, o in problem.bodies.items()],
+        "supports": [own.told for own in problem.supports],
+        "interfaces": [f"{own.name}: {friction(own.law, units)}" for own in problem.interfaces],
+    }
+    return {
+        "problem": problem.facts().title.partition(": ")[2],
+        **{kind: "; ".join(own) or "none" for kind, own in said.items()},
+        "reference": loads_told(problem, problem.reference_loads, units),
+        "dead": loads_told(problem, problem.dead_loads, units),
+    }
 
 
 def _bracket(bracket: la.Bracket) -> Section:
@@ -143,7 +162,8 @@ def _certificate(state: la.LimitState) -> Iterator[Block]:
     yield Table(columns, named)
 
 
-def _tables(state: la.LimitState) -> Iterator[Block]:
+def _tables(state: la.LimitState, units: Units) -> Iterator[Block]:
+    frames = set(state.discretisation.frames)
     if state.point is None:
         return
     found = {
@@ -154,16 +174,19 @@ def _tables(state: la.LimitState) -> Iterator[Block]:
     }
     for title, frame in found.items():
         if len(frame):
-            yield Details(f"{title}: {len(frame)}", [_table(frame, title)])
+            own, heads = in_units(frame, units, frames)
+            yield Details(f"{title}: {len(frame)}", [_table(own, title, heads)])
 
 
-def _table(frame: pd.DataFrame, caption: str) -> Table:
+def _table(
+    frame: pd.DataFrame, caption: str, heads: Mapping[str, str] = MappingProxyType({})
+) -> Table:
     shown = frame.head(_ROWS)
     rest = f" (the first {_ROWS} of {len(frame)})" if len(frame) > _ROWS else ""
     columns = [
         Column(
             str(name),
-            str(name).replace("_", " "),
+            heads.get(str(name), str(name).replace("_", " ")),
             "" if not pd.api.types.is_numeric_dtype(shown[name]) else ".5g",
         )
         for name in shown

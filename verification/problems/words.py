@@ -1,25 +1,59 @@
 """An answer in a few lines: the number, what it is worth, how it falls."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 import lacore as la
+from lacore.bodies.any_body import of_kind
+from lacore.conditions.loads import Load
+from lacore.files.problem.reading import Stated
+from lacore.files.problem.statements import law as stated_law
+from lacore.files.problem.units import stated_prefix
+from lacore.materials.friction import Friction
+from lacore.numerics.quantities import Units, fitting
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
 
+_LOADS = 4  # that are told; the rest is counted
 _MOVES = 1e-6  # of the largest velocity: below it a thing is at rest
 _TURNS = 1e-3  # of the largest velocity: below it a block slides
 _MOST = 0.9  # of the power of a body: where it flows
 
 
-def lines(answer: Answer) -> dict[str, str]:
+def units_of(stated: Stated) -> Units:
+    """What all of an answer is told in: as the file states most, or as fits most sizes."""
+    prefix = stated_prefix(stated.source.data)
+    return Units(fitting(stated.problem.sizes) if prefix is None else prefix, whole=True)
+
+
+def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
+    """Loads in a few words each, as many as are read."""
+    frames = of_kind(problem.bodies, la.Frame)
+    said = [units.rewritten(own.told, own.body in frames) for own in loads]
+    more = f"; and {len(said) - _LOADS} more" if len(said) > _LOADS else ""
+    return "; ".join(said[:_LOADS]) + more or "none"
+
+
+def friction(law: Friction, units: Units) -> str:
+    """A law of friction: ``friction 0.4``, ``smooth``."""
+    said = stated_law(law)
+    if isinstance(said, str):
+        return said
+    if not isinstance(said, dict):
+        return f"friction {said:.4g}"
+    strengths = {name: said.pop(name) for name in ("adhesion", "tension", "limit") if name in said}
+    parts = [name if value is True else f"{name} {value:.4g}" for name, value in said.items()]
+    return ", ".join([*parts, *(f"{n} {units.told(v, 'Pa')}" for n, v in strengths.items())])
+
+
+def lines(answer: Answer, units: Units) -> dict[str, str]:
     """What to say of an answer, by name."""
     state = answer.state
     told = {"load factor": f"{state.load_factor:.6g}, {worth(state)}"}
-    loads = state.discretisation.problem.reference_loads
-    told["times"] = "; ".join(load.told for load in loads)
+    problem = state.discretisation.problem
+    told["times"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
         told["status"] = state.status.said(state.message)
     if answer.interval is not None:

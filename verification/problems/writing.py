@@ -10,7 +10,7 @@ from lacore.files.problem.script import script
 from verification.problems import more
 from verification.problems.answers import Answer, Question, Status
 from verification.problems.page import page
-from verification.problems.words import lines
+from verification.problems.words import lines, units_of
 from verification.report.files import write
 from verification.store.provenance import describe
 
@@ -41,8 +41,9 @@ def written(
     with doing("drawing"):
         text = stated.source.file.read_text(encoding="utf-8")
         machine = describe([question.backend])
-        told_ = lines(answer)
-        return write(page(stated.title, answer, told_, files, text, machine), folder)
+        units = units_of(stated)
+        told = lines(answer, units)
+        return write(page(stated.title, answer, told, units, files, text, machine), folder)
 
 
 def as_python(stated: Stated, question: Question, folder: Path) -> str:

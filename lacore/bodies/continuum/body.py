@@ -142,7 +142,7 @@ class Body(Shown):
     @property
     def label(self) -> str:
         """What its criteria are worth: ``k = 1 Pa``, ``fill: k = 1 Pa; clay: k = 2 Pa``."""
-        told = [(region.name, region.criterion.label) for region in self.regions]
+        told = [(region.name, region.label) for region in self.regions]
         return "; ".join(f"{name}: {label}" if name else label for name, label in told)
 
     def _criteria(self) -> dict[str, str]:

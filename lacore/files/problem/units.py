@@ -1,9 +1,13 @@
 """Numbers with units, as texts: ``18 kN/m3``, ``30 deg``."""
 
 import re
+from collections import Counter
+from collections.abc import Iterator
 from functools import cache
 from math import degrees, isfinite
 from typing import TYPE_CHECKING
+
+from lacore.numerics.quantities import PREFIXES
 
 if TYPE_CHECKING:
     import pint
@@ -14,6 +18,7 @@ _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.
 _ONE = r"([A-Za-zµμ_]+)(?:\^?(-?\d))?"  # kN, m3, m^3, s-1: what is raised further has no end
 _TAKEN = re.compile(rf"{_ONE}(?:\s*[*/ ]\s*{_ONE})*")
 _LONGEST = 40
+_FORCES = ("Pa", "N/m^3", "N/m", "N", "N m")
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": "*"})
 _ANGLES = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0),
@@ -75,6 +80,40 @@ def in_units(text: str, accepted: tuple[str, ...]) -> float:
             return _rounded(number * float(registry.Quantity(1.0, given).to(own).magnitude))
     named = " or ".join(accepted)
     raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", mend)
+
+
+def stated_prefix(data: object) -> str | None:
+    """The prefix that most forces and stresses of a file are given with; None: none has a unit.
+
+    Args:
+        data: tables of a file, as they are read.
+    """
+    found = Counter(own for text in _texts(data) for own in _prefix(text))
+    return max(found, key=found.__getitem__, default=None)
+
+
+def _texts(data: object) -> Iterator[str]:
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, dict | list):
+        for own in data.values() if isinstance(data, dict) else data:
+            yield from _texts(own)
+
+
+def _prefix(text: str) -> Iterator[str]:
+    """Of a force, a stress or a moment; ``N/mm2`` is as good as MPa."""
+    match = _AMOUNT.fullmatch(text)
+    if match is None or not match[2]:
+        return
+    try:
+        given = _parsed(match[2], "")
+    except WrongUnitError:
+        return
+    registry = _registry()
+    for own in _FORCES:
+        if given.dimensionality == registry.Unit(own).dimensionality:
+            size = _rounded(float(registry.Quantity(1.0, given).to(own).magnitude))
+            yield from (prefix for prefix, one in PREFIXES.items() if one == size)
 
 
 def _parsed(unit: str, mend: str) -> "pint.Unit":

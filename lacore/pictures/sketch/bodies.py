@@ -18,7 +18,7 @@ from lacore.bodies.frames.frame import Frame
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.blocks import FIXED, fill_blocks
 from lacore.pictures.regions import GROUND, shaded
-from lacore.pictures.sketch.sheet import Label, Sheet, quantity, typeset
+from lacore.pictures.sketch.sheet import Label, Sheet, quantity
 from lacore.problem.problem import Problem
 
 _FEW = 6  # regions, that have their own entries of the legend
@@ -46,7 +46,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
             zorder=1.5,
         )
         sheet.axes.add_collection(fill)
-        text = f"{region.name or 'rigid-plastic'}, {_symbols(region.criterion.label)}"
+        text = f"{region.name or 'rigid-plastic'}, {_symbols(sheet.units.rewritten(region.label))}"
         if many:
             text = f"rigid-plastic, {len(body.regions)} regions"
         sheet.handles[text] = Patch(facecolor=colour, edgecolor=_OUTLINE)
@@ -90,8 +90,8 @@ def _frame(frame: Frame, sheet: Sheet, name: str, problem: Problem) -> None:
             sheet.handles[kind] = Line2D([], [], color=_OUTLINE, lw=2.6)
     if finite.size:
         low, high = finite.min(), finite.max()
-        most, unit = quantity(high, "N")
-        least = typeset(low * (1e-3 if unit == "kN" else 1e-6 if unit == "MN" else 1.0))
+        most, unit = quantity(high, "N", sheet.units, framed=True)
+        least, _ = quantity(low, "N", sheet.units, framed=True)
         size = most if np.isclose(low, high) else rf"{least} \ldots {most}"
         sheet.handles[rf"member, $M_p = {size}$ {unit}"] = Line2D([], [], color=_OUTLINE, lw=2.6)
 

@@ -14,6 +14,7 @@ from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import interface_segments
 from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction
+from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced, typeset
@@ -120,20 +121,20 @@ def _draw_held_nodes(sheet: Sheet, support: Fix, nodes: Edges, text: str, gid: s
     )
 
 
-def law_text(law: Friction) -> str:
+def law_text(law: Friction, units: Units) -> str:
     """A friction law, as mathtext."""
     if isinstance(law, Bonded):
         return "bond"
     if isinstance(law, Coulomb):
         told = rf"$\mu = {law.mu:.4g}$"
         if law.adhesion:
-            told += ", $c_a = {}$ {}".format(*quantity(law.adhesion, "Pa"))
+            told += ", $c_a = {}$ {}".format(*quantity(law.adhesion, "Pa", units))
         if law.tension:
-            told += r", $t_n \geq -{}$ {}".format(*quantity(law.tension, "Pa"))
+            told += r", $t_n \geq -{}$ {}".format(*quantity(law.tension, "Pa", units))
         return told + (", associated" if law.associated else "")
     if law in (SMOOTH, STICK):
         return "smooth" if law == SMOOTH else "stick"
-    return r"$|t_t| \leq {}$ {}".format(*quantity(law.limit, "Pa"))
+    return r"$|t_t| \leq {}$ {}".format(*quantity(law.limit, "Pa", units))
 
 
 def law_colours(texts: Sequence[str]) -> dict[str, str]:
@@ -144,7 +145,7 @@ def law_colours(texts: Sequence[str]) -> dict[str, str]:
     return dict(zip(distinct, _LAWS, strict=False))
 
 
-def joint_laws(body: BlockAssembly) -> list[str]:
+def joint_laws(body: BlockAssembly, units: Units) -> list[str]:
     """The law of each joint, as text."""
     joints = body.joints
     laws = []
@@ -154,7 +155,7 @@ def joint_laws(body: BlockAssembly) -> list[str]:
         mu = float(coefficient + dilatancy)
         if mu > 0 or tension > 0:
             adhesion = float(limit + mu * tension)
-            laws.append(law_text(Coulomb(mu, bool(dilatancy > 0), adhesion, float(tension))))
+            laws.append(law_text(Coulomb(mu, bool(dilatancy > 0), adhesion, float(tension)), units))
         else:
             laws.append(
                 "stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"${typeset(limit)}$"
@@ -166,7 +167,7 @@ def draw_joints(
     sheet: Sheet, body: BlockAssembly, colours: Mapping[str, str], label: bool, gid: str
 ) -> None:
     """Joints of an assembly, coloured by their friction; `label`: each with its law beside it."""
-    laws, joints = joint_laws(body), body.joints
+    laws, joints = joint_laws(body, sheet.units), body.joints
     many = len(colours) > len(set(colours.values()))
     if many:
         shown = f"joints: {len(set(laws))} laws of friction"
@@ -205,7 +206,7 @@ def draw_interface(
         handle = Patch(facecolor="none", edgecolor=GROUND, hatch="//////", lw=0)
         sheet.handles["rigid obstacle"] = handle
     sheet.line(edges, colour, 3.0, gid)
-    text = law_text(interface.law)
+    text = law_text(interface.law, sheet.units)
     if label:
         place, normal = middle(edges)
         behind = _GROUND * sheet.point if interface.obstacle is not None else 0.0

@@ -63,8 +63,8 @@ def _legend(sheet: Sheet, live: bool) -> None:
     sheet.handles[text] = Line2D([], [], color=colour, lw=1.6, marker=">", ms=5, label=text)
 
 
-def _worth(size: float, unit: str, live: bool) -> str:
-    told, unit = quantity(size, unit)
+def _worth(sheet: Sheet, size: float, unit: str, live: bool, framed: bool = False) -> str:
+    told, unit = quantity(size, unit, sheet.units, framed)
     return rf"$\alpha \cdot {told}$ {unit}" if live else f"${told}$ {unit}"
 
 
@@ -82,7 +82,7 @@ def _point_force(
     place, block = _place(body, load.at)
     along = vector / size
     length = _SINGLE if block is None else _inner_length(sheet, place, along, block)
-    text = _worth(size, _force_unit(body), live)
+    text = _worth(sheet, size, _force_unit(body), live, _framed(body))
     _draw_single(sheet, place, along, block is not None, length, text, colour, gid)
 
 
@@ -124,7 +124,7 @@ def _body_force(
     if not size > _NOTHING * weights.sum():
         return  # what cancels has no arrow
     place = centroids @ weights / weights.sum()
-    text = _worth(size, _force_unit(body), live)
+    text = _worth(sheet, size, _force_unit(body), live, _framed(body))
     _draw_single(sheet, place, total / size, True, _OF_BODY, text, colour, gid)
     sheet.axes.scatter(place[0], place[1], s=14, color=colour, zorder=6, gid=gid)
 
@@ -148,6 +148,17 @@ def _of_elements(body: Body, load: BodyForce) -> tuple[Floats, Floats]:
 def _of_blocks(body: BlockAssembly, load: BodyForce) -> tuple[Floats, Floats]:
     _, places, forces = carried(load, body)
     return forces, places
+
+
+@singledispatch
+def _framed(body: AnyBody) -> bool:
+    """Whether forces on it are those of a frame."""
+    return False
+
+
+@_framed.register
+def _frames(body: Frame) -> bool:
+    return True
 
 
 def _force_unit(body: AnyBody) -> str:
@@ -207,7 +218,7 @@ def _footing(
     tail, tip = (start - reach, start) if pushes else (start, start + reach)
     sheet.arrow(tail, tip, colour, gid, width=2.6)
     far = tail if pushes else tip
-    worth = _worth(load.pressure, "Pa in the mean", live)
+    worth = _worth(sheet, load.pressure, "Pa", live) + " in the mean"
     sheet.labels.append(Label(worth, far, normal, colour))
 
 
@@ -239,7 +250,9 @@ def _row(
         sheet.line(edges, colour, 0.9, gid, away=low + depth)
     place, normal = middle(edges)
     outside = place + (low + depth) * sheet.point * normal
-    sheet.labels.append(Label(_worth(size, unit, live), outside, normal, colour))
+    sheet.labels.append(
+        Label(_worth(sheet, size, unit, live, _framed(body)), outside, normal, colour)
+    )
 
 
 @_draw.register
@@ -265,7 +278,7 @@ def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool
     )
     sheet.handles["pore water"] = Patch(facecolor=shades[1])
     home = shapely.union_all(shapely.polygons(outlines(body.mesh)))
-    text = rf"$u \leq$ {_worth(largest, 'Pa', live)}"
+    text = rf"$u \leq$ {_worth(sheet, largest, 'Pa', live)}"
     deepest = places[:, corners].mean(axis=1)[:, int(np.argmax(pressure[corners].mean(axis=0)))]
     sheet.labels.append(Label(text, deepest, np.zeros(2), _WATER, home=home))
 
@@ -299,7 +312,9 @@ def _standing(
     )
     sheet.take(sheet.band(edges, low, low + _OF_ROW))
     deepest = int(np.argmax(sizes))
-    label = Label(_worth(largest, "Pa", live), tails[:, deepest], normals[:, deepest], _WATER)
+    label = Label(
+        _worth(sheet, largest, "Pa", live), tails[:, deepest], normals[:, deepest], _WATER
+    )
     sheet.labels.append(label)
 
 

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.sketch.bodies import draw_body, part_names
 from lacore.pictures.sketch.conditions import (
@@ -27,7 +28,7 @@ _FLAT = 0.08  # a single beam has no height
 _FEW = 6  # contacts, that have their own labels; blocks, that have names
 
 
-def plot_problem(problem: Problem) -> Figure:
+def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     """Sketch of a problem: outlines, supports, obstacles, friction, loads with their sizes.
 
     Arrows of body forces start at the centroid and are worth their resultant. Artists carry the
@@ -36,6 +37,7 @@ def plot_problem(problem: Problem) -> Figure:
 
     Args:
         problem: any.
+        units: that sizes are told in; one prefix that fits most of them if None.
     """
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
@@ -43,7 +45,8 @@ def plot_problem(problem: Problem) -> Figure:
     point = float(max(extent[0] / _PAGE, extent[1] / _TALLEST) / _POINTS)
     figure = Figure(layout="constrained")
     figure.set_facecolor("white")
-    sheet = Sheet(figure.add_subplot(), point)
+    units = units or Units(fitting(problem.sizes))
+    sheet = Sheet(figure.add_subplot(), point, units)
     for name, body in problem.bodies.items():
         draw_body(body, sheet, name, problem)
     for index, support in enumerate(problem.supports):
@@ -73,8 +76,8 @@ def _name_parts(sheet: Sheet, problem: Problem) -> None:
 
 def _draw_contacts(sheet: Sheet, problem: Problem) -> None:
     assemblies = of_kind(problem.bodies, BlockAssembly).values()
-    laws = [law_text(interface.law) for interface in problem.interfaces]
-    joints = [text for body in assemblies for text in joint_laws(body)]
+    laws = [law_text(interface.law, sheet.units) for interface in problem.interfaces]
+    joints = [text for body in assemblies for text in joint_laws(body, sheet.units)]
     colours = law_colours([*laws, *joints])
     several = len({*laws, *joints}) > 1
     label = len(laws) + len(joints) <= (_FEW if several else 2)

@@ -12,8 +12,8 @@ from matplotlib.textpath import TextPath
 
 from lacore.arrays import Floats
 from lacore.bodies.touching import Edges
+from lacore.numerics.quantities import Units
 
-_KILO, _MEGA = 1e4, 1e7  # from which sizes on units have those prefixes
 TEXT = 9.0  # points
 _GAP = 2.0  # points, around labels and arrows
 _TURNS = np.radians(np.arange(0, 360, 22.5))
@@ -27,12 +27,9 @@ def typeset(size: float) -> str:
     return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
 
 
-def quantity(size: float, unit: str) -> tuple[str, str]:
-    """A size in mathtext, and its unit: large ones in thousands and millions of an SI unit."""
-    for least, factor, prefix in ((_MEGA, 1e6, "M"), (_KILO, 1e3, "k")):
-        if abs(size) >= least:
-            return typeset(size / factor), prefix + unit
-    return typeset(size), unit
+def quantity(size: float, unit: str, units: Units, framed: bool = False) -> tuple[str, str]:
+    """A size in mathtext, and its unit, see `Units.label`."""
+    return typeset(size / units.size), units.label(unit, framed)
 
 
 @dataclass(frozen=True)
@@ -63,6 +60,7 @@ class Sheet:
     Attributes:
         axes: in m.
         point: m that a point of the page stands for.
+        units: that sizes are told in.
         bodies: ground that labels had better leave free.
         taken: places of symbols.
         arrows: places of single arrows, which are among those.
@@ -72,6 +70,7 @@ class Sheet:
 
     axes: Axes
     point: float
+    units: Units
     bodies: list[shapely.Geometry] = field(default_factory=list)
     taken: list[shapely.Geometry] = field(default_factory=list)
     arrows: list[shapely.Geometry] = field(default_factory=list)

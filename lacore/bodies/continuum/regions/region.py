@@ -9,7 +9,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.varying import Varying
 from lacore.materials.conic_form import ConicForm, of_elements
 from lacore.materials.criterion import Criterion
-from lacore.materials.fields import Field, Strengths, varying
+from lacore.materials.fields import Field, Ranged, Strengths, varying, with_fields
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
@@ -42,6 +42,16 @@ class Region(Compact):
     def group_name(self, body: str) -> str:
         """Name of its dissipation: that of the body, or ``soil.clay``."""
         return f"{body}.{self.name}" if self.name else body
+
+    @property
+    def label(self) -> str:
+        """That of its criterion, with the least and the greatest value of what varies."""
+
+        def ranged(own: Field) -> Field:
+            values = self.of(own).vertex
+            return Ranged(own.values, own.steepest, own.factor, (values.min(), values.max()))
+
+        return with_fields(self.criterion, ranged).label
 
     @property
     def told(self) -> str:
