@@ -168,7 +168,7 @@ def test_it_says_what_its_regions_are():
         halves(), {"low": la.VonMises(lambda x: 1 + x[1]), "high": la.MohrCoulomb(2, 30)}
     )
     told = repr(body)
-    assert "low: k varies; high: c = 2 Pa, φ = 30°" in told
+    assert "low: k = 1 to 1.5 Pa; high: c = 2 Pa, φ = 30°" in told
     assert "shear_strength 1 to 1.5 Pa" in told
 
 

@@ -227,7 +227,7 @@ def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_struct
         ).plot()
         for own in (sand, criterion)
     )
-    assert {r"fill, $c = 2000$ Pa, $φ = 32°$", "clay, $k$ varies"} <= set(legend(two))
+    assert {r"fill, $c = 2$ kPa, $φ = 32°$", "clay, $k = 12$ to 18 kPa"} <= set(legend(two))
     assert {r"$\alpha \cdot 50$ kPa", "$576$ kN/m"} <= set(labels(two))
     page = two.axes[0].get_legend().get_window_extent()
     assert page.x1 <= two.bbox.x1

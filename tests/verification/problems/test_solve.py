@@ -53,6 +53,20 @@ def test_a_page_pictures_tables_and_paraview_come_with_it(solved):
         assert text in page
 
 
+@pytest.mark.parametrize("name", ["frame", "layered", "arch"])
+def test_a_page_is_in_one_choice_of_units(name, tmp_path):
+    """That of the file, on the terminal, in pictures' legends, facts and tables."""
+    file = tmp_path / f"{name}.toml"
+    file.write_text(lacore("new", name).stdout, encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path / "out")
+    page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    shown = page.partition('id="file"')[0]  # before the text of the file
+    for text in (result.stdout, shown):
+        assert not re.search(r"\d (Pa|N|N/m|N/m\^3|N m)\b", text)
+        assert re.search(r"\d\)? k(Pa|N)", text)
+    assert re.search(r"\[k(Pa|N|N m)\]", shown) or name == "layered"  # which has no such table
+
+
 def test_the_script_finds_the_same_number(solved):
     _, out, result = solved
     again = subprocess.run(

@@ -51,7 +51,8 @@ class Region(Compact):
             values = self.of(own).vertex
             return Ranged(own.values, own.steepest, own.factor, (values.min(), values.max()))
 
-        return with_fields(self.criterion, ranged).label
+        own: Criterion = with_fields(self.criterion, ranged)
+        return own.label
 
     @property
     def told(self) -> str:

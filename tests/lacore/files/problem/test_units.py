@@ -2,7 +2,7 @@
 
 import pytest
 
-from lacore.files.problem.units import WrongUnitError, in_units
+from lacore.files.problem.units import WrongUnitError, in_units, stated_prefix
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,18 @@ def test_amounts_are_converted(text, accepted, value):
 def test_what_does_not_fit_is_refused(text, accepted, why):
     with pytest.raises(WrongUnitError, match=why):
         in_units(text, accepted)
+
+
+@pytest.mark.parametrize(
+    ("data", "prefix"),
+    [
+        ({}, None),
+        ({"a": 3, "title": "2 kN wall", "b": ["3 m", "30 deg", "5 blub"]}, None),
+        ({"a": {"b": ["20 kPa", {"c": "18 kN/m3"}]}, "d": "2 MPa"}, "k"),
+        ({"a": ["250 N/mm2", "1 MPa"], "b": "3 kN"}, "M"),
+        ({"a": "1 kip/ft"}, None),
+        ({"a": "5 Pa"}, ""),
+    ],
+)
+def test_what_a_file_states_most_is_told_in(data, prefix):
+    assert stated_prefix(data) == prefix
