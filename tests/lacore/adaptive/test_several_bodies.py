@@ -114,3 +114,75 @@ def test_one_mesh_for_several_bodies_is_refused():
     mesh = la.meshes.rectangle((0, 2), (-1, 0), 4, 2)
     with pytest.raises(la.InputError, match="has the bodies"):
         la.bracket(cut_flat(), 0.1, lower_mesh=mesh)
+
+
+def stack(low, up, way=-1.0, place=(0.0, 1.0)):
+    """A square on another one, bonded, their meshes unlike, under a uniform traction."""
+    bodies = {
+        "low": la.Body(la.meshes.rectangle((0, 1), (0, 1), 4, 4), la.VonMises(shear_strength=low)),
+        "up": la.Body(la.meshes.rectangle(place, (1, 2), 3, 3), la.VonMises(shear_strength=up)),
+    }
+    return la.Problem(
+        bodies,
+        [la.Traction("up", "top", (0, way))],
+        [la.Fix("low", "bottom", "y"), la.Fix("low", "left", "x")],
+        [la.Interface(("up", "bottom"), ("low", "top"), la.BOND)],
+    )
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0], ids=["pressed", "pulled"])
+@pytest.mark.parametrize("strengths", [(1.0, 3.0), (3.0, 1.0)], ids=["below", "above"])
+def test_a_bonded_stack_is_as_strong_as_its_weaker_part(strengths, way):
+    """A plane of shear at 45 degrees fits into either: 2 k of the weaker one."""
+    found = la.bracket(stack(*strengths, way), 0.05)
+    assert found.strict
+    assert found.lower <= 2.0 * (1 + 1e-9)
+    assert found.upper >= 2.0
+
+
+def test_a_bonded_block_on_soil_is_a_rough_footing():
+    """Prandtl's N_c at 15 degrees, ``cot(phi) (tan^2(45 + phi/2) e^(pi tan(phi)) - 1) = 10.98``."""
+    foot = la.RigidBlock([(0, 0), (0.5, 0), (0.5, 0.2), (0, 0.2)])
+    soil = la.Body(la.meshes.rectangle((0, 2.5), (-1.2, 0), 10, 5), la.MohrCoulomb(1.0, 15.0))
+
+    def under(x):
+        return (x[1] > -1e-9) & (x[0] <= 0.5 + 1e-9)
+
+    problem = la.Problem(
+        {"soil": soil, "foot": foot},
+        [la.Pressure("foot", lambda x: x[1] > 0.2 - 1e-9, 1.0)],
+        [
+            *(la.Fix("soil", side) for side in ("right", "bottom")),
+            la.Fix("soil", "left", "x"),
+            la.Fix("foot", lambda x: x[0] < 1e-9, "x"),
+        ],
+        [la.Interface(("soil", under), ("foot", lambda x: x[1] < 1e-9), la.BOND)],
+    )
+    found = la.bracket(problem, 0.05)
+    tangent = np.tan(np.radians(15.0))
+    grown = np.tan(np.radians(52.5)) ** 2 * np.exp(np.pi * tangent)
+    assert found.strict
+    assert found.lower <= (grown - 1) / tangent <= found.upper
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [
+        ((0.0, 1.1, 2.1), "does not touch"),
+        ((0.0, 1.0001, 2.0001), "0.0001 m apart; move one body"),
+        ((0.0, 0.9, 1.9), "does not touch"),
+        ((2.0, 1.0, 2.0), "does not touch"),
+    ],
+    ids=["apart", "nearly", "overlapping", "beside"],
+)
+def test_bodies_that_are_not_where_they_should_be(place, told):
+    given = stack(1.0, 1.0)
+    left, low, high = place
+    moved = la.Body(la.meshes.rectangle((left, left + 1), (low, high), 3, 3), la.VonMises(1.0))
+    with pytest.raises(la.InputError, match=told):
+        la.Problem(
+            {"low": given.bodies["low"], "up": moved},
+            given.reference_loads,
+            given.supports,
+            given.interfaces,
+        )

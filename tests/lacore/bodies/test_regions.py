@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lacore as la
+from lacore.bodies.continuum.regions.varying import in_elements
 from lacore.bounds.equilibrium import element_geometry
 from lacore.bounds.upper import plastic_power
 
@@ -294,3 +295,28 @@ def test_what_is_linear_twice_is_integrated_exactly(space, parts):
     velocity[dofs.dofs[0]] = dofs.nodes[1] ** 2
     power = plastic_power(d, velocity, parts)["bar"].sum()
     assert power == pytest.approx(2 * (1 + 2) + 3 * 4 / 3, rel=1e-9)  # 1e-6 inside of elements
+
+
+@pytest.mark.parametrize("sign", [1, -1], ids=["ridge", "trough"])
+def test_strengths_are_bounded_between_the_places_that_are_looked_at(sign):
+    """A ridge 0.1 wide beside all corners, centres and quarters, no steeper than is said."""
+
+    def uneven(x):
+        ridge = np.maximum(0.05 - np.abs(x[0] - 0.4), 0.0)
+        return 2.0 + 0.01 * x[0] ** 2 + sign * 10.0 * ridge
+
+    own = la.Field(uneven, steepest=10.1)
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1, crossed=False)
+    bounds = in_elements("k", own, mesh, np.arange(2), positive=True)
+    assert bounds.vertex == pytest.approx(np.full((2, 3), 2.0), abs=0.02)
+    assert bounds.below().max() <= 1.52  # 0.5 below 2, and the rise of a hundredth
+    assert bounds.above().min() >= 2.5
+
+
+def test_several_values_of_an_element_are_bounded_by_the_least_and_the_largest():
+    values = np.array([[1.0, 3.0, 2.0], [5.0, 4.0, 4.5]])
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1, crossed=False)
+    bounds = in_elements("k", la.Field(values), mesh, np.arange(2), positive=True)
+    assert bounds.below()[:, 0].tolist() == [1.0, 4.0]
+    assert bounds.above()[:, 0].tolist() == [3.0, 5.0]
+    assert [own.tolist() for own in bounds.limits()] == [[1.0, 4.0], [3.0, 5.0]]
