@@ -15,7 +15,7 @@ from lacore.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 
 _AWAY = 0.97  # of the way to the boundary of the cones
-_CORRECTORS = 3  # of Gondzio
+_CORRECTORS = 2  # of Gondzio
 _FURTHER = 0.1  # how much longer a step they aim at
 _GAIN = 0.1  # share of that which they must gain
 _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
