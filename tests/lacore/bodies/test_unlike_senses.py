@@ -8,6 +8,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
 
 import lacore as la
 from lacore import sections
@@ -189,6 +190,25 @@ def test_the_peak_between_nodes_counts_in_its_sense():
         state = solved(beam, [la.Traction("frame", "m", DOWN)], [("a", "xy"), ("b", "y")], dead)
         found.append(state.load_factor)
     assert found == pytest.approx([0.75 * 8 / 4] * 2, rel=BAR)
+
+
+def test_the_peak_between_nodes_of_a_polygon_without_a_centre():
+    """An inclined beam under its weight, pinned below, leaning against a wall: N falls upwards.
+
+    At each place the load factor of what is statically determinate; the least of all places.
+    """
+    angle, length = 0.6, 3.0
+    c, s = np.cos(angle), np.sin(angle)
+    own = sections.polygon([(-4, 0), (1.0, 2.0), (2, 0), (0, -1)])
+    lean, x = length / 2 * c / s, np.linspace(0, length, 200_001)
+    forces = np.stack([-lean * c - x * s, lean * s * x - c * x**2 / 2])
+    hull = ConvexHull(own.outline).equations
+    most = (hull[:, :2] @ forces / -hull[:, 2:]).max()
+    beam = la.Frame(
+        {"a": (0, 0), "b": (length * c, length * s)}, {"beam": ("a", "b")}, sections=own
+    )
+    state = solved(beam, [la.Traction("frame", "beam", DOWN)], [("a", "xy"), ("b", "x")])
+    assert state.load_factor == pytest.approx(1 / most, rel=BAR)
 
 
 def random_frame(seed):

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
 import lacore as la
+from lacore.bounds.static_bonds import StaticBonds
 from lacore.problem.matching import glued
 from tests.lacore.models import CRITERION
 
@@ -175,3 +177,12 @@ def test_bounds_that_are_not_proven_say_why(monkeypatch):
     assert "'low' by" in upper.message
     assert upper.message.endswith(upper.state.message)
     assert "dilates too little" in upper.facts().told["status"]
+
+
+def test_tractions_on_a_jump_share_their_power():
+    """Of nodes that are tied the mean of both; beside a block the motion of that."""
+    n = 6  # x and y of three nodes: the second follows the first, the third a block at rest
+    rows = csr_matrix(([1.0, 1.0], ([0, 2], [0, 1])), shape=(4, n))
+    bonds = StaticBonds(np.array([1, 2]), np.array([0, -1]), rows)
+    carried = bonds.carried(np.array([1.0, 2.0, 3.0, 6.0, 7.0, 8.0]))
+    assert carried.tolist() == [2.0, 4.0, 2.0, 4.0, 0.0, 0.0]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from lacore.questions.yield_surface.hulls import hulls
 from tests.lacore.models import deformable_block, square
 from tests.lacore.shown import portal, unsafe, wall
 
@@ -169,3 +170,14 @@ def test_dead_loads_that_fall_have_no_envelope():
     loads = {"push": [la.BodyForce("wall", (1, 0))], "load": [la.BodyForce("wall", (0, -1))]}
     with pytest.raises(la.InputError, match="alone collapse"):
         la.envelope(unsafe(), loads)
+
+
+def test_the_width_is_where_both_are_farthest_apart():
+    """A diamond in a square with one corner cut off: at the others twice as far from the middle."""
+    diamond = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    normals = np.concatenate([diamond, [[1.0, 1.0]]])
+    between = hulls(diamond, normals, np.ones(5), np.zeros(2))
+    assert between.bounded
+    assert len(between.outer) == 5
+    assert sorted(between.gauge) == pytest.approx([1, 1, 2, 2, 2])
+    assert between.width == pytest.approx(1.0)
