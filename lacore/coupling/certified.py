@@ -1,9 +1,7 @@
 """The certified loop (T12, T13): every step feasible, every pair judged, never a guess.
 
-A K-step minimises over velocities at frozen reactions, an S-step maximises over statically
-admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
-other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
-the other is an admissible pair; one without a gap is a Coulomb limit state.
+It alternates K- and S-steps (`lacore.coupling.steps`) until the velocity of one with the reactions
+of the other is a pair without a gap: a Coulomb limit state.
 
 Which reactions the next K-step gets is free. Measured on 300 random walls and on walls of 1 000
 blocks: the mean of those of both steps needs the fewest solves and certifies 92 %; the damped
@@ -16,33 +14,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
-from lacore.coupling.freezing import (
-    associated,
-    at_pressing,
-    at_slip,
-    friction_of,
-    frictionless,
-    generous,
-    pressing,
-)
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, paired, worst
+from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
+from lacore.coupling.settling import drifted, settled
+from lacore.coupling.steps import alternate, closest, s_step
 from lacore.numerics.anderson import Anderson
-from lacore.program import (
-    KinematicProgram,
-    frictionless_contact,
-)
+from lacore.program import KinematicProgram, frictionless_contact
 from lacore.state import ProgramState
 from lacore.status import Status
 
-_FALLS = 0.9  # of the least gap so far: anything above is a stall
-_VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _PATIENCE = 4  # steps in a row without progress
-_DRIFT, _LOOK = 40, 10  # damped steps: fewer do not get far; and after how many an S-step looks
-_ENOUGH = 40  # solves of soils, where what is accepted may be reached by then
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _OUTSIDE = (
@@ -51,9 +35,6 @@ _OUTSIDE = (
 _ABOVE = "the residuals are small, but the associated law has a mechanism at a lower load factor"
 _TRIVIAL = "no reactions were found that carry a load, though the associated friction law has some"
 _LIMITS = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
-
-Blend = Callable[[Floats, Floats, Floats], Floats]
-"""Next frozen reaction from the last one and those of the S- and the K-step after it."""
 
 
 def certified_loop(
@@ -83,7 +64,7 @@ def certified_loop(
         return run.judged(anchor)
     of_contact = (averaged, _damped, _alternated, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
-        found = attempt(run, _closest(run, static)) or run.accept()
+        found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:
             return _bounded(run, run.judged(found), first)
     return _undecided(run, first)
@@ -105,18 +86,6 @@ def _bounded(run: Run, coupled: Coupled, first: Iterate) -> Coupled:
     return replace(coupled, status=Status.NOT_CERTIFIED, note=_ABOVE)
 
 
-def _closest(run: Run, static: ProgramState) -> ProgramState:
-    """The statically admissible state of the pair with the least gap so far."""
-    gaps = [(np.inf, static)]
-    for iterate in run.iterates:
-        state = iterate.inner.point
-        if iterate.kind != "S" or iterate.certificate is None or state is None:
-            continue
-        if not _vanishes(run, state):
-            gaps.append((iterate.certificate.gap, state))
-    return min(gaps, key=lambda pair: pair[0])[1]
-
-
 def anchored(run: Run) -> Iterate:
     """A state to start from where the associated problem has no mechanism (T13).
 
@@ -132,48 +101,22 @@ def anchored(run: Run) -> Iterate:
         k = run.solve("generous", frozen.contact, program=frozen.program)
         if k.inner.status is not Status.UNSAFE:
             break
-    return k if k.inner.point is None else _s_step(run, k.inner.point)
+    return k if k.inner.point is None else s_step(run, k.inner.point)
 
 
 def averaged(run: Run, static: ProgramState) -> Iterate | None:
     """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
-    return _alternate(run, static, "K", _PATIENCE, lambda _, s, k: (s + k) / 2)
+    return alternate(run, static, "K", _PATIENCE, lambda _, s, k: (s + k) / 2)
 
 
 def _damped(run: Run, static: ProgramState) -> Iterate | None:
     """The damped reaction iteration; S-steps only look for a pair. Slow, and rarely in vain."""
-    return _alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
+    return alternate(run, static, "damped K", _LONG, lambda last, _, k: (last + k) / 2)
 
 
 def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
-    return _alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
-
-
-def _alternate(
-    run: Run, static: ProgramState, kind: str, patience: int, blend: Blend, most: int | None = None
-) -> Iterate | None:
-    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall.
-
-    Or after `most` solves of the loop.
-    """
-    pressed, least, failed = pressing(run.program, static), np.inf, 0
-    while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
-        pressed, k = _carried_k_step(run, pressed, static, kind)
-        if k.inner.point is None or run.free(k) or run.proven(k):
-            return k if _carries(run, k) else None
-        s = _s_step(run, k.inner.point)
-        if s.inner.point is None or run.free(s) or run.proven(s):
-            return s if _carries(run, s) else None
-        assert s.certificate is not None
-        static, gap = s.inner.point, s.certificate.gap
-        if _vanishes(run, static):
-            return None
-        failed = 0 if gap <= _FALLS * least else failed + 1
-        least = min(least, gap)
-        both = pressing(run.program, static), pressing(run.program, k.inner.point)
-        pressed = blend(pressed, *both)
-    return None
+    return alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
 
 
 def _shifted(run: Run, static: ProgramState) -> Iterate | None:
@@ -182,76 +125,6 @@ def _shifted(run: Run, static: ProgramState) -> Iterate | None:
         return None
     coupled = fixed_point(run, "shift", 1.0, static, Anderson(5, 1.0))
     return coupled.final if coupled.status is Status.SOLVED else None
-
-
-def settled(run: Run, static: ProgramState) -> Iterate | None:
-    """Friction of S-steps alone, of soils: the gap falls, if slowly, and rarely stalls (T57)."""
-    most = None if run.options.accepted is None else len(run.iterates) + _ENOUGH
-    return _alternate(run, static, "K", _LONG, lambda _last, s, _k: s, most)
-
-
-def drifted(run: Run, static: ProgramState) -> Iterate | None:
-    """Damped K-steps, which drift to lower loads and may never settle by themselves; then S (T57).
-
-    Now and then an S-step looks for a pair.
-    """
-    pressed = pressing(run.program, static)
-    for step in range(1, _DRIFT + 1):
-        pressed, k = _carried_k_step(run, pressed, static, "damped K")
-        if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
-            return k if _carries(run, k) else None
-        pressed = (pressed + pressing(run.program, k.inner.point)) / 2
-        if step % _LOOK == 0:
-            s = _s_step(run, k.inner.point)
-            if s.inner.point is None or run.free(s) or run.proven(s):
-                return s if _carries(run, s) else None
-            static = s.inner.point
-    return settled(run, static)
-
-
-def _carried_k_step(
-    run: Run, pressed: Floats, static: ProgramState, kind: str
-) -> tuple[Floats, Iterate]:
-    """A K-step, and what it froze: more where that is less than any admissible state needs."""
-    k = _k_step(run, pressed, static, kind)
-    if k.inner.status is Status.UNSAFE:
-        pressed = np.maximum(pressed, pressing(run.program, static))
-        k = _k_step(run, pressed, static, kind)
-    return pressed, k
-
-
-def _k_step(run: Run, pressed: Floats, static: ProgramState, kind: str) -> Iterate:
-    """``u = argmin`` of (T5) at frozen friction, judged with the static state before."""
-    program = run.program
-    frozen, partner = at_pressing(program, pressed), lambda k: paired(k, static)
-    k = run.solve(kind, frozen.contact, partner=partner, program=frozen.program)
-    if k.inner.point is not None:
-        image = pressing(program, k.inner.point)
-        run.mapped("K", friction_of(program, pressed), friction_of(program, image))
-    return k
-
-
-def _s_step(run: Run, kinematic: ProgramState) -> Iterate:
-    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
-    frozen = at_slip(run.program, kinematic.velocity)
-    partner = lambda s: paired(kinematic, s)  # noqa: E731
-    return run.solve("S", frozen.contact, partner=partner, program=frozen.program)
-
-
-def _carries(run: Run, iterate: Iterate) -> bool:
-    """Whether an iterate is a proven state with a load.
-
-    Zero is a Coulomb state of weightless contact that any load may meet: none to settle at.
-    """
-    return run.proven(iterate) and not run.free(iterate)
-
-
-def _vanishes(run: Run, static: ProgramState) -> bool:
-    """Whether reactions are on their way to weightless contact, which carries nothing."""
-    first = run.iterates[0].inner.point
-    if first is None or np.any(run.program.dead_load):
-        return False
-    return abs(static.load_factor) <= _VANISHED * abs(first.load_factor)
 
 
 def _undecided(run: Run, first: Iterate) -> Coupled:

@@ -3,7 +3,7 @@
 Their limit states are not unique: a small gap proves a state, and says nothing of others. So
 several searches start from stresses that are admissible, those of the same soil with all of its
 friction or a share of it, and settle by S-steps, which stay near where they start, or drift by
-damped K-steps first, which end at lower loads. What they find is certified; that there is nothing
+K-steps first, which end at lower loads. What they find is certified; that there is nothing
 lower or higher they do not prove.
 """
 
@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from lacore.coupling.bounds import lower_bound, upper_bound
-from lacore.coupling.certified import anchored, drifted, settled
+from lacore.coupling.certified import anchored
 from lacore.coupling.freezing import Frozen, associated, frictionless
 from lacore.coupling.run import Iterate, Run
+from lacore.coupling.settling import drifted, settled
 from lacore.dissipation import DissipationGroup
 from lacore.program import KinematicProgram
 from lacore.showing import Compact

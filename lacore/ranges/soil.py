@@ -51,7 +51,7 @@ class SoilRange(Shown):
         davis: load factor with Davis's strength (T55), which bounds nothing; NaN where there is no
             such state.
         states: one row a search: ``share`` of the friction where it starts, ``search`` (``settled``
-            by S-steps, ``drifted`` by damped K-steps first), ``status``, ``load_factor``, the
+            by S-steps, ``drifted`` by K-steps first), ``status``, ``load_factor``, the
             largest ``residual``, the ``gap``, ``solves``, ``seconds`` since the beginning.
         tolerance: bar for all residuals.
         backend: name.

@@ -1,0 +1,131 @@
+"""K- and S-steps, and their alternation: what the loops on friction are made of (T12, T52).
+
+A K-step minimises over velocities at frozen reactions, an S-step maximises over statically
+admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
+other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
+the other is an admissible pair; one without a gap is a Coulomb limit state.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
+from lacore.coupling.run import Iterate, Run, paired
+from lacore.state import ProgramState
+from lacore.status import Status
+
+FALLS = 0.9  # of the least gap so far: anything above is a stall
+_VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
+
+Blend = Callable[[Floats, Floats, Floats], Floats]
+"""Next frozen reaction from the last one and those of the S- and the K-step after it."""
+
+
+def alternate(
+    run: Run,
+    static: ProgramState,
+    kind: str,
+    patience: int,
+    blend: Blend,
+    most: int | None = None,
+    falls: float = FALLS,
+) -> Iterate | None:
+    """K- and S-steps from a static state; the iterate that ends the loop, or None after a stall.
+
+    Args:
+        run: the loop.
+        static: a statically admissible state.
+        kind: of K-steps, for the history.
+        patience: rounds without progress that are borne in a row.
+        blend: what the next K-step freezes.
+        most: solves of the loop, from its start, after which it ends; None: as many as it has.
+        falls: share of the least gap that a round has to come to, to count as progress.
+    """
+    pressed, least, failed = pressing(run.program, static), np.inf, 0
+    while not run.exhausted and failed <= patience and len(run.iterates) < (most or np.inf):
+        pressed, k = carried_k_step(run, pressed, static, kind)
+        if k.inner.point is None or run.free(k) or run.proven(k):
+            return k if carries(run, k) else None
+        s = s_step(run, k.inner.point)
+        if s.inner.point is None or run.free(s) or run.proven(s):
+            return s if carries(run, s) else None
+        static, own = s.inner.point, gap(s)
+        if vanishes(run, static):
+            return None
+        failed = 0 if own <= falls * least else failed + 1
+        least = min(least, own)
+        both = pressing(run.program, static), pressing(run.program, k.inner.point)
+        pressed = blend(pressed, *both)
+    return None
+
+
+def carried_k_step(
+    run: Run, pressed: Floats, static: ProgramState, kind: str
+) -> tuple[Floats, Iterate]:
+    """A K-step, and what it froze: more where that is less than any admissible state needs."""
+    k = k_step(run, pressed, static, kind)
+    if k.inner.status is Status.UNSAFE:
+        pressed = np.maximum(pressed, pressing(run.program, static))
+        k = k_step(run, pressed, static, kind)
+    return pressed, k
+
+
+def k_step(run: Run, pressed: Floats, static: ProgramState, kind: str) -> Iterate:
+    """``u = argmin`` of (T5) at frozen friction, judged with the static state before."""
+    program = run.program
+    frozen, partner = at_pressing(program, pressed), lambda k: paired(k, static)
+    k = run.solve(kind, frozen.contact, partner=partner, program=frozen.program)
+    if k.inner.point is not None:
+        image = pressing(program, k.inner.point)
+        run.mapped("K", friction_of(program, pressed), friction_of(program, image))
+    return k
+
+
+def s_step(run: Run, kinematic: ProgramState) -> Iterate:
+    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
+    frozen = at_slip(run.program, kinematic.velocity)
+    partner = lambda s: paired(kinematic, s)  # noqa: E731
+    return run.solve("S", frozen.contact, partner=partner, program=frozen.program)
+
+
+def s_steps(run: Run) -> list[Iterate]:
+    """S-steps so far with states that carry a load."""
+    return [
+        one
+        for one in run.iterates
+        if one.kind == "S"
+        and one.certificate is not None
+        and one.inner.point is not None
+        and not vanishes(run, one.inner.point)
+    ]
+
+
+def closest(run: Run, static: ProgramState) -> ProgramState:
+    """The statically admissible state of the pair with the least gap so far."""
+    steps = s_steps(run)
+    best = min(steps, key=gap, default=None)
+    point = None if best is None else best.inner.point
+    return static if point is None else point
+
+
+def gap(iterate: Iterate) -> float:
+    """Of the pair of an iterate; inf where there is none."""
+    return np.inf if iterate.certificate is None else iterate.certificate.gap
+
+
+def carries(run: Run, iterate: Iterate) -> bool:
+    """Whether an iterate is a proven state with a load.
+
+    Zero is a Coulomb state of weightless contact that any load may meet: none to settle at.
+    """
+    return run.proven(iterate) and not run.free(iterate)
+
+
+def vanishes(run: Run, static: ProgramState) -> bool:
+    """Whether reactions are on their way to weightless contact, which carries nothing."""
+    first = run.iterates[0].inner.point
+    if first is None or np.any(run.program.dead_load):
+        return False
+    return abs(static.load_factor) <= _VANISHED * abs(first.load_factor)
