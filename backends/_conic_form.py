@@ -155,8 +155,10 @@ class ConicForm:
             return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
 
         groups = list(zip(program.groups, self._voluminous, strict=True))
+        self._gained = [_gain(group) for group in program.groups]
         volumes = [
-            _Law(g.volumetric[own], 1, g.volume_weights[own], stiff.bulk) for g, own in groups
+            _Law(g.volumetric[own], 1, gain[own] * g.volume_weights[own], stiff.bulk)
+            for (g, own), gain in zip(groups, self._gained, strict=True)
         ]
         strains = [
             _Law(g.rows, g.dim, g.weights, stiff.eta)
@@ -194,7 +196,8 @@ class ConicForm:
             self._norms.append(_Norm(law.weights.size, law.dim))
             normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, first_own), rows))
             if lead.slopes is not None:
-                over[number] = csr_matrix(over[number] - _placed(lead.slopes, columns, first_own))
+                slopes = csr_matrix(diags_array(self._gained[number]) @ lead.slopes)
+                over[number] = csr_matrix(over[number] - _placed(slopes, columns, first_own))
                 each = csr_matrix(identity(lead.shares.shape[1]))
                 positive.append(_placed(each, columns, first_own))
         free = csr_matrix(vstack([free, *positive])) if positive else free
@@ -206,7 +209,13 @@ class ConicForm:
         self.cones += [clarabel.NonnegativeConeT(flat)] if flat else []
         for norm in self._norms:
             self.cones += norm.cones
-        soft = [np.repeat(law.weights, law.dim) for law in laws if law.softened]
+        gains = [gain[own] for gain, own in zip(self._gained, self._voluminous, strict=True)]
+        gains += [np.ones(law.weights.size) for law in laws[len(groups) :]]
+        soft = [
+            np.repeat(law.weights / gain, law.dim)
+            for law, gain in zip(laws, gains, strict=True)
+            if law.softened
+        ]
         # The t are lengths times weights: w h (t/w)^2/2.
         rising = [
             np.zeros(lead.shares.shape[1])
@@ -253,9 +262,10 @@ class ConicForm:
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
         volumes = np.split(b, self._ends)[1:]
-        for group, own, part in zip(self._program.groups, self._voluminous, volumes, strict=False):
+        every = zip(self._program.groups, self._voluminous, self._gained, volumes, strict=False)
+        for group, own, gain, part in every:
             if group.surfaces is not None:
-                part[:] = (group.volume_weights * group.surfaces.besides)[own]
+                part[:] = (gain * group.volume_weights * group.surfaces.besides)[own]
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
@@ -278,15 +288,15 @@ class ConicForm:
         tangential[pattern.stick] -= stick.reshape(-1, dim)
         tangential[pattern.friction] += rubbed[:, 1:]
         stresses, mean_stresses = [], []
-        for group, own, mean, strain in zip(
-            program.groups, self._voluminous, means, strains, strict=True
+        for group, own, gain, mean, strain in zip(
+            program.groups, self._voluminous, self._gained, means, strains, strict=True
         ):
             shear = -strain[:, 1:]
             stresses.append(shear[:, : group.dim] + _besides(group, x[: program.n]))
             # Softened, theta is a row of the norm too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
             total = np.repeat(softened, group.volumes)
-            total[own] += mean
+            total[own] += gain[own] * mean
             mean_stresses.append(total)
         return ProgramState(
             velocity=x[: program.n],
@@ -342,6 +352,18 @@ class _Leads:
         slopes = csr_matrix(entries, (row.size, own.size))
         slopes.eliminate_zeros()
         return cls(shares, slopes)
+
+
+def _gain(group: DissipationGroup) -> Floats:
+    """What volumetric rows are multiplied by, so that slopes in them are of order one, (m L,).
+
+    Where friction is slight mean stresses are as large as its apex is far away, and what a solver
+    leaves of a row counts as often.
+    """
+    if group.surfaces is None:
+        return np.ones(group.volumetric.shape[0])
+    steepest = np.abs(group.surfaces.slope).max(axis=1).ravel()
+    return np.asarray(1 / np.where(steepest > 0, steepest, 1.0))
 
 
 def _besides(group: DissipationGroup, velocity: Floats) -> Floats:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from lacore.backend import Backend, PreparedSolver
+from lacore.inner.local_speeds import LocalSpeedSolver
 from lacore.inner.rescaling import GOOD, RescalingSolver
 from lacore.inner.strong_bodies import StrongBodySolver
 from lacore.process.isolation import SolverProcess
@@ -45,6 +46,10 @@ def preparing(
     if backend.capabilities.regularised:
         yield plain
     else:
+
+        def local(program: KinematicProgram) -> PreparedSolver:
+            return LocalSpeedSolver(program, plain, good)
+
         yield lambda program: StrongBodySolver(
-            program, lambda own: RescalingSolver(own, plain, good)
+            program, lambda own: RescalingSolver(own, local, good)
         )

@@ -73,10 +73,10 @@ class PartUnits:
             velocity=fastest,
         )
 
-    def suit(self, other: "PartUnits") -> bool:
-        """Whether a solver would see much the same numbers in other units."""
+    def suit(self, other: "PartUnits", speeds: bool = True) -> bool:
+        """Whether a solver would see much the same numbers in other units; of forces alone, too."""
         ratio = other.forces / self.forces
-        faster = other.velocity / self.velocity
+        faster = other.velocity / self.velocity if speeds else 1.0
         return bool(ratio.max() <= _SPREAD * ratio.min() and 1 / _SPREAD <= faster <= _SPREAD)
 
     def program(self, program: KinematicProgram) -> KinematicProgram:
@@ -202,7 +202,8 @@ class RescalingSolver:
             forces = part_forces(self._program, best.point)
             better = PartUnits.of(self._program, forces, best.point.velocity)
             known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
-            if known.suit(better):
+            # Speeds of pressed soil are local ones, and have units of their own.
+            if known.suit(better, speeds=not self._program.presses):
                 break
             self._renew(better)
             answer = self._asked(contact)

@@ -22,9 +22,9 @@ almost twice of what a smooth one does. There is no closed form: slip lines are 
 numerically, and where their net goes on to a stress field of all the soil its load is exact.
 
 No stress is admissible in floating point where nothing presses and nothing coheres. So the soil is
-lent a cohesion of 1e-5 gamma times the half width, which lifts the load by 1e-4 of it. At 30
-degrees, on the finest mesh, what a solver leaves is at or above the bar of the certificate (1e-6 to
-2e-6), and lacore may say so.
+lent a cohesion of 1e-5 gamma times the half width, which lifts the load by 1e-4 of it. Its
+mechanism outruns the footing, 585 times at the edge on the finest mesh, and is then solved once
+more in units of local speeds.
 """
 
 import numpy as np
