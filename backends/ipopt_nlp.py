@@ -14,9 +14,10 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
+from backends._barrier_program import BarrierSolver, Fading
 from backends._ipopt import STATUS_MAP, solver_version, to_casadi, unavailable
 from lacore.arrays import Floats, Sparse
-from lacore.backend import Capabilities, InnerSolution
+from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import (
@@ -76,7 +77,7 @@ class Ipopt:
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, warm_start=True, hardening=True, packages=("casadi",)
+        regularised=True, warm_start=True, hardening=True, surfaces=True, packages=("casadi",)
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptOptions
@@ -89,24 +90,22 @@ class Ipopt:
         """The solver and its version."""
         return solver_version()
 
-    def prepare(self, program: KinematicProgram, options: IpoptOptions) -> "IpoptSolver":
-        """Penalties and point functions, shared by all frozen contacts."""
-        return IpoptSolver(program, options)
+    def prepare(self, program: KinematicProgram, options: IpoptOptions) -> PreparedSolver:
+        """Penalties, and point functions or the rows of all laws."""
+        target = _penalties(program, options)
+        if not program.presses:
+            return IpoptSolver(program, options, target)
+        limits = options.tolerance, options.max_iterations, options.time_limit
+        return BarrierSolver(program, target, Fading(options.reduction, *limits))
 
 
 class IpoptSolver:
     """IPOPT at work on one program."""
 
-    def __init__(self, program: KinematicProgram, options: IpoptOptions) -> None:
-        self._program, self._options = program, options
-        self._target = penalties(
-            program.scales,
-            options.r,
-            options.eta,
-            options.bulk,
-            options.normal,
-            options.tangential,
-        )
+    def __init__(
+        self, program: KinematicProgram, options: IpoptOptions, target: Penalties
+    ) -> None:
+        self._program, self._options, self._target = program, options, target
         self._dilatancy: Floats | None = None
         self._form: tuple[dict[str, Any], dict[str, Any]] = {}, {}
         self._warm: _Step | None = None
@@ -196,6 +195,11 @@ class _Step:
         """Whether another attempt cannot help: time is up, or the program is unbounded."""
         out_of_time = STATUS_MAP[self.native] is Status.TIME_LIMIT
         return out_of_time or escaped(self.velocity)
+
+
+def _penalties(program: KinematicProgram, options: IpoptOptions) -> Penalties:
+    given = options.eta, options.bulk, options.normal, options.tangential
+    return penalties(program.scales, options.r, *given)
 
 
 def _build(
