@@ -4,9 +4,10 @@ At rates x the energy of a point is
 
     max over sigma of sigma.x - sigma.C sigma/2 + mu sum_j log t_j,
 
-t_j what its stresses leave of each plane; a norm has two, ``log(t^2 - q^2) = log(t - q) + log(t + q)``.
-With shares ``z_j = mu/t_j`` of the normals ``C sigma + G^T z = x``: mu = 0 is the law itself. Above it
-the energy is smooth, its second derivative that of a self-concordant function, and convex.
+t_j what stresses leave of each plane; a norm makes two, as ``log(t^2 - q^2)`` is
+``log(t - q) + log(t + q)``. With shares ``z_j = mu/t_j`` of the normals, ``C sigma + G^T z = x``:
+mu = 0 is the law itself. Above it the energy is smooth, convex, and self-concordant, where Newton's
+method is at home.
 """
 
 from dataclasses import dataclass
@@ -100,9 +101,7 @@ class BarrierLaw:
     def _made(self) -> Planes:
         law, first = self.law, int(self._normed)
         felt = first + self._others.size
-        kinds = [
-            (cones, kind) for cones in law.cones for kind in range(cones.matrix.shape[1])
-        ]
+        kinds = [(cones, kind) for cones in law.cones for kind in range(cones.matrix.shape[1])]
         m, e = law.weights.size, felt + sum(cones.rise.any() for cones, _ in kinds)
         compliance = np.ones((m, e))
         compliance[:, :first] = law.compliance[self._inner[:first]]

@@ -204,6 +204,7 @@ class _Program:
             "no_nlp_grad": True,
             "print_time": False,
             "error_on_fail": False,
+            "show_eval_warnings": False,  # of a step too far
             "calc_lam_p": False,
             "calc_lam_x": False,
             "ipopt": {

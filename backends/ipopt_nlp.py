@@ -3,11 +3,12 @@
 Unknowns are velocities alone; the one constraint is ``F0.U = 1``. Energy, gradient and Hessian of
 a strain point or a contact point are small symbolic functions mapped over all points, so the
 Hessian ``B^T H B`` is exact and sparse without differentiating the whole problem. The
-regularisation is continued from r = 1 downwards, each step warm-started.
+regularisation is continued from r = 1 downwards, each step warm-started; where strength depends on
+pressure, a barrier is (`backends._barrier_program`).
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from backends._barrier_program import BarrierSolver, Fading
+from backends._huber_laws import Law, contact_law, plastic_law
 from backends._ipopt import STATUS_MAP, solver_version, to_casadi, unavailable
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
@@ -44,7 +46,7 @@ class IpoptOptions:
         normal, tangential: instead of r: contact penalties, Pa/(m/s).
         reduction: factor between the steps of the continuation, 0 < reduction < 1.
         rescue: share of the rank-one term kept in the Hessian when a step with the exact one
-            fails, 0 <= rescue < 1.
+            fails, 0 <= rescue < 1; unused where strength depends on pressure.
         tolerance: IPOPT's.
         max_iterations: of one continuation step.
         time_limit: s, one inner solve.
@@ -77,7 +79,12 @@ class Ipopt:
     title: ClassVar[str] = "IPOPT through CasADi, regularised nonlinear program"
     source: ClassVar[str] = "Waechter & Biegler, Math. Program. 106, 2006; Andersson et al. 2019"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=True, warm_start=True, hardening=True, surfaces=True, packages=("casadi",)
+        regularised=True,
+        warm_start=True,
+        hardening=True,
+        surfaces=True,
+        slow_surfaces=True,
+        packages=("casadi",),
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = IpoptOptions
@@ -102,9 +109,7 @@ class Ipopt:
 class IpoptSolver:
     """IPOPT at work on one program."""
 
-    def __init__(
-        self, program: KinematicProgram, options: IpoptOptions, target: Penalties
-    ) -> None:
+    def __init__(self, program: KinematicProgram, options: IpoptOptions, target: Penalties) -> None:
         self._program, self._options, self._target = program, options, target
         self._dilatancy: Floats | None = None
         self._form: tuple[dict[str, Any], dict[str, Any]] = {}, {}
@@ -220,7 +225,7 @@ def _build(
         if not count:
             continue
         rows = interleaved(group.rows, group.dim, group.volumetric, 1)
-        law = _plastic_law(group.dim, group.volumetric_factor)
+        law = plastic_law(group.dim, group.volumetric_factor)
         constants = ca.DM(np.stack([group.weights, group.bound, group.rise]))
         part = _terms(
             rows, group.dim + 1, law, u, constants, ca.repmat(ca.vertcat(p[:2], p[4]), 1, count)
@@ -232,7 +237,7 @@ def _build(
         rows = interleaved(
             program.contact.normal, 1, program.contact.tangential, program.contact.tangent_dim
         )
-        law = _contact_law(program.contact.tangent_dim)
+        law = contact_law(program.contact.tangent_dim)
         constants = ca.DM(np.stack([program.contact.weights, contact.dilatancy]))
         parameters = ca.vertcat(
             ca.repmat(p[2:4], 1, points), p[5 : 5 + points].T, p[5 + points :].T
@@ -288,9 +293,7 @@ def _solver(
     return ca.nlpsol("regularised", "ipopt", problem, {**derivatives, **settings})
 
 
-def _terms(
-    rows: Sparse, dim: int, law: "_Law", u: Any, constants: Any, parameters: Any
-) -> list[Any]:
+def _terms(rows: Sparse, dim: int, law: Law, u: Any, constants: Any, parameters: Any) -> list[Any]:
     """Sum of a point law over all points: value, gradient, Hessian."""
     count = rows.shape[0] // dim
     matrix = to_casadi(rows)
@@ -306,94 +309,3 @@ def _terms(
         ca.mtimes(matrix.T, ca.vec(force)),
         ca.mtimes(matrix.T, ca.mtimes(blocks, matrix)),
     ]
-
-
-@dataclass(frozen=True)
-class _Law:
-    """A point law.
-
-    Attributes:
-        energy: of (local velocities, constants, parameters), each a list of numbers or of rows over
-            all points: IPOPT asks for the value alone five times as often as for the rest, and
-            rows are added up five times as fast as points.
-        derivatives: force and stiffness of one point, as functions to be mapped.
-    """
-
-    energy: Callable[[list[Any], list[Any], list[Any]], Any]
-    derivatives: tuple[Any, Any]
-
-
-def _derivatives(inputs: list[Any], force: Any, stiffness: Any) -> tuple[Any, Any]:
-    return ca.Function("force", inputs, [force]), ca.Function(
-        "stiffness", inputs, [ca.densify(stiffness)]
-    )
-
-
-def _plastic_law(dim: int, share: float) -> _Law:
-    """T17 at a strain point: local (cone rows, theta), constants (weight, bound, modulus).
-
-    A Huber function and, from hardening, a spring beside it.
-
-    Parameters: eta, K_c, and the share kept of the rank-one term of the Hessian.
-    """
-
-    def energy(local: list[Any], constants: list[Any], p: list[Any]) -> Any:
-        (weight, bound, modulus), (eta, bulk, _) = constants, p
-        theta = local[-1]
-        square = sum(v**2 for v in local[:-1]) + (share * theta) ** 2
-        limit, kept = bound / eta, eta / (eta + modulus)
-        elastic, length = ca.fmin(square, limit**2), ca.sqrt(ca.fmax(square, limit**2))
-        huber = eta * elastic / 2 + bound * (length - limit)
-        return weight * (kept * (huber + modulus * square / 2) + bulk * theta**2 / 2)
-
-    local, constants, p = ca.SX.sym("v", dim + 1), ca.SX.sym("c", 3), ca.SX.sym("p", 3)
-    weight, bound, modulus, eta, bulk, damping = *ca.vertsplit(constants), *ca.vertsplit(p)
-    kept = eta / (eta + modulus)
-    scale = ca.DM.ones(dim + 1)
-    scale[dim] = share
-    e = scale * local
-    limit = bound / eta
-    length = ca.sqrt(ca.fmax(ca.dot(e, e), limit**2))
-    flowing = length > limit
-    secant, spring = kept * bound / length, kept * modulus
-    force = (secant + spring) * scale * e
-    force[dim] += bulk * local[dim]
-    direction = scale * e / length
-    stiffness = secant * (ca.diag(scale**2) - damping * flowing * ca.mtimes(direction, direction.T))
-    stiffness += spring * ca.diag(scale**2)
-    stiffness[dim, dim] += bulk
-    return _Law(energy, _derivatives([local, constants, p], weight * force, weight * stiffness))
-
-
-def _contact_law(tangent_dim: int) -> _Law:
-    """T18 at a contact point: local (u_n, u_t), constants (weight, dilatancy).
-
-    Parameters: K_n, K_t, friction bound, shift.
-    """
-
-    def energy(local: list[Any], constants: list[Any], p: list[Any]) -> Any:
-        (weight, dilatancy), (normal, tangential, bound, shift) = constants, p
-        opening, square = local[0] + shift, sum(v**2 for v in local[1:])
-        pressed = ca.fmax(-opening, 0)
-        limit = bound / tangential
-        tiny = 1e-150  # keeps the derivatives of the square roots finite at rest
-        rate = ca.sqrt(ca.fmax(square, limit**2 + tiny))
-        elastic = ca.fmin(square, limit**2)
-        rubbed = tangential * elastic / 2 + bound * (rate - limit)
-
-        speed = ca.sqrt(square + tiny)
-        sliding = tangential * speed > dilatancy * normal * pressed
-        pushed = ca.fmax(dilatancy * speed - opening, 0)
-        compliance = 1 / normal + dilatancy**2 / tangential
-        dilatant = ca.if_else(
-            sliding,
-            pushed**2 / (2 * compliance),
-            normal * pressed**2 / 2 + tangential * square / 2,
-        )
-        plain = normal * pressed**2 / 2
-        return weight * (ca.if_else(dilatancy > 0, dilatant, plain) + rubbed)
-
-    local, constants, p = ca.SX.sym("v", 1 + tangent_dim), ca.SX.sym("c", 2), ca.SX.sym("p", 4)
-    value = energy(*(ca.vertsplit(part) for part in (local, constants, p)))
-    stiffness, force = ca.hessian(value, local)
-    return _Law(energy, _derivatives([local, constants, p], force, stiffness))

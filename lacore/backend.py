@@ -42,6 +42,8 @@ class Capabilities(Compact):
             its own, which can be stopped.
         on_demand: comparisons run it only where it is named.
         surfaces: it takes groups whose strength depends on pressure (T39).
+        slow_surfaces: it takes them, in many times its usual time: checks of all cases ask it about
+            the first variants only.
         dense: its time grows with the cube of the unknowns: a first look leaves meshes out.
         paths: it is quick enough for comparisons to follow paths with it, tens of solves each.
         packages: that it computes with, as they are installed. Their versions are recorded beside
@@ -57,6 +59,7 @@ class Capabilities(Compact):
     isolated: bool = False
     on_demand: bool = False
     surfaces: bool = False
+    slow_surfaces: bool = False
     dense: bool = False
     paths: bool = False
     packages: tuple[str, ...] = ()

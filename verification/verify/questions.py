@@ -124,9 +124,9 @@ def left_out(
 ) -> list[Run]:
     """Runs that are dear and tell least, and are not asked for where nothing is named.
 
-    Of variants that a first look does not show (`shown_first`): dense backends and further exact
-    ones on meshes, brackets, and regularised ones along paths. These answer for the first variant,
-    and the first exact one for all.
+    Of variants that a first look does not show (`shown_first`): dense backends, those that soils
+    slow down, and further exact ones on meshes, brackets, and regularised ones along paths. These
+    answer for the first variant, and the first exact one for all.
     """
     if names or backends or meshes:
         return []
@@ -149,7 +149,9 @@ def _tells_least(run: Run, first: Sequence[str]) -> bool:
     if run.case.path is not None:
         return regularised
     further = not regularised and run.backend not in first
-    return run.case.meshed and (further or capabilities(run.backend).dense)
+    can = capabilities(run.backend)
+    slow = can.dense or (can.slow_surfaces and run.case.surfaces)
+    return run.case.meshed and (further or slow)
 
 
 def runs_of(questions: Sequence[Question]) -> list[Run]:

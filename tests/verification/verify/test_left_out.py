@@ -12,8 +12,8 @@ from verification.verify import ask, left_out, runs_of
 
 @pytest.fixture(scope="module")
 def few():
-    """A case with a path, one on meshes, one of rigid bodies."""
-    ids = ("hardening-sphere", "platens-square", "wall-1")
+    """A case with a path, one on meshes, one of soil, one of rigid bodies."""
+    ids = ("hardening-sphere", "platens-square", "cavity-cylinder", "wall-1")
     return Catalogue({name: catalogue()[name] for name in ids}, dict.fromkeys(ids, "test"))
 
 
@@ -29,7 +29,8 @@ def test_dear_backends_are_asked_about_further_variants_by_name_only(few):
         if run.coupling == BRACKET:
             continue
         further = not is_regularised(run.backend) and run.backend != "clarabel"
-        least = capabilities(run.backend).dense or further
+        can = capabilities(run.backend)
+        least = can.dense or further or (can.slow_surfaces and run.case.surfaces)
         assert is_regularised(run.backend) if path else least
         assert run.case.meshed
     for told in (
