@@ -96,7 +96,7 @@ class BarrierLaw:
     @property
     def volume(self) -> float:
         """Sum of the weights of all planes: the gap is mu times it."""
-        return float(self.law.weights.sum()) * self._planes.normals.shape[1]
+        return float(self.law.weights.sum() * self._planes.normals.shape[1])
 
     def _made(self) -> Planes:
         law, first = self.law, int(self._normed)
@@ -229,7 +229,7 @@ def _followed(
         gap = np.mean(t * z, axis=1)
         far = gap > _CENTRED * mu
         aim = np.full(gap.size, mu)
-        second = 0.0
+        second = np.zeros_like(t)
         if far.any():
             dy, dt, dz = _step(place, inverse, left, missed, -t * z)
             share = _share(dt / t, dz / z, 1.0)[:, None]

@@ -26,6 +26,9 @@ from lacore.surfaces import Surfaces
 
 LARGEST = 1e6  # dimensionless load factor that no structure carries
 _DAMPING = 1e-6  # curvature per weight: with 1e-5 graded meshes need half as many steps again
+# At the apex of cones a barrier that only falls once it is solved for stalls, and a filter refuses
+# the steps that lead away from there.
+_FREE = {"mu_strategy": "adaptive", "adaptive_mu_globalization": "never-monotone-mode"}
 
 
 @dataclass(frozen=True)
@@ -228,6 +231,8 @@ class StaticProgram:
                 "expect_infeasible_problem": "yes",
             },
         }
+        if self._program.presses:
+            options["ipopt"].update(_FREE)
         nlp = ca.nlpsol("static", "ipopt", self._problem, {**self._derivatives, **options})
         cost = np.zeros(self._linear.shape[1])
         cost[1 if share else 0] = -1.0

@@ -23,8 +23,8 @@ from lacore.status import Status
 
 _EVIDENCE = 1e-5  # of the loads, or of the velocity: what proofs of no solution may miss
 _STALLS = (
-    "IPOPT stalls at the apex of cones, where the corners of footings on soil are: more iterations"
-    " rarely help, 'clarabel' does"
+    "IPOPT is slow at the apex of cones, where the corners of footings on soil are: give more"
+    " iterations, or take 'clarabel'"
 )
 _MISSING = 1e-6  # share of the dead load that must be missing where it collapses the structure
 
