@@ -261,3 +261,10 @@ def test_what_slips_past_a_support_slips_past_all_of_it(space):
     ]
     assert slipping == [8, 8]
     assert cut.load_factor == pytest.approx(uncut.load_factor, rel=SAME)
+
+
+def test_what_is_bonded_is_in_equilibrium_as_one():
+    """Programs are scaled by the parts that have an equilibrium of their own."""
+    bonded, stuck = (la.solve(cut_flat(friction=law)) for law in (la.BOND, la.STICK))
+    counts = [np.unique(state.discretisation.full.parts).size for state in (bonded, stuck)]
+    assert counts == [1, 2]
