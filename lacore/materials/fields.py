@@ -19,9 +19,9 @@ class Field(Compact):
     """A strength, or a friction angle, that varies: of criteria, in place of a number.
 
     A function is seen from within each element, and may jump from one to the next: let edges of the
-    mesh follow its jumps. Where it is linear in each element, which is known from 15 places of it
+    mesh follow its jumps. Where it is linear in each element, which is taken from 15 places of it
     to 1e-12 of its size, bounds are strict as they are. Else give `steepest`, and in each element
-    bounds take the least and the greatest value that it can have there.
+    bounds take the least and the greatest value that it can have there, whatever those places say.
 
     Attributes:
         values: a function of coordinates of shape (2, n) that returns n values in Pa, or one value

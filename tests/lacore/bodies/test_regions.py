@@ -313,6 +313,21 @@ def test_strengths_are_bounded_between_the_places_that_are_looked_at(sign):
     assert bounds.above().min() >= 2.5
 
 
+def test_what_looks_linear_is_bounded_by_its_slope_where_one_is_said():
+    """A ridge so narrow that all 15 places of an element miss it."""
+
+    def ridge(x):
+        return 2.0 + 10.0 * np.maximum(0.01 - np.abs(x[0] - 0.4), 0.0)
+
+    own = la.Field(ridge, steepest=10.0)
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1, crossed=False)
+    bounds = in_elements("k", own, mesh, np.arange(2), positive=True)
+    assert np.ptp(bounds.vertex) == 0.0
+    assert bounds.above().min() >= 2.1
+    with_none = in_elements("k", la.Field(ridge), mesh, np.arange(2), positive=True)
+    assert with_none.linear  # nothing was said of it
+
+
 def test_several_values_of_an_element_are_bounded_by_the_least_and_the_largest():
     values = np.array([[1.0, 3.0, 2.0], [5.0, 4.0, 4.5]])
     mesh = la.meshes.rectangle((0, 1), (0, 1), 1, 1, crossed=False)

@@ -102,7 +102,7 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
     if not isinstance(mesh, MeshTri1):
         return Varying(vertex, None, None, linear)
     vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
-    if linear or own.steepest is None:
+    if own.steepest is None:
         return Varying(vertex, None, None, linear)
     corner = vertices(mesh)[:, mesh.t[:, elements]]  # (2, a, e)
     centre = corner.mean(axis=1)
@@ -120,4 +120,5 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
             f"the function is steeper near ({x:.6g}, {y:.6g})",
             "give its largest slope; where it jumps let edges of the mesh follow",
         )
-    return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear)
+    # It may be uneven between the places looked at, as far as that slope: never taken for linear.
+    return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear=False)
