@@ -7,12 +7,14 @@ from scipy.sparse import csr_matrix, vstack
 from scipy.sparse.linalg import lsqr
 
 from lacore.arrays import Floats
+from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.conditions.loads import Load, footings
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram
 from lacore.questions.parameters import size_of, times
+from lacore.questions.yield_surface.mirrors import senses
 
 _FEWEST, _MOST = 2, 3
 _DEPENDENT = 1e-9  # of the largest singular value of all, each of length 1
@@ -27,8 +29,10 @@ class Components:
         names: of them.
         loads: of each.
         associated: whether all flow and friction is, so that what is carried is convex.
-        even: whether opposite loads have opposite mechanisms: nothing opens, no strength depends on
-            pressure, no dead load tells one sense from the other.
+        senses: signs of components that leave what is carried as it is, (s, k), the first all 1:
+            all opposite, where opposite loads have opposite mechanisms, as nothing opens, no
+            strength depends on pressure and no dead load tells one sense from the other; and those
+            of mirrors, see `lacore.questions.yield_surface.mirrors.senses`.
 
     Raises:
         InputError: not two or three; loads that cannot be, or have no one size; components that do
@@ -50,8 +54,15 @@ class Components:
         # With nodes wherever a force acts on a frame, so that unknowns are the same ones for all.
         every = [load for own in self.loads for load in own]
         self.problem = problem.with_loads(every, problem.dead_loads)
-        self.even = self.associated = True
-        columns = [self._vector(number) for number in range(len(self.names))]
+        self.associated, even = True, True
+        stated = [self._stated(number) for number in range(len(self.names))]
+        for one in stated:
+            program = one.program
+            opens = program.contact.count > 0 or program.presses
+            even = even and not (opens or bool(np.any(program.dead_load)))
+            coulomb = bool(program.contact.coulomb.any())
+            self.associated = self.associated and not (coulomb or program.frictional)
+        columns = [self._vector(*pair) for pair in zip(self.names, stated, strict=True)]
         sizes = np.linalg.svd(np.stack(columns, axis=1), compute_uv=False)
         if sizes[-1] <= _DEPENDENT * sizes[0]:
             raise InputError(
@@ -61,6 +72,7 @@ class Components:
                 " others, and there is no surface between them",
                 "give forces in different directions, or at different places",
             )
+        self.senses = senses(even, stated)
 
     def problem_at(self, centre: Floats, direction: Floats) -> Problem:
         """Along a direction, (k,), from a centre, (k,), where loads act as dead ones."""
@@ -86,22 +98,19 @@ class Components:
             if abs(factor) > _FAINTEST * largest
         ]
 
-    def _vector(self, number: int) -> Floats:
-        """Forces of a component on what can move, of length 1."""
-        name = self.names[number]
+    def _stated(self, number: int) -> Discretisation:
+        """The problem with a component alone."""
         try:
-            program = discretise(self.problem.with_loads(self.loads[number])).program
+            return discretise(self.problem.with_loads(self.loads[number]))
         except InputError as wrong:
-            inner = wrong.field.removeprefix("Problem.")
-            raise InputError(
-                f"loads[{name!r}]: {inner}", wrong.value, wrong.why, wrong.mend
-            ) from None
-        opens = program.contact.count > 0 or program.presses
-        self.even = self.even and not (opens or bool(np.any(program.dead_load)))
-        coulomb = bool(program.contact.coulomb.any())
-        self.associated = self.associated and not (coulomb or program.frictional)
-        force = program.reference_load
-        if not _left(program, force) > _NOTHING:
+            field = f"loads[{self.names[number]!r}]: {wrong.field.removeprefix('Problem.')}"
+            raise InputError(field, wrong.value, wrong.why, wrong.mend) from None
+
+    @staticmethod
+    def _vector(name: str, stated: Discretisation) -> Floats:
+        """Forces of a component on what can move, of length 1."""
+        force = stated.program.reference_load
+        if not _left(stated.program, force) > _NOTHING:
             raise InputError(
                 f"loads[{name!r}]",
                 None,

@@ -141,9 +141,9 @@ def envelope(
     The mechanism of an upper bound is more: the same velocity bounds every combination, by a half-
     plane. Directions go first along the components, then where the corners of the outer polygon are
     farthest from the inner one. Where nothing tells a load from its opposite, no contact, no dead
-    load, no strength that depends on pressure, each direction counts for both. With Coulomb
-    friction what is carried need not be convex: then each direction gives a certified point, and no
-    more.
+    load, no strength that depends on pressure, each direction counts for both; where a mirror
+    leaves the structure as it is, on its mesh, for its image, too. With Coulomb friction what is
+    carried need not be convex: then each direction gives a certified point, and no more.
 
     Args:
         problem: the structure, with its dead loads, which stay; its reference loads do not act.
@@ -179,14 +179,15 @@ def envelope(
         options=options,
         target=target_width,
         convex=convex,
-        even=convex and components.even,
+        senses=components.senses if convex else np.ones((1, k)),
         deforms=deforms,
         tell=on_direction,
     )
     centre = np.zeros(k)
-    for axis in np.eye(k):
-        for sign in (1.0,) if run.even else (1.0, -1.0):
-            run.ask(centre, sign * axis)
+    for axis in range(k):
+        run.ask(centre, np.eye(k)[axis])
+        if not run.turns(axis):
+            run.ask(centre, -np.eye(k)[axis])
     scale, centre = run.middle()
     if convex:
         run.refine(centre, scale, n)
@@ -219,7 +220,7 @@ class _Run:
     options: Mapping[str, Any] | None
     target: float | None
     convex: bool
-    even: bool
+    senses: Floats
     deforms: bool
     tell: Callable[[Mapping[str, Any]], None] | None
     points: list[Floats] = field(default_factory=list)
@@ -247,12 +248,12 @@ class _Run:
             reach = 1.0 if self.convex else np.nan
         point = None if np.isnan(reach) else centre + reach * direction
         if point is not None:
-            self.points += [sign * point for sign in self._senses]
+            self.points += [signs * point for signs in self.senses]
         if plane is not None:
             velocity, problem = plane
             normal = self.components.powers(problem, velocity)
             offset = upper + float(normal @ centre)
-            self.planes += [np.append(sign * normal, offset) for sign in self._senses]
+            self.planes += [np.append(signs * normal, offset) for signs in self.senses]
         names = self.components.names
         seen = np.full(len(names), np.nan) if point is None else point
         self.rows.append(
@@ -301,23 +302,23 @@ class _Run:
         self.rigors |= {above.rigor} | ({below.rigor} if np.isfinite(lower) else set())
         return lower, above.load_factor, status, (above.velocity, above.discretisation.problem)
 
-    @property
-    def _senses(self) -> tuple[float, ...]:
-        """Of what is proven in one: both, where opposite loads and motions are as good."""
-        return (1.0, -1.0) if self.even else (1.0,)
+    def turns(self, axis: int) -> bool:
+        """Whether a component alone is carried in both senses alike."""
+        return bool(np.any(self.senses[:, axis] < 0))
 
     def middle(self) -> tuple[Floats, Floats]:
         """Half the extent of what is carried along each component, and a point inside."""
         k = len(self.components.names)
         ends = np.zeros((k, 2))
-        for number, row in enumerate(self.rows):
+        for row in self.rows:
             size = row["lower"]
             if not np.isfinite(size):
                 size = row["upper"] if np.isfinite(row["upper"]) else 1.0  # locked: as it is given
-            if self.even:
-                ends[number] = size, -size
-            else:
-                ends[number // 2, number % 2] = (1 - 2 * (number % 2)) * size
+            axis = int(np.argmax(np.abs(row["direction"])))
+            backward = row["direction"][axis] < 0
+            ends[axis, int(backward)] = -size if backward else size
+            if self.turns(axis):
+                ends[axis] = size, -size
         half = (ends[:, 0] - ends[:, 1]) / 2
         if not np.all(half > 0):
             name = self.components.names[int(np.argmin(half))]
@@ -332,17 +333,19 @@ class _Run:
     def refine(self, centre: Floats, scale: Floats, n: int) -> None:
         """Directions to where the outer side is farthest from the inner one."""
         tried: list[Floats] = []
-        axes, between = len(self.rows), corners(centre.size)
-        for corner in between[: len(between) // 2] if self.even else between:
-            if len(self.rows) < n:
+        axes = len(self.rows)
+        known: list[Floats] = []
+        for corner in corners(centre.size):
+            if len(self.rows) < n and all(apart(corner, own) for own in known):
                 self.ask(centre, scale * corner)
+                known += [signs * corner for signs in self.senses]
         while len(self.rows) < n and len(tried) < _TRIES:
             found = self.hulls(centre)
             if found is None:
                 return
             order = np.argsort(-found.gauge)
-            known = [np.array(row["direction"]) / scale for row in self.rows[axes:]]
-            known += [-own for own in known] if self.even else []
+            ways = [np.array(row["direction"]) / scale for row in self.rows[axes:]]
+            known = [signs * way for way in ways for signs in self.senses]
             for number in order:
                 way = (found.outer[number] - centre) / scale
                 way /= np.linalg.norm(way)

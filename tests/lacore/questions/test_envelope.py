@@ -1,9 +1,12 @@
 """Yield surfaces in several loads: between closed forms, proven from inside and outside."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lacore as la
+from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import hulls
 from tests.lacore.models import deformable_block, square
 from tests.lacore.shown import portal, unsafe, wall
@@ -92,8 +95,70 @@ def test_vertical_horizontal_moment():
     assert found.inner.shape[1] == found.outer.shape[1] == 3
     for h in (0.0, 0.5, 1.0):
         assert found.contains((green(h), h, 0.0)) is not False
+        assert found.contains((-green(h), h, 0.0)) is not False
     assert found.contains((1.0, 0.2, 0.1)) is True
     assert found.contains((0.0, 0.0, 2.0)) is False  # more than a footing on scoops carries
+
+
+@pytest.mark.slow
+def test_moment_and_horizontal_load_beside_a_weight():
+    """A plane of the surface in three components: the third is a dead load."""
+    weight = [la.PointForce("footing", (0, 0), (0, -2.5))]
+    loads = {"H": ASIDE, "M": TURNING}
+    found = la.envelope(footing().with_loads(ASIDE, weight), loads, n=24, target_width=0.012)
+    assert len(found.table) == 24
+    assert found.width <= 0.02
+    assert "strict bounds of the continuum" in found.rigor
+    assert found.contains((0.99, 0.0)) is not False  # Green: V = 2.5 is beside it with H = 1
+    assert found.contains((1.001, 0.0)) is False
+
+
+def senses(problem, loads):
+    return Components(problem, loads).senses.tolist()
+
+
+def test_mirrors_are_found_where_the_structure_is_its_image():
+    """In an upright mirror H and M are their opposites, V is itself."""
+    coarse = footing(nx=6, ny=2)
+    loads = {"V": VERTICAL, "H": ASIDE, "M": TURNING}
+    assert senses(coarse, loads) == [[1, 1, 1], [1, -1, -1], [-1, 1, 1], [-1, -1, -1]]
+    beside = {"H": ASIDE, "M": TURNING}
+    middle, aside = ([la.PointForce("footing", (x, 0), (0, -2.5))] for x in (0, 0.1))
+    assert senses(coarse.with_loads(ASIDE, middle), beside) == [[1, 1], [-1, -1]]
+    assert senses(coarse.with_loads(ASIDE, aside), beside) == [[1, 1]]
+
+
+def test_images_are_carried_alike():
+    """Bounds along a direction and its image, each solved: to the tolerance of the solver."""
+    components = Components(footing(nx=6, ny=2), {"V": VERTICAL, "H": ASIDE, "M": TURNING})
+    ways = components.senses * np.array([1.0, 0.4, 0.3])
+    found = [la.upper_bound(components.problem_at(np.zeros(3), way)).load_factor for way in ways]
+    assert found == pytest.approx([found[0]] * 4, rel=1e-5)
+
+
+def on(problem, **changes):
+    """With another clay."""
+    clay = replace(problem.bodies["soil"], **changes)
+    return replace(problem, bodies={**problem.bodies, "soil": clay})
+
+
+ONE_SIDED = {
+    "support": lambda own: replace(own, supports=own.supports[:2]),
+    "strength that varies": lambda own: on(own, criterion=la.VonMises(lambda x: 1 + x[0] / 9)),
+    "mesh": lambda own: on(own, mesh=la.meshes.rectangle((-3, 3.5), (-1.5, 0), 13, 2)),
+    "footing": lambda own: replace(
+        own, bodies={**own.bodies, "footing": la.RigidBlock(CORNERS + np.array([0.5, 0.0]))}
+    ),
+}
+CORNERS = np.array([(-0.5, 0), (0.5, 0), (0.5, 0.25), (-0.5, 0.25)])
+
+
+@pytest.mark.parametrize("changed", ONE_SIDED)
+def test_what_is_no_image_of_itself_has_no_mirror(changed):
+    loads = {"V": [la.PointForce("footing", (0.25, 0), (0, -1))], "H": ASIDE}
+    if changed != "footing":
+        loads["V"] = VERTICAL
+    assert senses(ONE_SIDED[changed](footing(nx=12, ny=2)), loads) == [[1, 1], [-1, -1]]
 
 
 def test_coulomb_friction_gives_points():

@@ -100,7 +100,7 @@ def test_a_case_that_is_not_certified_is_named():
 @pytest.mark.parametrize(
     ("case", "said"),
     [
-        ([la.PointForce("portal", "X", (1, 0))], "cases['wind']: PointForce.at = 'X'"),
+        ([la.PointForce("portal", "X", (1, 0))], "cases['wind']: reference_loads[0].at = 'X'"),
         ([], "cases['wind']: reference_loads"),
         (
             [la.PointForce("portal", "A", (1, 0))],
