@@ -12,14 +12,13 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
-from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import Load, PointForce, Pressure, Traction
+from lacore.conditions.loads import Load
 from lacore.materials.fields import varying
 from lacore.program import ContactRows
+from lacore.questions.parameters import size_of
 
 _SAME = 1e-9  # of sizes: what differs by less is round-off of places and sums
 _SEED = 82
-_UNIFORM = (PointForce, Pressure, Traction)
 _WEIGHTS = (0.37, 0.11, 0.73, 0.29)  # any numbers: they tell laws of contact apart
 
 
@@ -73,7 +72,8 @@ def _uniform(stated: Sequence[Discretisation]) -> bool:
 
 
 def _same_all_over(load: Load) -> bool:
-    return isinstance(load, _UNIFORM) or (isinstance(load, BodyForce) and load.uniform)
+    """Whether it is no pressure of water, and no force that varies from place to place."""
+    return size_of(load) is not None and bool(getattr(load, "uniform", True))
 
 
 def _signs(axis: int, stated: Sequence[Discretisation]) -> tuple[float, ...] | None:
