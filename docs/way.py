@@ -8,6 +8,7 @@ library, a cone here and a residual there, and count as one room. So there are t
 with every call into the ground, and the way between rooms, on which such calls end no visit.
 """
 
+import os
 import sys
 from collections import Counter
 from itertools import groupby
@@ -18,6 +19,7 @@ from typing import Any
 import lacore as la
 
 HOME = Path(la.__file__).parent
+INSIDE = f"{HOME}{os.sep}"  # lacore_start is beside it
 GROUND = "ground"
 
 
@@ -37,7 +39,7 @@ def called(problem: la.Problem) -> list[Path]:
     found: list[Path] = []
 
     def note(frame: FrameType, event: str, _: Any) -> None:
-        if event == "call" and frame.f_code.co_filename.startswith(str(HOME)):
+        if event == "call" and frame.f_code.co_filename.startswith(INSIDE):
             found.append(Path(frame.f_code.co_filename).relative_to(HOME))
 
     sys.setprofile(note)
