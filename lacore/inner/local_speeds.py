@@ -143,16 +143,19 @@ def doubt(program: KinematicProgram, answer: InnerSolution, contact: FrozenConta
 
 
 def _told(program: KinematicProgram) -> bool:
-    """Whether soil presses, and residuals know its flow: a frozen one (T52) is none of the law."""
+    """Whether soil presses, and residuals know its flow: not where it is frozen (T52), or inside.
+
+    Rates that flow has besides (T45) turn over a power that certificates do not count.
+    """
     surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
-    return bool(surfaces) and not any(np.any(own.besides < 0) for own in surfaces)
+    return bool(surfaces) and all(own.dilation is None for own in surfaces)
 
 
 class LocalSpeedSolver:
     """A prepared solver that is asked again in units of local speeds, if what it leaves is much.
 
     Args:
-        program: as stated; without pressure, or with a frozen flow, it is asked as it is.
+        program: as stated; without pressure, or with rates besides, it is asked as it is.
         prepare: sets a solver to work on one.
         good: residual that is good enough.
     """
