@@ -169,19 +169,25 @@ def foot(node, master, friction=0.3):
     [
         (
             {"reference_loads": [la.PointForce("frame", "Z", RIGHT)]},
-            ("PointForce.at = 'Z'", "known"),
+            ("Problem.reference_loads[0].at = 'Z'", "known"),
         ),
         (
             {"reference_loads": [la.PointForce("frame", (2.0, 1.0), RIGHT)]},
-            ("PointForce.at = (2.0, 1.0)", "on no member", "nearest"),
+            ("Problem.reference_loads[0].at = (2.0, 1.0)", "on no member", "nearest"),
         ),
         (
             {"reference_loads": [la.PointForce("frame", "B", RIGHT, where="beam")]},
-            ("PointForce.where = 'beam'", "needs none"),
+            ("Problem.reference_loads[0].where = 'beam'", "needs none"),
         ),
-        ({"dead_loads": [la.BodyForce("frame", DOWN)]}, ("BodyForce.body", "neither width")),
-        ({"dead_loads": [la.Pressure("frame", "beam")]}, ("Pressure.body", "Traction")),
-        ({"dead_loads": [la.RigidFooting("frame", "beam", DOWN)]}, ("RigidFooting.body",)),
+        (
+            {"dead_loads": [la.BodyForce("frame", DOWN)]},
+            ("Problem.dead_loads[0].body", "neither width"),
+        ),
+        (
+            {"dead_loads": [la.Pressure("frame", "beam")]},
+            ("Problem.dead_loads[0].body", "Traction"),
+        ),
+        ({"dead_loads": [la.RigidFooting("frame", "beam", DOWN)]}, ("Problem.dead_loads[0].body",)),
         ({"dead_loads": [la.Traction("frame", "baem", DOWN)]}, ("'baem'", "did you mean 'beam'?")),
         ({"dead_loads": [la.Traction("frame", lambda x: x[0] > 1, DOWN)]}, ("not a member",)),
         ({"supports": [la.Fix("frame", "Z")]}, ("Problem.supports[0].where = 'Z'", "known names")),

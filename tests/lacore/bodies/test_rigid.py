@@ -264,19 +264,19 @@ def two_blocks(**changes):
         ),
         (
             lambda: two_blocks(reference_loads=[la.BodyForce("blocks", (1, 0), "c")]),
-            ("BodyForce.where = 'c'", "no such block"),
+            ("Problem.reference_loads[0].where = 'c'", "no such block"),
         ),
         (
             lambda: two_blocks(reference_loads=[la.PointForce("blocks", (9, 9), (1, 0))]),
-            ("PointForce.at = (9, 9)", "lies on no block", "the nearest is 'b'"),
+            ("Problem.reference_loads[0].at = (9, 9)", "lies on no block", "the nearest is 'b'"),
         ),
         (
             lambda: two_blocks(reference_loads=[la.PointForce("blocks", (1, 1), (1, 0))]),
-            ("PointForce.at = (1, 1)", "lies on the blocks a, b", "`where`"),
+            ("Problem.reference_loads[0].at = (1, 1)", "lies on the blocks a, b", "`where`"),
         ),
         (
             lambda: two_blocks(reference_loads=[la.RigidFooting("blocks", "b", (0, -1))]),
-            ("RigidFooting.body = 'blocks'", "rigid already"),
+            ("Problem.reference_loads[0].body = 'blocks'", "rigid already"),
         ),
         (
             lambda: two_blocks(supports=[la.Fix("blocks", "c")]),

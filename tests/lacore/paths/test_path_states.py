@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from lacore.numerics.quantities import Units
 from lacore.pictures.contact import draw_panel
 from lacore.pictures.contact_segments import segmented_contacts
 from tests.lacore.paths.path_billets import pressed
@@ -67,7 +68,7 @@ def test_a_part_of_the_top_that_is_away_is_a_hole_in_its_panel(path):
     start, end = (np.array([[x, x + 2.0], [1.0, 1.0]]) for x in (0.0, 1.0))
     apart = replace(top, segments=replace(top.segments, start=start, end=end))
     figure = Figure()
-    draw_panel(figure, figure.add_gridspec(1, 1)[0], apart, 1.0)
+    draw_panel(figure, figure.add_gridspec(1, 1)[0], apart, 1.0, Units())
     steps = figure.axes[0].patches[0].get_data()
     np.testing.assert_allclose(steps.edges, [0, 1, 2, 3], rtol=1e-12)
     np.testing.assert_array_equal(np.isnan(steps.values), [False, True, False])
