@@ -11,11 +11,11 @@ PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --
 
 # What sums, in another order on each processor, decide most: tried under two BLAS kernels of others.
 KERNELS := Haswell Nehalem
-FRAGILE := $(addprefix tests/backends/test_, scipy.py regularised.py ipopt_static.py clarabel_regularised.py) \
+FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regularised.py ipopt_static.py clarabel_regularised.py) \
 	$(addprefix tests/lacore/, coupling/test_intervals.py coupling/test_soils.py claims/test_claims.py inner/test_strong_bodies.py \
 	inner/test_light_blocks.py bounds/test_static_bound.py bounds/test_kinematic_bound.py \
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
-	$(addprefix tests/verification/, cases/test_path_cases.py report/test_reference_report.py)
+	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
 .PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme architecture reference clean
 

@@ -61,7 +61,7 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
         except SingularError:
             native = "singular matrix"
             break
-        step, share = chosen(place, directions)
+        step, share = chosen(place, directions, goal)
         moved = at.plus(step, share)
         if share < _SHORTEST or not Place(conic, moved).sound:
             native = "no progress"
@@ -70,7 +70,7 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
     return Found(native, iteration, *Place(conic, at).solution)
 
 
-def chosen(place: Place, directions: Directions) -> tuple[Step, float]:
+def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, float]:
     """The step and its share."""
     ahead = directions.to_edges()
     alpha = min(1.0, place.farthest(ahead))
@@ -91,7 +91,7 @@ def chosen(place: Place, directions: Directions) -> tuple[Step, float]:
         if longer < share + _GAIN * _FURTHER:
             break
         step, share, aim = other, longer, further
-    step = directions.exactly(aim)
+    step = directions.exactly(aim, goal.tolerance)
     return step, min(1.0, _AWAY * place.farthest(step))
 
 
@@ -130,14 +130,18 @@ def _missed(place: Place) -> float:
 
 
 def residuals(place: Place, power: float) -> tuple[float, float, float]:
-    """Of powers, forces and velocities, relative."""
+    """Of powers, forces and velocities, relative; of forces, the power of those out of balance too.
+
+    Of many small nodal forces none shows beside the loads, and all of them together move the load.
+    """
     at, conic, left = place.at, place.conic, place.left
     floor = min(1.0, power)
-    gap = abs(place.cost - place.bound) / at.tau
-    gap /= max(abs(place.cost) / at.tau, abs(place.bound) / at.tau, floor)
+    turned = max(abs(place.cost) / at.tau, abs(place.bound) / at.tau, floor)
+    gap = abs(place.cost - place.bound) / at.tau / turned
+    lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau**2 / turned
     loads = abs(at.load) / at.tau * float(np.abs(conic.load).sum())
     loads += float(np.abs(conic.dead).sum())
     force = float(np.abs(left.force).max(initial=0.0)) / at.tau / max(loads, 1e-300)
     fastest = float(np.abs(at.velocity).max(initial=0.0))
     slow = _missed(place) / max(fastest, 1e-300)
-    return gap, force, max(slow, abs(left.load) / at.tau)
+    return gap, max(force, lost), max(slow, abs(left.load) / at.tau)
