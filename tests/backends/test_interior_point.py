@@ -106,7 +106,8 @@ def test_nodal_forces_that_add_up_are_not_called_balanced():
     # its loads at each of a thousand nodes, and all of them one way, it was solved at 1.99967.
     sliding, variants = catalogue.find("deformable-block")
     state = la.solve(sliding.problem(variants[0], "medium"), backend="interior_point")
-    assert not state.certified or state.load_factor == pytest.approx(2, rel=10 * BAR)
+    solved = state.status is Status.SOLVED
+    assert not solved or state.load_factor == pytest.approx(2, rel=10 * BAR)
 
 
 def test_without_pardiso_the_answer_is_the_same(smooth, monkeypatch):
