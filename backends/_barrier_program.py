@@ -15,6 +15,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from backends._answers import told
 from backends._barrier_laws import BarrierLaw, Smoothed
 from backends._conic_laws import ConicLaws
 from backends._ipopt import STATUS_MAP
@@ -74,14 +75,8 @@ class BarrierSolver:
             [law.multipliers for law in at.laws],
         )
         status = judged_status(STATUS_MAP[found.native], self._program, point)
-        return InnerSolution(
-            status=status,
-            native_status=found.native,
-            iterations=found.iterations,
-            solve_time=time.perf_counter() - begin,
-            point=point.state if status.has_point else None,
-            regularised=point.values,
-        )
+        seconds = time.perf_counter() - begin
+        return told(point, status, found.native, found.iterations, seconds)
 
     def close(self) -> None:
         """Nothing is held."""

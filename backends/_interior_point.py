@@ -14,6 +14,7 @@ import numpy as np
 
 from backends._conic_laws import ConicLaws
 from backends._conic_points import Place, Points
+from backends._goal import Goal
 from lacore.arrays import Floats
 from lacore.numerics.linear_algebra import Gram, SingularError, SymmetricSolver
 from lacore.numerics.second_order_cones import outside
@@ -26,21 +27,6 @@ _SHIFTS = (1e-16, 1e-14, 1e-12, 1e-10)  # of the largest curvature, until the ma
 _POWER = 1e-2  # of the tolerance: values are as exact as the gap, stresses as its root
 _NEAR = 1e-8  # to the edge of a cone: as good as on it
 _ALMOST = 1e3  # tolerances within which an iteration that ends is almost at its end
-
-
-@dataclass(frozen=True)
-class Goal:
-    """When the iteration ends.
-
-    Attributes:
-        tolerance: largest nodal force out of balance, per total load.
-        max_iterations: Newton steps.
-        deadline: by the clock of `time.perf_counter`.
-    """
-
-    tolerance: float
-    max_iterations: int
-    deadline: float
 
 
 @dataclass(frozen=True)

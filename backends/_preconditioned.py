@@ -18,6 +18,7 @@ from scipy.optimize import root
 from scipy.sparse import diags_array
 from threadpoolctl import threadpool_limits
 
+from backends._answers import told
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution
 from lacore.errors import CapabilityError, require_count, require_positive
@@ -155,14 +156,7 @@ class PreconditionedSolver:
         status = judged_status(claimed, self._program, point)
         finished = status in (Status.SOLVED, Status.ALMOST_SOLVED)
         self._start = end.y if finished else None
-        return InnerSolution(
-            status=status,
-            native_status=end.message,
-            iterations=iterations,
-            solve_time=time.perf_counter() - begin,
-            point=point.state if status.has_point else None,
-            regularised=point.values,
-        )
+        return told(point, status, end.message, iterations, time.perf_counter() - begin)
 
     def close(self) -> None:
         """Nothing is held."""

@@ -14,9 +14,10 @@ import numpy as np
 import scipy
 
 from backends._embedding.arrays import Translation
-from backends._embedding.follow import Goal, follow
+from backends._embedding.follow import follow
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
+from backends._goal import Goal
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.certificate import certify
 from lacore.errors import require_count, require_positive

@@ -16,8 +16,10 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
+from backends._answers import told
 from backends._conic_laws import ConicLaws
-from backends._interior_point import Goal, follow
+from backends._goal import Goal
+from backends._interior_point import follow
 from backends._newton_system import Shape, System, laws_of, shape_of
 from lacore.arrays import Bools, Floats
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
@@ -252,14 +254,8 @@ class PressedSolver:
         stresses, multipliers = zip(*((p.stress, p.multipliers) for p in found.places), strict=True)
         point = laws.point(found.velocity, found.multiplier, stresses, multipliers)
         status = judged_status(STATUS_MAP[found.native], self._program, point)
-        return InnerSolution(
-            status=status,
-            native_status=found.native,
-            iterations=found.iterations,
-            solve_time=time.perf_counter() - begin,
-            point=point.state if status.has_point else None,
-            regularised=point.values,
-        )
+        seconds = time.perf_counter() - begin
+        return told(point, status, found.native, found.iterations, seconds)
 
     def close(self) -> None:
         """Give the factors back."""

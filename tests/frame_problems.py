@@ -19,6 +19,39 @@ def portal(h=2.0, span=4.0, m_p=1.0, **given):
     )
 
 
+def storeys(draw):
+    """Two storeys with diagonals: nodes, and members c.. (columns), b. (beams) and d."""
+    span, high = draw.uniform(2, 5), draw.uniform(2, 4)
+    nodes = {f"{x}{y}": (x * span, y * high) for x in (0, 1) for y in (0, 1, 2)}
+    members = {f"c{x}{y}": (f"{x}{y}", f"{x}{y + 1}") for x in (0, 1) for y in (0, 1)}
+    members |= {f"b{y}": (f"0{y}", f"1{y}") for y in (1, 2)}
+    return nodes, members | {"d": ("00", "11")}
+
+
+def force(node, vector):
+    return la.PointForce("frame", node, vector)
+
+
+def solved(frame, loads, supports, dead=(), backend="highs", **options):
+    fixed = [la.Fix("frame", where, components) for where, components in supports]
+    problem = la.Problem({"frame": frame}, loads, fixed, dead_loads=dead)
+    return la.solve(problem, backend=backend, throw=True, **options)
+
+
+def storeys_both_ways(frame, live, dead):
+    """The load factor of storeys on clamped feet, and that of an independent linear program.
+
+    live, dead: forces (N, 2) on nodes.
+    """
+    feet = np.array([name[1] == "0" for name in frame.names])
+    loads, permanent = (
+        [force(name, tuple(vector)) for name, vector in zip(frame.names, own, strict=True)]
+        for own in (live, dead)
+    )
+    state = solved(frame, loads, [(("00", "10"), "clamped")], permanent)
+    return state.load_factor, static_load_factor(frame, live, dead, feet)
+
+
 def resting(mu, p, loads, h, span, m_p):
     """A portal whose feet rest on a floor, under p on each column; the same, clamped, mu None."""
     feet = {"interfaces": [la.Interface(("frame", ("A", "D")), FLOOR, mu)]}

@@ -11,6 +11,7 @@ from backends._embedding.directions import Directions
 from backends._embedding.place import Place, Step
 from backends._embedding.start import start
 from backends._embedding.system import System
+from backends._goal import Goal
 from lacore.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 
@@ -20,15 +21,6 @@ _FURTHER = 0.1  # how much longer a step they aim at
 _GAIN = 0.1  # share of that which they must gain
 _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
 _SHORTEST = 1e-5  # step that leads nowhere
-
-
-@dataclass(frozen=True)
-class Goal:
-    """When the iteration ends: tolerance, number of iterations, and by the clock."""
-
-    tolerance: float
-    max_iterations: int
-    deadline: float
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from backends._barrier_laws import BarrierLaw
 from backends._barrier_program import BarrierSolver, Fading
 from backends._conic_laws import ConicLaws
-from lacore.regularization import evaluate, penalties
-from lacore.status import Status
+from lacore.regularization import penalties
+from tests.backends.one_law import check_law
 from tests.lacore.random_programs import N, frozen, random_program, random_soil, random_step
 
 R, TOLERANCE = 0.1, 1e-9
@@ -79,21 +79,4 @@ def test_one_law_in_two_forms(make, seed, contact):
     program = make(seed)
     penalty = penalties(program.scales, R)
     answer = BarrierSolver(program, penalty, Fading(0.1, TOLERANCE, 300, 60.0)).solve(contact)
-    if answer.status is not Status.SOLVED:  # its dead load collapses it, or none can
-        assert answer.status in (Status.UNSAFE, Status.LOCKED)
-        return
-    at = evaluate(program, contact, penalty, answer.point.velocity)
-    power = 1 + abs(answer.regularised.load_factor)
-    power += abs(float(program.dead_load @ answer.point.velocity))
-    gap = GAP * power
-    assert answer.regularised.alpha_reg == pytest.approx(at.values.alpha_reg, abs=1e-6 * power)
-    # Stresses are apart by d with w d^2/(2 K) <= gap; weights are 0.1 and more.
-    stiffest = max(penalty.eta, penalty.bulk, penalty.normal, penalty.tangential)
-    apart = 2 * np.sqrt(2 * stiffest * gap / 0.1)
-    for found, wanted in (
-        (answer.point.stress[0], at.state.stress[0]),
-        (answer.point.mean_stress[0], at.state.mean_stress[0]),
-        (answer.point.normal_reaction, at.state.normal_reaction),
-        (answer.point.tangential_reaction, at.state.tangential_reaction),
-    ):
-        np.testing.assert_allclose(found, wanted, atol=apart)
+    check_law(program, contact, penalty, answer, GAP)
