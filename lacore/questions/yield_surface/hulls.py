@@ -58,6 +58,30 @@ def gauge(points: Floats, centre: Floats, places: Floats) -> Floats | None:
     return np.asarray(np.max((places - centre) / extent @ (faces / reach[:, None]).T, axis=1))
 
 
+def parts_of_width(
+    found: Hulls, planes: Floats, centre: Floats, ways: Floats
+) -> tuple[float, float]:
+    """Distance between both along directions, and what is left where they meet in each of these.
+
+    Args:
+        found: both, bounded.
+        planes: normals and offsets of the outer one, (h, k + 1).
+        centre: inside, (k,).
+        ways: directions from there, (m, k).
+
+    Returns:
+        Each per that of the inner one, or of the hull of where both meet.
+    """
+    speed, room = ways @ planes[:, :-1].T, planes[:, -1] - planes[:, :-1] @ centre
+    reach = np.divide(room, speed, out=np.full(speed.shape, np.inf), where=speed > 0).min(axis=1)
+    border = centre + reach[:, None] * ways
+    along = gauge(found.inner, centre, border)
+    between = gauge(border, centre, found.outer)
+    assert along is not None
+    assert between is not None
+    return float(along.max() - 1), float(between.max() - 1)
+
+
 def hulls(points: Floats, normals: Floats, offsets: Floats, centre: Floats) -> Hulls | None:
     """Hull of points and intersection of half-spaces; None where points have no volume yet.
 

@@ -58,6 +58,9 @@ def test_portal_frame_is_its_polygon():
     assert found.contains((0, 0)) is True
     # Nothing tells a load from its opposite: one direction counts for both.
     assert len(found.table) <= 8
+    # That it needed no more is said.
+    assert f"ended after {len(found.table)} directions: all corners" in found.message
+    assert found.polyhedral_width <= 1e-6
 
 
 def test_each_mechanism_bounds_every_combination():
@@ -111,6 +114,25 @@ def test_moment_and_horizontal_load_beside_a_weight():
     assert "strict bounds of the continuum" in found.rigor
     assert found.contains((0.99, 0.0)) is not False  # Green: V = 2.5 is beside it with H = 1
     assert found.contains((1.001, 0.0)) is False
+
+
+def test_the_width_is_that_of_bounds_and_that_of_corners():
+    """Both as factors make up at least the whole, and neither is more than it."""
+    loads = {"V": VERTICAL, "H": ASIDE}
+    found = la.envelope(footing(nx=12, ny=2), loads, n=5)
+    assert not found.stopped
+    assert max(found.bound_width, found.polyhedral_width) <= found.width * (1 + 1e-9)
+    both = (1 + found.bound_width) * (1 + found.polyhedral_width)
+    assert 1 + found.width <= both * (1 + 1e-9)
+    ratios = found.table["upper"] / found.table["lower"]
+    assert 0 < found.bound_width <= (ratios.max() - 1) * (1 + 1e-9)
+
+
+def test_two_directions_at_a_time_find_what_one_does():
+    loads = {"V": VERTICAL, "H": ASIDE}
+    one, two = (la.envelope(footing(nx=12, ny=2), loads, n=5, jobs=jobs) for jobs in (1, 2))
+    assert np.array_equal(one.planes, two.planes)
+    assert np.array_equal(one.inner, two.inner)
 
 
 def senses(problem, loads):
@@ -204,7 +226,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_components_that_are_none_are_refused_before_any_solve(case, monkeypatch):
-    monkeypatch.setattr("lacore.questions.yield_surface.envelope.solve", None)
+    monkeypatch.setattr("lacore.questions.yield_surface.search.solve", None)
     loads, said = REFUSED[case]
     with pytest.raises(la.InputError, match=said):
         la.envelope(portal(), loads)
@@ -212,7 +234,7 @@ def test_components_that_are_none_are_refused_before_any_solve(case, monkeypatch
 
 def test_pressure_that_an_incompressible_body_takes_does_no_power(monkeypatch):
     """All around a clay: its mean stress carries it, whatever moves."""
-    monkeypatch.setattr("lacore.questions.yield_surface.envelope.lower_bound", None)
+    monkeypatch.setattr("lacore.questions.yield_surface.search.lower_bound", None)
     problem = la.Problem(
         {"block": square()},
         [la.Traction("block", "top", (1, 0))],
