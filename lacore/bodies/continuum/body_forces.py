@@ -127,8 +127,9 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
             field,
             load.told,
             "is not linear in each element: a bound would have to know all of it there",
-            "let edges of the mesh follow its jumps and bends, as lacore.meshes.layered does; give"
-            " a value for each element; or take `solve`",
+            "let edges of the mesh follow its jumps and bends, as lacore.meshes.layered does; take"
+            " for the force what is uniform in each element, force(mesh.p[:, mesh.t].mean(axis=1));"
+            " or take `solve`",
         )
 
 

@@ -154,6 +154,22 @@ def test_what_bends_within_elements_has_no_bounds():
     assert la.upper_bound(clay(follows, (0.0, bent))).load_factor > 0
 
 
+def test_what_bends_is_stated_by_elements_as_its_message_says():
+    """Off by the second order of an element: h^2/8 b'' of a weight b, here 1/128 of it at most."""
+
+    def bent(x):
+        return -HEAVY * np.exp(x[1])
+
+    mesh = layers()
+    with pytest.raises(la.InputError, match=r"force\(mesh.p\[:, mesh.t\].mean\(axis=1\)\)"):
+        la.lower_bound(clay(mesh, (0.0, bent)))
+    nearly = clay(mesh, (0.0, bent(mesh.p[:, mesh.t].mean(axis=1))))
+    nearest = la.solve(clay(mesh, (0.0, bent))).load_factor
+    assert la.solve(nearly).load_factor == pytest.approx(nearest, rel=1 / 128)
+    below, above = la.lower_bound(nearly, throw=True), la.upper_bound(nearly, throw=True)
+    assert below.load_factor <= above.load_factor
+
+
 BLOCKS = {
     "low": [(0, 0), (2, 0), (2, 1), (0, 1)],
     "high": [(0, 1), (1, 1), (1, 2), (0.5, 2.5), (0, 2)],
