@@ -173,7 +173,8 @@ class PointForce(Compact):
     @property
     def told(self) -> str:
         """In a few words."""
-        return f"{short(self.vector)} N/m at {short(self.at)} of {self.body}"
+        unit = "" if self.point is None else " m"
+        return f"{short(self.vector)} N/m at {short(self.at)}{unit} of {self.body}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -39,9 +39,11 @@ class Within(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(x = 0 to 1, y = 0)``."""
+        """In a few words: ``(x = 0 to 1 m, y = 0 m)``."""
         own = [
-            f"{name} = {_said(at)}" for name, at in (("x", self.x), ("y", self.y)) if at is not None
+            f"{name} = {_said(at)} m"
+            for name, at in (("x", self.x), ("y", self.y))
+            if at is not None
         ]
         return f"({', '.join(own)})"
 
@@ -82,9 +84,9 @@ class Along(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(from 0, 0 to 1, 2)``."""
+        """In a few words: ``(from (0, 0) to (1, 2) m)``."""
         (x, y), (u, v) = self.start, self.end
-        return f"(from {x:.4g}, {y:.4g} to {u:.4g}, {v:.4g})"
+        return f"(from ({x:.4g}, {y:.4g}) to ({u:.4g}, {v:.4g}) m)"
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie on it, shape (n,)."""
@@ -124,9 +126,9 @@ class Beyond(Compact):
 
     @property
     def told(self) -> str:
-        """In a few words: ``(beyond 0, 0 along 1, 2)``."""
+        """In a few words: ``(beyond (0, 0) m along 1, 2)``."""
         (x, y), (u, v) = self.point, self.normal
-        return f"(beyond {x:.4g}, {y:.4g} along {u:.4g}, {v:.4g})"
+        return f"(beyond ({x:.4g}, {y:.4g}) m along {u:.4g}, {v:.4g})"
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie there, shape (n,)."""

@@ -1,52 +1,79 @@
-"""Sizes told in one choice of units: Pa or kPa, N or kN, the same all over a page or a picture."""
+"""Sizes told in one choice of units: Pa or kPa, m or mm, the same all over a page or a picture."""
 
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import floor, log10
 
-PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6}
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+_LBF, _FT, _IN = 4.4482216152605, 0.3048, 0.0254  # N, m, m: by definition
+FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": _LBF, "kip": 1e3 * _LBF}
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": _FT, "in": _IN}
+STRESSES = {
+    **{"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    **{"psf": _LBF / _FT**2, "ksf": 1e3 * _LBF / _FT**2},
+    **{"psi": _LBF / _IN**2, "ksi": 1e3 * _LBF / _IN**2},
+}
+_METRIC = {"N": "Pa", "kN": "kPa", "MN": "MPa"}
+_CUSTOMARY = {"lbf": ("psf", "psi"), "kip": ("ksf", "ksi")}
+_NUMBER = r"[+-]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)"
+_PAIR = rf"\((?:{_NUMBER}|varies), (?:{_NUMBER}|varies)\)"
 _AMOUNT = re.compile(
-    rf"(?P<numbers>\({_NUMBER}, {_NUMBER}\)|{_NUMBER} to {_NUMBER}|(?<![\w.]){_NUMBER})"
-    r" (?P<unit>Pa/m|Pa|N/m\^3|N/m per m|N/m|N m|N)(?![\w^/])"
+    rf"(?P<numbers>{_PAIR} to {_PAIR}|{_PAIR}|(?<![\w.]){_NUMBER} to {_NUMBER}|(?<![\w.]){_NUMBER})"
+    r" (?P<unit>Pa/m|Pa|N/m\^3|N/m per m|N/m|N m|N|m)(?![\w^/])"
 )
 _OF_FRAMES = {"N/m": "N", "N": "N m", "N/m per m": "N/m"}
 
 
 @dataclass(frozen=True)
 class Units:
-    """A prefix of all units of force and stress.
+    """What forces, lengths and stresses are told in.
 
     Attributes:
-        prefix: one of `PREFIXES`; lengths stay in m.
+        force: one of `FORCES`.
+        length: one of `LENGTHS`; forces and moments are per m, or per ft, whatever it is.
+        own_stress: one of `STRESSES`; empty: the one that goes with forces.
         whole: whether forces of frames are those of a whole frame: N for N/m, N m for N.
     """
 
-    prefix: str = ""
+    force: str = "N"
+    length: str = "m"
+    own_stress: str = ""
     whole: bool = False
 
     @property
-    def size(self) -> float:
-        """Of the unit, in that without a prefix."""
-        return PREFIXES[self.prefix]
+    def stress(self) -> str:
+        """What stresses are told in."""
+        if self.own_stress:
+            return self.own_stress
+        if self.force in _METRIC:
+            return _METRIC[self.force]
+        return _CUSTOMARY[self.force][self.length == "in"]
 
-    def label(self, unit: str, framed: bool = False) -> str:
-        """A unit such as ``Pa`` or ``N/m`` with the prefix.
+    def size(self, unit: str, framed: bool = False) -> float:
+        """What one of these units is in a unit of SI.
 
         Args:
-            unit: of SI, per unit thickness.
+            unit: of SI, per unit thickness: ``Pa``, ``N/m``, ``m``; what is none of these is told
+                as it is.
             framed: whether it is of a frame.
         """
-        own = _OF_FRAMES.get(unit, unit) if framed and self.whole else unit
-        return f"{self.prefix}{own}"
+        return self._told(unit, framed)[1]
+
+    def label(self, unit: str, framed: bool = False) -> str:
+        """The unit that a size is told in, for a unit of SI: ``kPa`` for ``Pa``; see `size`."""
+        return self._told(unit, framed)[0]
 
     def told(self, size: float, unit: str, framed: bool = False, digits: int = 4) -> str:
         """``20 kPa`` of 20000 Pa."""
-        return f"{size / self.size:.{digits}g} {self.label(unit, framed)}"
+        return f"{size / self.size(unit, framed):.{digits}g} {self.label(unit, framed)}"
+
+    def place(self, x: float, y: float) -> str:
+        """``(0.52, -1.2) m``."""
+        size = self.size("m")
+        return f"({x / size:.3g}, {y / size:.3g}) {self.length}"
 
     def rewritten(self, text: str, framed: bool = False) -> str:
-        """A text of lacore in these units: ``(0, -100 kN)`` of ``(0, -100000) N``, up to 7 digits.
+        """A text of lacore in these units: ``(0, -100) kN`` of ``(0, -100000) N``, up to 7 digits.
 
         Args:
             text: that says sizes in SI, as descriptions of loads and of strengths do.
@@ -54,29 +81,47 @@ class Units:
         """
 
         def own(match: re.Match[str]) -> str:
-            numbers = re.sub(_NUMBER, self._divided, match["numbers"])
-            return f"{numbers} {self.label(match['unit'], framed)}"
+            label, size = self._told(match["unit"], framed)
+            numbers = re.sub(_NUMBER, lambda one: f"{float(one[0]) / size:.7g}", match["numbers"])
+            return f"{numbers} {label}"
 
         return _AMOUNT.sub(own, text)
 
-    def _divided(self, match: re.Match[str]) -> str:
-        return f"{float(match[0]) / self.size:.7g}"
+    def _told(self, unit: str, framed: bool) -> tuple[str, float]:
+        """The label and the size of a unit of SI."""
+        own = _OF_FRAMES.get(unit, unit) if framed and self.whole else unit
+        force, stress = FORCES[self.force], STRESSES[self.stress]
+        per = "m" if self.force in _METRIC else "ft"
+        long = LENGTHS[per]
+        known = {
+            "m": (self.length, LENGTHS[self.length]),
+            "m/s": (f"{self.length}/s", LENGTHS[self.length]),
+            "Pa": (self.stress, stress),
+            "Pa/m": (f"{self.stress}/{per}", stress / long),
+            "N": (self.force, force),
+            "N/m": (f"{self.force}/{per}", force / long),
+            "N/m per m": (f"{self.force}/{per} per {per}", force / long**2),
+            "N/m^3": (f"{self.force}/{per}^3", force / long**3),
+            "N m": (f"{self.force} {per}", force * long),
+        }
+        return known.get(own, (own, 1.0))
 
 
 def fitting(texts: Iterable[str]) -> str:
-    """The prefix in which the sizes that texts say are mostly between 1 and 1000."""
+    """The one of N, kN, MN in which the sizes that texts say are mostly between 1 and 1000."""
     sizes = [size for text in texts for size in _sizes(text)]
     if not sizes:
-        return ""
+        return "N"
     middle = sum(map(log10, sizes)) / len(sizes)
-    thousands = min(max(floor(middle / 3), 0), len(PREFIXES) - 1)
-    return list(PREFIXES)[thousands]
+    thousands = min(max(floor(middle / 3), 0), len(_METRIC) - 1)
+    return list(_METRIC)[thousands]
 
 
 def _sizes(text: str) -> Sequence[float]:
     found = [
         abs(float(number))
         for match in _AMOUNT.finditer(text)
+        if match["unit"] != "m"
         for number in re.findall(_NUMBER, match["numbers"])
     ]
     return [size for size in found if size > 0]

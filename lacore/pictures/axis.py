@@ -1,13 +1,18 @@
 """Bodies of revolution in pictures: their axis, the names of coordinates, units."""
 
 from collections.abc import Iterable
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import AutoLocator, FuncFormatter
 
 from lacore.bodies.any_body import Stated
+from lacore.numerics.quantities import Units
 
 _COLOUR, _WIDTH, _DASHES = "#7a7a7a", 0.9, (0.0, (9.0, 3.0, 2.0, 3.0))
+_SI = Units()
 _FAR = 1.0  # sizes of the body: an axis farther off is not drawn
 
 
@@ -16,11 +21,31 @@ def has_axis(bodies: Iterable[Stated]) -> bool:
     return any(body.axisymmetric for body in bodies)
 
 
-def label_coordinates(axes: Axes, bodies: Iterable[Stated]) -> None:
-    """Names of x and y: r and z around an axis."""
-    names = ("r [m]", "z [m]") if has_axis(bodies) else ("x [m]", "y [m]")
-    axes.set_xlabel(names[0], fontsize=9)
-    axes.set_ylabel(names[1], fontsize=9)
+class _Ticks(AutoLocator):
+    """Ticks at round lengths of a unit, on an axis in m."""
+
+    def __init__(self, size: float) -> None:
+        super().__init__()
+        self._size = size
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Where they are between two ends, m."""
+        return self._size * np.asarray(super().tick_values(vmin / self._size, vmax / self._size))
+
+
+def label_coordinates(axes: Axes, bodies: Iterable[Stated], units: Units = _SI) -> None:
+    """Names of x and y, r and z around an axis, and ticks in the unit of lengths."""
+    label_lengths(axes, "rz" if has_axis(bodies) else "xy", units)
+
+
+def label_lengths(axes: Axes, names: str, units: Units) -> None:
+    """Names of both axes, which are in m, and ticks in the unit of lengths."""
+    size = units.size("m")
+    for axis, name in zip((axes.xaxis, axes.yaxis), names, strict=True):
+        axis.set_label_text(f"{name} [{units.length}]", fontsize=9)
+        if size != 1.0:
+            axis.set_major_locator(_Ticks(size))
+            axis.set_major_formatter(FuncFormatter(lambda at, _: f"{round(at / size, 9):g}"))
 
 
 def draw_axis(axes: Axes, bodies: Iterable[Stated]) -> list[Line2D]:

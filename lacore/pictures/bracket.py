@@ -12,17 +12,21 @@ from lacore.adaptive.bracket import Bracket
 from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
+from lacore.numerics.quantities import Units
+from lacore.pictures.axis import label_lengths
 
+_SI = Units()
 _PAGE = 9.0  # inches
 _DECADES = 3.0  # of shares that the colours span
 _WIDE = 0.7  # height over width: below it pictures stand above each other
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
 
 
-def plot_bracket(bracket: Bracket) -> Figure:
+def plot_bracket(bracket: Bracket, units: Units = _SI) -> Figure:
     """Shares of elements in the gap (T26) on the mesh of the upper bound; those of the lower one.
 
     The shares of the lower bound's mesh are those that it was refined by (T26d), of their sum.
+    Lengths are told in `units`.
     """
     above, below = bracket.upper_bound.discretisation, bracket.lower_bound
     return plot_shares(
@@ -31,10 +35,18 @@ def plot_bracket(bracket: Bracket) -> Figure:
         np.concatenate(list(bracket.gaps.elements.values())),
         mesh_of(below.model.problem),
         np.concatenate([lower_shares(below, name) for name in below.model.bodies]),
+        units,
     )
 
 
-def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying: Floats) -> Figure:
+def plot_shares(
+    title: str,
+    above: MeshTri,
+    gap: Floats,
+    below: MeshTri,
+    varying: Floats,
+    units: Units = _SI,
+) -> Figure:
     """The same of meshes and shares that were kept.
 
     Args:
@@ -43,6 +55,7 @@ def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying
         gap: shares of its elements in the gap.
         below: mesh of the lower bound.
         varying: shares that it was refined by.
+        units: that lengths are told in.
     """
     extent = np.ptp(above.p, axis=1)
     aspect = float(extent[1] / extent[0])
@@ -58,12 +71,12 @@ def plot_shares(title: str, above: MeshTri, gap: Floats, below: MeshTri, varying
         )
     ):
         axes = figure.add_subplot(rows, columns, place + 1)
-        _draw(figure, axes, mesh, shares)
+        _draw(figure, axes, mesh, shares, units)
         axes.set_title(f"{title}, {mesh.nelements} elements", fontsize=9, loc="left")
     return figure
 
 
-def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats) -> None:
+def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats, units: Units) -> None:
     part = 100 * np.maximum(shares, 0.0) / max(float(np.maximum(shares, 0.0).sum()), 1e-300)
     peak = max(float(part.max()), 1e-12)
     low = float(np.clip(part.min(), peak * 10**-_DECADES, peak / 2))
@@ -79,7 +92,6 @@ def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats) -> None:
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.tick_params(labelsize=8)
-    axes.set_xlabel("x [m]", fontsize=9)
-    axes.set_ylabel("y [m]", fontsize=9)
+    label_lengths(axes, "xy", units)
     bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
     bar.ax.tick_params(labelsize=8)

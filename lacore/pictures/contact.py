@@ -172,7 +172,7 @@ def _profile(contact: SegmentedContact) -> _Profile:
     straight = np.isclose(np.abs(tangent), 1.0).all(axis=1)
     origin = float(start[np.argmax(straight), order[0]]) if straight.any() else 0.0
     return _Profile(
-        axis=f"{'xy'[int(np.argmax(straight))]} [m]" if straight.any() else "distance [m]",
+        axis="xy"[int(np.argmax(straight))] if straight.any() else "distance",
         arc=origin + np.concatenate([[0.0], np.cumsum(widths)]),
         t_n=mean(contact.t_n),
         t_t=sign * mean(contact.t_t),
@@ -188,17 +188,18 @@ def draw_panel(
 
     Args:
         fastest: largest velocity, m/s: the unit of the velocities shown.
-        units: that tractions are told in.
+        units: that tractions and places are told in.
     """
     profile = _profile(contact)
+    arc, named = profile.arc / units.size("m"), units.rewritten(contact.name)
     halves = cell.subgridspec(1, 2, wspace=0.08)
     left, right = figure.add_subplot(halves[0]), figure.add_subplot(halves[1])
     for axes, lines, label, floor in (
         (
             left,
             (
-                ("$t_n$ pressure", profile.t_n / units.size, "#222222"),
-                ("$t_t$ friction", profile.t_t / units.size, "#d55e00"),
+                ("$t_n$ pressure", profile.t_n / units.size("Pa"), "#222222"),
+                ("$t_t$ friction", profile.t_t / units.size("Pa"), "#d55e00"),
             ),
             f"traction [{units.label('Pa')}]",
             0.0,
@@ -215,8 +216,8 @@ def draw_panel(
     ):
         axes.axhline(0, color="#bbbbbb", lw=0.8)
         for name, values, colour in lines:
-            axes.stairs(values, profile.arc, baseline=None, color=colour, lw=1.6, label=name)
-        axes.set_xlabel(f"{profile.axis} along {contact.name}", fontsize=9)
+            axes.stairs(values, arc, baseline=None, color=colour, lw=1.6, label=name)
+        axes.set_xlabel(f"{profile.axis} [{units.length}] along {named}", fontsize=9)
         axes.set_ylabel(label, fontsize=9)
         axes.tick_params(labelsize=8)
         axes.margins(x=0.01, y=0.12)

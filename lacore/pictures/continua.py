@@ -13,6 +13,7 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
 from lacore.limit.state import LimitState
 from lacore.meshes.curved import edge_lines
+from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
 
 BEFORE = {"colors": "#999999", "linewidths": 0.8, "linestyles": (0, (4, 3))}
@@ -23,15 +24,20 @@ _RIGID_SHARE = 1e-5  # of all power: below it the bodies move rigidly
 _SIDES = 6  # chords drawn for each curved edge of a deformed element
 
 
-def draw_continua(figure: Figure, axes: Axes, state: LimitState, stretch: float) -> bool:
+def draw_continua(
+    figure: Figure, axes: Axes, state: LimitState, stretch: float, units: Units
+) -> bool:
     """Continua displaced by `stretch` (s) times their velocity.
 
     Returns:
         whether there is a bar of colours: plastic dissipation.
     """
-    dissipation = state.dissipation
+    dissipation = dict(state.dissipation)
     if not dissipation:
         return False
+    power = 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
+    size = units.size("m") ** power
+    dissipation = {name: size * own for name, own in dissipation.items()}
     norm = _colour_scale(state, np.concatenate(list(dissipation.values())))
     cmap = matplotlib.colormaps["YlOrRd"].with_extremes(under=RIGID, bad=RIGID)
     picture = None
@@ -55,8 +61,7 @@ def draw_continua(figure: Figure, axes: Axes, state: LimitState, stretch: float)
         axes.set_title("no plastic dissipation: a rigid motion", fontsize=9, loc="right")
     elif picture is not None:
         bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
-        power = 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
-        bar.set_label(f"dissipation density [W/m$^{power}$ per W of load]", fontsize=9)
+        bar.set_label(f"dissipation density [W/{units.length}$^{power}$ per W of load]", fontsize=9)
         bar.ax.tick_params(labelsize=8)
     return norm is not None
 

@@ -78,7 +78,7 @@ def _draw_thrust(
         order = order[np.argsort(size[order], kind="stable")]  # the largest on top
         order = order[np.cumsum(size[order]) > _LEFT_OUT * size[order].sum()]
         shade = np.sqrt(size[order] / peak)
-        told = f", those above {size[order[0]] / units.size:.2g}"
+        told = f", those above {size[order[0]] / units.size('N/m'):.2g}"
     lines = np.concatenate([own[:, :, order] for own in forces.lines], axis=2).T
     faint, full = (np.array(matplotlib.colors.to_rgb(colour)) for colour in (_FAINT, THRUST))
     axes.add_collection(

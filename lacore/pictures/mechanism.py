@@ -61,7 +61,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
 
     Args:
         state: any state with a point, whatever its status; the title says which.
-        units: that forces are told in; one prefix that fits most sizes of the problem if None.
+        units: that sizes are told in; m, and a prefix that fits most forces, if None.
 
     Raises:
         ValueError: there is no point to show.
@@ -78,7 +78,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
 
     layout = _layout(extent, _rigid_parts(state), len(panels))
     axes, *others = layout.pictures
-    colours = draw_continua(layout.figure, axes, state, stretch)
+    colours = draw_continua(layout.figure, axes, state, stretch, units)
     draw_blocks(axes, state, stretch, fastest)
     width = float(np.clip(_LINE * layout.points * _block_size(state, extent), 0.5, 3.5))
     hinges = draw_frames(axes, state, stretch, fastest)
@@ -97,7 +97,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     handles = [*_handles(state, [*interfaces, *joints]), *obstacles, *hinges]
     handles += draw_axis(axes, bodies)
     _frame(axes, handles, layout.columns)
-    label_coordinates(axes, bodies)
+    label_coordinates(axes, bodies, units)
     for picture in others:
         thickest = float(np.clip(_THRUST * layout.points * _block_size(state, extent), 2.0, 6.0))
         handles = [*draw_moments(picture, state, units)]
@@ -106,7 +106,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
             if len(contact.sides) == 1 and not contact.pointwise:
                 draw_ground(picture, contact, _GROUND * size)
         _frame(picture, handles, layout.columns)
-        label_coordinates(picture, bodies)
+        label_coordinates(picture, bodies, units)
         if layout.columns > 1:
             picture.set_ylabel("")
     _fit(layout, colours)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.bodies.any_body import AnyBody
+from lacore.bodies.any_body import AnyBody, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
@@ -28,6 +28,10 @@ from lacore.problem.problem import Problem
 from lacore.questions.places import places
 
 Changed = Callable[[Problem, float], Problem]
+_UNITS = {  # of the numbers of materials and of friction; all others are stresses
+    **dict.fromkeys(("mu", "rate", "offset", "exponent"), ""),
+    **dict.fromkeys(("friction_angle", "dilation_angle"), "deg"),
+}
 STRENGTH, LOAD, PLACE, OWN = "strength", "load", "place", "own"
 
 
@@ -41,6 +45,8 @@ class Parameter:
         value: as stated; of a load its size.
         size: what its changes are measured by: the value, of a place the size of its body.
         at: the problem with another value.
+        unit: of the value, of SI and per unit thickness; ``deg`` of angles, empty of ratios.
+        body: that it belongs to; empty: to none, or to several.
     """
 
     name: str
@@ -48,29 +54,32 @@ class Parameter:
     value: float
     size: float
     at: Changed
+    unit: str = ""
+    body: str = ""
 
 
 def parameters_of(problem: Problem) -> list[Parameter]:
     """All numbers of a problem that a load factor can be differentiated by."""
     found = []
     for name, body in problem.bodies.items():
-        for field, thing in _strong(body):
-            for path, value, changed in _numbers(thing):
-                at = _of_body(name, field, changed)
-                found.append(Parameter(f"{name}: {field}{path}", STRENGTH, value, value, at))
+        for field, thing, plain in _strong(body):
+            for path, value, unit, changed in _numbers(thing, plain):
+                title, at = f"{name}: {field}{path}", _of_body(name, field, changed)
+                found.append(Parameter(title, STRENGTH, value, value, at, unit, name))
     for index, pair in enumerate(problem.interfaces):
-        for path, value, changed in _numbers(pair.law):
-            at = _of_interface(index, changed)
-            found.append(Parameter(f"{pair.name}: friction{path}", STRENGTH, value, value, at))
+        for path, value, unit, changed in _numbers(pair.law):
+            title, at = f"{pair.name}: friction{path}", _of_interface(index, changed)
+            found.append(Parameter(title, STRENGTH, value, value, at, unit))
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
             size = size_of(load)
             if size is not None:
                 name = f"{attribute}[{index}]: {load.told}"
-                at = _of_load(attribute, index, size)
-                found.append(Parameter(name, LOAD, size, size, at))
+                at, unit = _of_load(attribute, index, size), unit_of(load, problem.bodies)
+                found.append(Parameter(name, LOAD, size, size, at, unit, load.body))
     for place in places(problem):
-        found.append(Parameter(place.name, PLACE, place.value, place.size, place.at))
+        own = Parameter(place.name, PLACE, place.value, place.size, place.at, "m", place.body)
+        found.append(own)
     return found
 
 
@@ -80,51 +89,60 @@ def without_parameter(problem: Problem) -> tuple[str, ...]:
 
 
 @singledispatch
-def _strong(body: AnyBody) -> Iterator[tuple[str, Any]]:
-    """What of a body is strong, by the name of its field."""
+def _strong(body: AnyBody) -> Iterator[tuple[str, Any, str]]:
+    """What of a body is strong: the name of its field, and the unit of numbers that it holds."""
     raise TypeError(type(body).__name__)
 
 
 @_strong.register(Body)
-def _criterion(body: Body) -> Iterator[tuple[str, Any]]:
-    yield "criterion", body.criterion
+def _criterion(body: Body) -> Iterator[tuple[str, Any, str]]:
+    yield "criterion", body.criterion, "Pa"
 
 
 @_strong.register(BlockAssembly)
-def _joints(body: BlockAssembly) -> Iterator[tuple[str, Any]]:
-    yield "friction", body.friction
+def _joints(body: BlockAssembly) -> Iterator[tuple[str, Any, str]]:
+    yield "friction", body.friction, ""
     if body.joint_friction:
-        yield "joint_friction", body.joint_friction
+        yield "joint_friction", body.joint_friction, ""
 
 
 @_strong.register(Frame)
-def _members(body: Frame) -> Iterator[tuple[str, Any]]:
-    yield "plastic_moment", body.plastic_moment
-    yield "sections", body.sections
+def _members(body: Frame) -> Iterator[tuple[str, Any, str]]:
+    yield "plastic_moment", body.plastic_moment, "N"
+    yield "sections", body.sections, "N"
 
 
-def _numbers(thing: Any) -> Iterator[tuple[str, float, Callable[[float], Any]]]:
-    """Positive numbers in a thing: where, their values, and the thing with another one there."""
+def _numbers(
+    thing: Any, unit: str = ""
+) -> Iterator[tuple[str, float, str, Callable[[float], Any]]]:
+    """Positive numbers in a thing: where, values, units, and the thing with another one there."""
     if is_number(thing) and thing > 0:
-        yield "", float(thing), lambda value: value
+        yield "", float(thing), unit, lambda value: value
     elif isinstance(thing, Section):
         size = thing.plastic_moment or thing.squash_load
         if isfinite(size) and size > 0:
-            yield " (strength)", size, _stronger(thing, size)
+            yield (
+                " (strength)",
+                size,
+                "N" if thing.plastic_moment else "N/m",
+                _stronger(thing, size),
+            )
     elif isinstance(thing, Field):  # not how steep it is at most, which is no strength
-        yield " (factor)", float(thing.factor), lambda value: thing * (value / thing.factor)
+        yield " (factor)", float(thing.factor), "", lambda value: thing * (value / thing.factor)
     elif isinstance(thing, Mapping):
         for key, own in thing.items():
-            for path, value, changed in _numbers(own):
-                yield f"[{key!r}]{path}", value, _in_mapping(thing, key, changed)
+            for path, value, own_unit, changed in _numbers(own, unit):
+                yield f"[{key!r}]{path}", value, own_unit, _in_mapping(thing, key, changed)
     elif is_dataclass(thing) and not isinstance(thing, type):
         for entry in fields(thing):
             own = getattr(thing, entry.name)
             if not entry.init or isinstance(own, bool) or own is None:
                 continue
             if is_number(own) or is_dataclass(own) or isinstance(own, Mapping):
-                for path, value, changed in _numbers(own):
-                    yield f".{entry.name}{path}", value, _in_field(thing, entry.name, changed)
+                plain = _UNITS.get(entry.name, "Pa")
+                for path, value, own_unit, changed in _numbers(own, plain):
+                    remade = _in_field(thing, entry.name, changed)
+                    yield f".{entry.name}{path}", value, own_unit, remade
 
 
 def _stronger(section: Section, size: float) -> Callable[[float], Section]:
@@ -205,6 +223,27 @@ def _value(load: Pressure) -> float:
 @size_of.register(RigidFooting)
 def _pressure(load: RigidFooting) -> float:
     return abs(load.pressure)
+
+
+@singledispatch
+def unit_of(load: Load, bodies: Mapping[str, AnyBody]) -> str:
+    """The unit of the size of a load: of a pressure, if it is no other one."""
+    return "Pa"
+
+
+@unit_of.register(Traction)
+def _along_members(load: Traction, bodies: Mapping[str, AnyBody]) -> str:
+    return "N/m per m" if load.body in of_kind(bodies, Frame) else "Pa"
+
+
+@unit_of.register(PointForce)
+def _of_force(load: PointForce, bodies: Mapping[str, AnyBody]) -> str:
+    return "N" if bodies[load.body].axisymmetric else "N/m"
+
+
+@unit_of.register(BodyForce)
+def _of_weight(load: BodyForce, bodies: Mapping[str, AnyBody]) -> str:
+    return "N/m^3" if load.uniform else ""
 
 
 @singledispatch

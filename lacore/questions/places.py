@@ -27,12 +27,14 @@ class Place:
         value: m; along a member the distance moved, 0.
         size: of the body, m.
         at: the problem with another value.
+        body: that it is of.
     """
 
     name: str
     value: float
     size: float
     at: Callable[[Problem, float], Problem]
+    body: str
 
 
 def places(problem: Problem) -> Iterator[Place]:
@@ -50,12 +52,12 @@ def places(problem: Problem) -> Iterator[Place]:
                 for axis, letter in enumerate("xy"):
                     name = f"{attribute}[{index}]: {letter} of the force on {load.body}"
                     at = _of_force(attribute, index, axis)
-                    yield Place(name, float(load.point[axis]), size, at)
+                    yield Place(name, float(load.point[axis]), size, at, load.body)
     for body, frame in of_kind(problem.bodies, Frame).items():
         for node, what in _marked(problem, body, frame).items():
             for letter, direction in _directions(frame, node):
                 name = f"{body}: {what} at {node}, {letter}"
-                yield Place(name, 0.0, frame.size, _of_node(body, node, direction))
+                yield Place(name, 0.0, frame.size, _of_node(body, node, direction), body)
 
 
 def _of_force(attribute: str, index: int, axis: int) -> Callable[[Problem, float], Problem]:

@@ -41,7 +41,7 @@ _METHODS = {
     ),
 }
 _COLUMNS = [
-    *("parameter", "kind", "value", "derivative", "elasticity", "left", "right"),
+    *("parameter", "kind", "value", "unit", "body", "derivative", "elasticity", "left", "right"),
     *("unique", "method", "why"),
 ]
 _ASIDE = (1e-3, 1.25e-4)  # of all strengths and loads, by which uniqueness is tried
@@ -57,8 +57,9 @@ class Sensitivity(Shown):
     Attributes:
         state: that was asked.
         table: a row a parameter, what matters most first: ``parameter``, ``kind`` (``strength``,
-            ``load``, ``place``, ``own``), ``value`` (SI, angles in degrees; of a load its size, of
-            a node of a frame how far it is moved), ``derivative`` of the load factor,
+            ``load``, ``place``, ``own``), ``value`` (of a load its size, of a node of a frame how
+            far it is moved) and its ``unit`` (SI, angles in degrees), the ``body`` that it is of,
+            ``derivative`` of the load factor by it,
             ``elasticity``, that times the value over the load factor: per cent for each per cent
             (of a place the size of its body stands for the value); ``left`` and ``right``, the
             one-sided derivatives, which differ where it is not ``unique`` and has none;
@@ -288,6 +289,8 @@ def _row(parameter: Parameter, found: Mapping[str, Any], load_factor: float) -> 
         "parameter": parameter.name,
         "kind": parameter.kind,
         "value": parameter.value,
+        "unit": parameter.unit,
+        "body": parameter.body,
         "derivative": derivative,
         "elasticity": most * parameter.size / load_factor if load_factor else np.nan,
         **found,

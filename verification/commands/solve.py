@@ -93,7 +93,7 @@ def solve(
         print_json(records.document(stated, answer, page))
     else:
         click.echo(stated.title)
-        for name, text in words.lines(answer, words.units_of(stated)).items():
+        for name, text in words.lines(answer, stated.units).items():
             click.echo(f"  {name:<12}{text}")
         click.echo(f"  {'page':<12}{page}")
     ctx.exit(0 if answer.good else 1)

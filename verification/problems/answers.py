@@ -142,12 +142,12 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             bracket = la.bracket(
                 problem, question.bracket, backend=question.backend, on_step=_telling(tell)
             )
-    if question.range:
-        with doing("searching for other load factors"):
-            found = _range(problem, question.backend)
     if question.safety:
         with doing("dividing the strength"):
             safety = la.safety_factor(problem, backend=question.backend)
+    if question.range:  # last: it takes longest, and what is refused is to be said before
+        with doing("searching for other load factors"):
+            found = _range(problem, question.backend)
     given = Given(state, question.cases, question.backend, question.bracket)
     others: dict[str, Any] = {}
     for name in question.more:

@@ -3,14 +3,20 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 import lacore as la
+from lacore import views
 from lacore.conditions.loads import Load
 from lacore.files.problem.reading import Stated
+from lacore.numerics.quantities import Units
 from lacore.questions.stable import require_dead_loads
+from verification.problems.tables import sensitivity_in
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,8 @@ class More:
         cases: least and largest number of cases that it takes.
         takes: the same in words.
         dead: whether it is about dead loads.
+        told: the answer in some units.
+        drawn: its picture in these.
     """
 
     title: str
@@ -72,6 +80,8 @@ class More:
     cases: tuple[float, float] = (0, inf)
     takes: str = ""
     dead: bool = False
+    told: Callable[[Any, Units], Any] = lambda found, units: found
+    drawn: Callable[[Any, Units], "Figure"] = lambda found, units: views.picture(found)
 
 
 def check(name: str, stated: Stated) -> None:
@@ -165,6 +175,7 @@ MORE: Mapping[str, More] = {
         },
         script=lambda backend, width: f'la.stable(problem, "{backend}")',
         dead=True,
+        drawn=lambda found, units: views.picture(found, units=units),
     ),
     "sensitivity": More(
         title="What the load factor depends on",
@@ -176,6 +187,7 @@ MORE: Mapping[str, More] = {
         document=lambda found: {"table": found.table.to_dict("records")},
         script=lambda backend, width: "la.sensitivity(state)",
         table=lambda found: found.table,
+        told=sensitivity_in,
     ),
     "cases": More(
         title="Load cases",

@@ -64,13 +64,13 @@ def page(
         Section("problem", "The problem", [_sketch(state, units), Facts(_parts(state, units))]),
     ]
     if answer.bracket is not None:
-        sections.append(_bracket(answer.bracket))
+        sections.append(_bracket(answer.bracket, units))
     if answer.range is not None:
-        sections.append(_range(answer.range))
+        sections.append(_range(answer.range, units))
     if answer.safety is not None:
         history = _table(answer.safety.history, "Bounds on the way")
         sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
-    sections += [_more(*pair) for pair in answer.more.items()]
+    sections += [_more(name, own, units) for name, own in answer.more.items()]
     sections += [
         Section("certificate", "Certificate", [*_certificate(state)]),
         Section("tables", "Tables", [*_tables(state, units)]),
@@ -89,8 +89,8 @@ def _lead(answer: Answer) -> str:
     return state.status.said(state.message)
 
 
-def _picture(name: str, caption: str, thing: object, **options: Any) -> Picture:
-    return Picture(name, caption, png(views.picture(thing, **options), _DPI))
+def _picture(name: str, caption: str, thing: object, units: Units) -> Picture:
+    return Picture(name, caption, png(views.picture(thing, units=units), _DPI))
 
 
 def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
@@ -98,13 +98,13 @@ def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
         yield Text("There is no mechanism to be drawn.", soft=True)
         return
     caption = "Mechanism, drawn larger than life"
-    yield Gallery([_picture("mechanism", caption, state, units=units)])
+    yield Gallery([_picture("mechanism", caption, state, units)])
 
 
 def _sketch(state: la.LimitState, units: Units) -> Block:
     problem = state.discretisation.problem
     caption = "The problem: supports, contact, loads"
-    return Gallery([_picture("problem", caption, problem, units=units)])
+    return Gallery([_picture("problem", caption, problem, units)])
 
 
 def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
@@ -112,8 +112,10 @@ def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
     problem = state.discretisation.problem
     said = {
         "bodies": [f"{name}: {units.rewritten(o.contents)}" for name, o in problem.bodies.items()],
-        "supports": [own.told for own in problem.supports],
-        "interfaces": [f"{own.name}: {friction(own.law, units)}" for own in problem.interfaces],
+        "supports": [units.rewritten(own.told) for own in problem.supports],
+        "interfaces": [
+            f"{units.rewritten(own.name)}: {friction(own.law, units)}" for own in problem.interfaces
+        ],
     }
     return {
         "problem": problem.facts().title.partition(": ")[2],
@@ -123,27 +125,31 @@ def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
     }
 
 
-def _bracket(bracket: la.Bracket) -> Section:
+def _bracket(bracket: la.Bracket, units: Units) -> Section:
     blocks: list[Block] = [_table(bracket.history, "Solves")]
     if np.isfinite(bracket.width):
-        blocks.insert(0, Gallery([_picture("bracket", "Where the rest of the gap is", bracket)]))
+        caption = "Where the rest of the gap is"
+        blocks.insert(0, Gallery([_picture("bracket", caption, bracket, units)]))
     return Section("bracket", "Proven from both sides", blocks, bracket.heading)
 
 
-def _range(found: la.CoulombRange | la.SoilRange) -> Section:
+def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
     facts = found.facts()
-    blocks: list[Block] = [Facts(dict(facts.told)), _table(found.states, "States found")]
+    told = {name: units.rewritten(text) for name, text in facts.told.items()}
+    blocks: list[Block] = [Facts(told), _table(found.states, "States found")]
     return Section("range", "Range of load factors", blocks, facts.title)
 
 
-def _more(name: str, found: Any) -> Section:
+def _more(name: str, found: Any, units: Units) -> Section:
     own = MORE[name]
     if isinstance(found, str):
-        return Section(name, own.title, [Text(found)])
-    blocks: list[Block] = [Gallery([_picture(name, own.caption(found), found)])]
+        return Section(name, own.title, [Text(units.rewritten(found))])
+    told = own.told(found, units)
+    picture = Picture(name, own.caption(told), png(own.drawn(told, units), _DPI))
+    blocks: list[Block] = [Gallery([picture])]
     if own.table is not None:
-        blocks.append(_table(own.table(found), own.title))
-    return Section(name, own.title, blocks, own.said(found))
+        blocks.append(_table(own.table(told), own.title))
+    return Section(name, own.title, blocks, own.said(told))
 
 
 def _certificate(state: la.LimitState) -> Iterator[Block]:
@@ -163,19 +169,20 @@ def _certificate(state: la.LimitState) -> Iterator[Block]:
 
 
 def _tables(state: la.LimitState, units: Units) -> Iterator[Block]:
-    frames = set(state.discretisation.frames)
+    problem = state.discretisation.problem
     if state.point is None:
         return
     found = {
         "Reactions in contact": state.reactions,
         "Forces of supports": state.support_reactions,
         "Plastic hinges": state.hinges,
-        "Solves": state.history,
     }
     for title, frame in found.items():
         if len(frame):
-            own, heads = in_units(frame, units, frames)
+            own, heads = in_units(frame, units, problem)
             yield Details(f"{title}: {len(frame)}", [_table(own, title, heads)])
+    if len(state.history):
+        yield Details(f"Solves: {len(state.history)}", [_table(state.history, "Solves")])
 
 
 def _table(

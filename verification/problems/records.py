@@ -6,6 +6,7 @@ from typing import Any
 
 import lacore as la
 from lacore.files.problem.reading import Stated
+from lacore.numerics.quantities import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
 from verification.problems.words import mechanism
@@ -20,8 +21,8 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
         "status": state.status.label,
         "load_factor": state.load_factor,
         "rigor": state.rigor.label,
-        "message": state.message,
-        "mechanism": None if state.point is None else mechanism(state),
+        "message": stated.units.rewritten(state.message),
+        "mechanism": None if state.point is None else mechanism(state, stated.units),
         "backend": state.backend,
         "coupling": state.coupling,
         "tolerance": state.tolerance,
@@ -29,6 +30,7 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
         "elements": state.discretisation.n_elements,
         "seconds": answer.seconds,
         "page": str(page),
+        "units": _units(stated.units),
     }
     if answer.interval is not None:
         found["interval"] = _ends(answer.interval)
@@ -54,8 +56,16 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
     if answer.safety is not None:
         found["safety"] = {"lower": answer.safety.lower, "upper": answer.safety.upper}
     for name, own in answer.more.items():
-        found[name] = {"failure": own} if isinstance(own, str) else MORE[name].document(own)
+        if isinstance(own, str):
+            found[name] = {"failure": stated.units.rewritten(own)}
+        else:
+            found[name] = MORE[name].document(MORE[name].told(own, stated.units))
     return found
+
+
+def _units(units: Units) -> dict[str, str]:
+    """What all numbers of the document are in; forces are per width, but those of frames."""
+    return {"force": units.force, "length": units.length, "stress": units.stress}
 
 
 def _ends(interval: la.Interval) -> dict[str, Any]:

@@ -1,13 +1,18 @@
-"""Tables of a state in the units of a page."""
+"""Tables of an answer in the units of a page."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import pandas as pd
 
+import lacore as la
+from lacore.bodies.any_body import of_kind
 from lacore.numerics.quantities import Units
 
 _UNITS: Mapping[str, str] = {
-    **dict.fromkeys(("x", "y", "r", "z", "length", "gap"), "m"),
+    **dict.fromkeys(("x", "y", "r", "z", "length"), "m"),
+    **dict.fromkeys(("u_n", "u_t"), "m/s"),
     **dict.fromkeys(("t_n", "t_t"), "Pa"),
     **dict.fromkeys(("force_x", "force_y", "axial_force", "squash_load"), "N/m"),
     **dict.fromkeys(("moment", "plastic_moment"), "N"),
@@ -16,22 +21,45 @@ _NAMES = ("frame", "body")
 
 
 def in_units(
-    table: pd.DataFrame, units: Units, frames: Collection[str]
+    table: pd.DataFrame, units: Units, problem: la.Problem
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """The columns of a state in some units, and their heads with these.
 
     Args:
         table: in SI.
-        units: of forces and stresses; lengths stay in m.
-        frames: names of bodies that are some.
+        units: that forces, stresses and lengths are told in.
+        problem: that it is about.
     """
+    frames = of_kind(problem.bodies, la.Frame)
+    whole = any(body.axisymmetric for body in problem.bodies.values())
     names = next((set(table[column]) for column in _NAMES if column in table), set())
-    framed = bool(names) and names <= set(frames)
+    framed = bool(names) and names <= frames.keys()
     own, heads = table.copy(), {}
     for name in _UNITS.keys() & set(map(str, own.columns)):
-        unit = _UNITS[name]
-        heads[name] = f"{name.replace('_', ' ')} [m]"
-        if unit != "m":
-            own[name] = own[name] / units.size
-            heads[name] = f"{name.replace('_', ' ')} [{units.label(unit, framed)}]"
+        unit = "N" if whole and _UNITS[name] == "N/m" else _UNITS[name]
+        own[name] = own[name] / units.size(unit, framed)
+        heads[name] = f"{name.replace('_', ' ')} [{units.label(unit, framed)}]"
+    for name in own.columns:
+        if not pd.api.types.is_numeric_dtype(own[name]):
+            own[name] = own[name].map(lambda said: _rewritten(said, units))
     return own, heads
+
+
+def sensitivity_in(found: la.Sensitivity, units: Units) -> la.Sensitivity:
+    """The same with values, derivatives and names of parameters in some units."""
+    table = found.table.copy()
+    framed = table["body"].isin(list(found.state.discretisation.frames))
+    rows = list(zip(table["unit"], framed, strict=True))
+    sizes = [units.size(*row) for row in rows]
+    table["value"] /= sizes
+    for name in ("derivative", "left", "right"):
+        table[name] *= sizes
+    table["unit"] = [units.label(*row) for row in rows]
+    named = zip(table["parameter"], framed, strict=True)
+    table["parameter"] = [units.rewritten(*pair) for pair in named]
+    left_out = tuple(units.rewritten(name) for name in found.left_out)
+    return replace(found, table=table, left_out=left_out)
+
+
+def _rewritten(said: Any, units: Units) -> Any:
+    return units.rewritten(said) if isinstance(said, str) else said

@@ -1,17 +1,16 @@
 """An answer in a few lines: the number, what it is worth, how it falls."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 import lacore as la
 from lacore.bodies.any_body import of_kind
 from lacore.conditions.loads import Load
-from lacore.files.problem.reading import Stated
 from lacore.files.problem.statements import law as stated_law
-from lacore.files.problem.units import stated_prefix
 from lacore.materials.friction import Friction
-from lacore.numerics.quantities import Units, fitting
+from lacore.numerics.quantities import Units
 from lacore.showing import counted, listed
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
@@ -20,12 +19,6 @@ _LOADS = 4  # that are told; the rest is counted
 _MOVES = 1e-6  # of the largest velocity: below it a thing is at rest
 _TURNS = 1e-3  # of the largest velocity: below it a block slides
 _MOST = 0.9  # of the power of a body: where it flows
-
-
-def units_of(stated: Stated) -> Units:
-    """What all of an answer is told in: as the file states most, or as fits most sizes."""
-    prefix = stated_prefix(stated.source.data)
-    return Units(fitting(stated.problem.sizes) if prefix is None else prefix, whole=True)
 
 
 def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
@@ -55,7 +48,7 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     problem = state.discretisation.problem
     told["times"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
-        told["status"] = state.status.said(state.message)
+        told["status"] = units.rewritten(state.status.said(state.message))
     if answer.interval is not None:
         told["interval"] = f"{answer.interval} is what this mechanism carries"
     if answer.bracket is not None:
@@ -65,9 +58,9 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     if answer.safety is not None:
         told["safety"] = answer.safety.facts().title.partition(": ")[2]
     for name, found in answer.more.items():
-        told[name] = found if isinstance(found, str) else MORE[name].said(found)
+        told[name] = units.rewritten(found) if isinstance(found, str) else _said(name, found, units)
     if state.point is not None:
-        told["mechanism"] = mechanism(state)
+        told["mechanism"] = mechanism(state, units)
     if answer.stability is not None:
         told["dead loads"] = str(answer.stability)
     if state.certificate is not None:
@@ -80,6 +73,11 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     return told
 
 
+def _said(name: str, found: Any, units: Units) -> str:
+    own = MORE[name]
+    return own.said(own.told(found, units))
+
+
 def worth(state: la.LimitState) -> str:
     """What a load factor proves."""
     deforms = bool(state.discretisation.bodies)
@@ -88,13 +86,14 @@ def worth(state: la.LimitState) -> str:
     return state.discretisation.worth(state.rigor).partition(":")[0]
 
 
-def mechanism(state: la.LimitState) -> str:
+def mechanism(state: la.LimitState, units: Units) -> str:
     """What moves, flows, slips and turns."""
-    said = [*_flowing(state), *_moving(state), *_turning(state), *_slipping(state)]
+    said = [*_flowing(state, units), *_moving(state), *_turning(state, units)]
+    said += [units.rewritten(own) for own in _slipping(state)]
     return "; ".join(said) or "nothing moves"
 
 
-def _flowing(state: la.LimitState) -> Iterator[str]:
+def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
     for name, power in state.dissipation.items():
         dofs = state.discretisation.bodies[name]
         shares = power * dofs.volumes
@@ -107,7 +106,7 @@ def _flowing(state: la.LimitState) -> Iterator[str]:
         x, y = (dofs.body.mesh.p[:, dofs.body.mesh.t[:, order[0]]].mean(axis=1)).tolist()
         yield (
             f"{name} flows: {_MOST:.0%} of its power in {area:.0%} of it,"
-            f" most at ({x:.3g}, {y:.3g})"
+            f" most at {units.place(x, y)}"
         )
 
 
@@ -131,14 +130,12 @@ def _moving(state: la.LimitState) -> Iterator[str]:
         )
 
 
-def _turning(state: la.LimitState) -> Iterator[str]:
+def _turning(state: la.LimitState, units: Units) -> Iterator[str]:
     table = state.hinges
     if not len(table):
         return
     turned = table[table["state"] == "turns"]
-    places = dict.fromkeys(
-        f"({x:.3g}, {y:.3g})" for x, y in zip(turned["x"], turned["y"], strict=True)
-    )
+    places = dict.fromkeys(units.place(x, y) for x, y in zip(turned["x"], turned["y"], strict=True))
     yield f"hinges turn at {listed(list(places))}" if places else "no hinge turns"
 
 

@@ -10,7 +10,7 @@ from lacore.files.problem.script import script
 from verification.problems import more
 from verification.problems.answers import Answer, Question, Status
 from verification.problems.page import page
-from verification.problems.words import lines, units_of
+from verification.problems.words import lines
 from verification.report.files import write
 from verification.store.provenance import describe
 
@@ -37,13 +37,12 @@ def written(
     (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
         answer.state.to_vtu(folder / STATE)
-        files[STATE] = "velocities and stresses for ParaView"
+        files[STATE] = "velocities and stresses for ParaView, in SI"
     with doing("drawing"):
         text = stated.source.file.read_text(encoding="utf-8")
         machine = describe([question.backend])
-        units = units_of(stated)
-        told = lines(answer, units)
-        return write(page(stated.title, answer, told, units, files, text, machine), folder)
+        told = lines(answer, stated.units)
+        return write(page(stated.title, answer, told, stated.units, files, text, machine), folder)
 
 
 def as_python(stated: Stated, question: Question, folder: Path) -> str:

@@ -1,6 +1,6 @@
 """Whether a file says what problem files say: keys, kinds of values, units."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -10,7 +10,8 @@ from lacore.files.problem.places import Path
 from lacore.files.problem.reading import Source, has
 from lacore.files.problem.schema.document import ProblemFile
 from lacore.files.problem.schema.meshes import FOLDER
-from lacore.files.problem.schema.values import FORCES
+from lacore.files.problem.schema.values import AMOUNTS, FORCES
+from lacore.files.problem.units import Amount
 
 TAGS = ("kind", "shape", "criterion", "law", "load")
 """Keys whose values tell the kinds of tables."""
@@ -31,15 +32,16 @@ _SAID: Mapping[str, tuple[str, str]] = {
 }
 
 
-def checked(source: Source) -> ProblemFile:
-    """What a file says.
+def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
+    """What a file says, and all numbers in it.
 
     Raises:
         InputError: the first thing in it that no problem file says.
     """
-    context = {FOLDER: source.file.parent, FORCES: _whole(source.data)}
+    amounts: list[Amount] = []
+    context = {FOLDER: source.file.parent, FORCES: _whole(source.data), AMOUNTS: amounts}
     try:
-        return ProblemFile.model_validate(source.data, context=context)
+        return ProblemFile.model_validate(source.data, context=context), amounts
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False)
         told = [_told(source, one) for one in found]

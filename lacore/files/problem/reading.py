@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 from lacore.errors import InputError
 from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
 from lacore.files.problem.places import Path, lines
+from lacore.files.problem.units import chosen
 from lacore.files.problem.wording import in_words_of_files, value_of_files
+from lacore.numerics.quantities import Units
 from lacore.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -32,6 +34,7 @@ class Stated:
         title: of it; the name of the file, if it gives none.
         asked: what is to be found.
         cases: reference loads by the name of their case, as places in the list of the problem.
+        units: that answers are told in.
     """
 
     source: "Source"
@@ -41,6 +44,7 @@ class Stated:
     title: str
     asked: "Asked"
     cases: Mapping[str, Sequence[int]]
+    units: Units
 
     @contextmanager
     def locating(self) -> Iterator[None]:
@@ -79,7 +83,7 @@ def read(path: str | PathLike[str]) -> Stated:
     from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
 
     source = Source.of(File(fspath(path)))
-    stated = checked(source)
+    stated, amounts = checked(source)
     try:
         program = stated.program()
         problem, things = program.made()
@@ -93,7 +97,8 @@ def read(path: str | PathLike[str]) -> Stated:
         case = stated.reference_loads[entry(nodes, place, things)].case
         if case is not None:
             cases.setdefault(case, []).append(place)
-    return Stated(source, problem, program, things, title, stated.solve, cases)
+    units = chosen(amounts, problem.sizes, stated.solve.units.given)
+    return Stated(source, problem, program, things, title, stated.solve, cases, units)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,13 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
-from math import degrees, isfinite
+from math import degrees, isclose, isfinite
 from typing import TYPE_CHECKING
 
-from lacore.numerics.quantities import PREFIXES
+from lacore.numerics.quantities import FORCES, LENGTHS, STRESSES, Units, fitting
 
 if TYPE_CHECKING:
     import pint
@@ -18,7 +19,31 @@ _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.
 _ONE = r"([A-Za-zµμ_]+)(?:\^?(-?\d))?"  # kN, m3, m^3, s-1: what is raised further has no end
 _TAKEN = re.compile(rf"{_ONE}(?:\s*[*/ ]\s*{_ONE})*")
 _LONGEST = 40
-_FORCES = ("Pa", "N/m^3", "N/m", "N", "N m")
+_KINDS = {"m": "length", "Pa": "stress"}
+_FORCE_OF = {
+    **{"Pa": "N", "kPa": "kN", "MPa": "MN"},
+    **{"psf": "lbf", "psi": "lbf", "ksf": "kip", "ksi": "kip"},
+}
+_PAIRS = (
+    *(("N", "m"), ("kN", "m"), ("MN", "m")),
+    *(("lbf", "ft"), ("lbf", "in"), ("kip", "ft"), ("kip", "in")),
+)
+_POWERS = {"N": 0, "N m": -1, "N/m": 1, "N/m^3": 3}  # of a length that a force is divided by
+_WRITTEN: Mapping[str, Sequence[tuple[str, float]]] = {
+    "m": [*LENGTHS.items()],
+    "Pa": [*STRESSES.items()],
+    **{
+        own: [(force, FORCES[force] / LENGTHS[per] ** power) for force, per in _PAIRS]
+        for own, power in _POWERS.items()
+    },
+}
+_OWN = (
+    "psf = lbf / ft^2",
+    "ksf = kip / ft^2",
+    "pcf = lbf / ft^3",
+    "plf = lbf / ft",
+    "klf = kip / ft",
+)
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": "*"})
 _ANGLES = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0),
@@ -51,15 +76,32 @@ class WrongUnitError(ValueError):
         super().__init__(f"{why}; {mend}")
 
 
-def in_units(text: str, accepted: tuple[str, ...]) -> float:
-    """The number that a text is in the first unit that has its dimension.
+@dataclass(frozen=True)
+class Amount:
+    """A number of a file.
+
+    Attributes:
+        given: as it is written there, a number or a text.
+        value: in the unit that it becomes.
+        own: that unit, of SI; ``deg`` of angles, empty where there is none.
+        size: what the unit that it is written with is in that one; 1 where none is.
+    """
+
+    given: object
+    value: float
+    own: str
+    size: float = 1.0
+
+
+def amount(text: str, accepted: tuple[str, ...]) -> Amount:
+    """What a text is in the first unit that has its dimension.
 
     Args:
-        text: a number and a unit; without unit a number in the first one.
+        text: a number and a unit.
         accepted: units, as of `pint`; ``deg`` alone for angles; none where only numbers are taken.
 
     Raises:
-        WrongUnitError: no number, an unknown unit, one of another dimension.
+        WrongUnitError: no number, none or an unknown unit, one of another dimension.
     """
     mend = _mend(accepted)
     match = _AMOUNT.fullmatch(text)
@@ -73,47 +115,36 @@ def in_units(text: str, accepted: tuple[str, ...]) -> float:
     if accepted == (DEGREES,):
         if unit not in _ANGLES:
             raise WrongUnitError(f"{unit!r} is no unit of angles", mend)
-        return number * _ANGLES[unit]
+        return Amount(text, number * _ANGLES[unit], DEGREES, _ANGLES[unit])
     registry, given = _registry(), _parsed(unit, mend)
     for own in accepted:
         if given.dimensionality == registry.Unit(own).dimensionality:
-            return _rounded(number * float(registry.Quantity(1.0, given).to(own).magnitude))
+            size = float(registry.Quantity(1.0, given).to(own).magnitude)
+            return Amount(text, _rounded(number * size), own, size)
     named = " or ".join(accepted)
     raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", mend)
 
 
-def stated_prefix(data: object) -> str | None:
-    """The prefix that most forces and stresses of a file are given with; None: none has a unit.
+def chosen(amounts: Iterable[Amount], sizes: Iterable[str], asked: Mapping[str, str]) -> Units:
+    """What answers to a file are told in: forces, lengths and stresses as most of each are written.
 
     Args:
-        data: tables of a file, as they are read.
+        amounts: all numbers of the file. Lengths without a unit are in m, and 0 has none. Where no
+            force has a unit, that of stresses says it, and the other way round.
+        sizes: texts that say sizes in SI, which forces fit where the file writes no unit at all.
+        asked: a unit for ``force``, ``length``, ``stress``, whatever is written.
     """
-    found = Counter(own for text in _texts(data) for own in _prefix(text))
-    return max(found, key=found.__getitem__, default=None)
-
-
-def _texts(data: object) -> Iterator[str]:
-    if isinstance(data, str):
-        yield data
-    elif isinstance(data, dict | list):
-        for own in data.values() if isinstance(data, dict) else data:
-            yield from _texts(own)
-
-
-def _prefix(text: str) -> Iterator[str]:
-    """Of a force, a stress or a moment; ``N/mm2`` is as good as MPa."""
-    match = _AMOUNT.fullmatch(text)
-    if match is None or not match[2]:
-        return
-    try:
-        given = _parsed(match[2], "")
-    except WrongUnitError:
-        return
-    registry = _registry()
-    for own in _FORCES:
-        if given.dimensionality == registry.Unit(own).dimensionality:
-            size = _rounded(float(registry.Quantity(1.0, given).to(own).magnitude))
-            yield from (prefix for prefix, one in PREFIXES.items() if one == size)
+    found: dict[str, Counter[str]] = {kind: Counter() for kind in ("force", "length", "stress")}
+    for one in amounts:
+        kind = _KINDS.get(one.own, "force")
+        if one.value and (kind == "length" or isinstance(one.given, str)):
+            known = _WRITTEN.get(one.own, ())
+            found[kind].update(name for name, size in known if isclose(size, one.size))
+    most = {kind: max(own, key=own.__getitem__) for kind, own in found.items() if own} | dict(asked)
+    stress = most.get("stress", "")
+    force = most.get("force") or _FORCE_OF.get(stress) or fitting(sizes)
+    units = Units(force, most.get("length", "m"), whole=True)
+    return units if stress in ("", units.stress) else replace(units, own_stress=stress)
 
 
 def _parsed(unit: str, mend: str) -> "pint.Unit":
@@ -149,4 +180,7 @@ def _rounded(value: float) -> float:
 def _registry() -> "pint.UnitRegistry[float]":
     import pint  # here: it takes half a second to load, and files without units have no use for it
 
-    return pint.UnitRegistry(cache_folder=None)
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(cache_folder=None)
+    for definition in _OWN:
+        registry.define(definition)
+    return registry

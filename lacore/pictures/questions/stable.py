@@ -2,18 +2,23 @@
 
 from matplotlib.figure import Figure
 
+from lacore.numerics.quantities import Units
 from lacore.pictures.mechanism import plot_mechanism
 from lacore.questions.stable import Stable
 from lacore.showing import cut
 
 
-def plot_stable(found: Stable) -> Figure:
+def plot_stable(found: Stable, units: Units | None = None) -> Figure:
     """What carries the dead loads, or the mechanism by which they fall.
+
+    Args:
+        found: the answer.
+        units: as of `plot_mechanism`.
 
     Raises:
         ValueError: neither is proven.
     """
-    figure = plot_mechanism(found.state)
+    figure = plot_mechanism(found.state, units)
     standing = found.stability.standing
     heading = cut(f"{standing.label.upper()}: {standing.value}", 95)
     residual = found.stability.residual

@@ -37,7 +37,7 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
 
     Args:
         problem: any.
-        units: that sizes are told in; one prefix that fits most of them if None.
+        units: that sizes are told in; m, and a prefix that fits most forces, if None.
     """
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
@@ -60,8 +60,8 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     sheet.place_labels()
     for line in draw_axis(sheet.axes, problem.bodies.values()):
         sheet.handles["axis"] = line
+    label_coordinates(sheet.axes, problem.bodies.values(), units)
     _finish(figure, sheet)
-    label_coordinates(sheet.axes, problem.bodies.values())
     return figure
 
 

@@ -29,7 +29,7 @@ def typeset(size: float) -> str:
 
 def quantity(size: float, unit: str, units: Units, framed: bool = False) -> tuple[str, str]:
     """A size in mathtext, and its unit, see `Units.label`."""
-    return typeset(size / units.size), units.label(unit, framed)
+    return typeset(size / units.size(unit, framed)), units.label(unit, framed)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """A problem file as a whole."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from pydantic import StrictBool
 
@@ -17,11 +17,25 @@ from lacore.files.problem.schema.values import Number
 _OF_BLOCKS = ("block", "blocks", "wall", "stack", "arch")
 
 
+class Told(Entry):
+    """Units of answers; those that are left out are as most of the file is written."""
+
+    force: Literal["N", "kN", "MN", "lbf", "kip"] | None = None
+    length: Literal["m", "cm", "mm", "ft", "in"] | None = None
+    stress: Literal["Pa", "kPa", "MPa", "psf", "ksf", "psi", "ksi"] | None = None
+
+    @property
+    def given(self) -> dict[str, str]:
+        """Those that are not left out."""
+        return {name: own for name, own in self.model_dump().items() if own is not None}
+
+
 class Asked(Entry):
     """What is asked for, and how it is solved; the command line has the last word."""
 
     backend: str = "clarabel"
     coupling: str | None = None
+    units: Told = Told()
     bracket: Number | None = None
     """Width of a proven bracket, per its mean."""
     range: StrictBool = False

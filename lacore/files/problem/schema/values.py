@@ -10,10 +10,12 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from lacore.errors import is_number
-from lacore.files.problem.units import DEGREES, WrongUnitError, in_units
+from lacore.files.problem.units import DEGREES, Amount, WrongUnitError, amount
 
 FORCES = "forces"
 """Of the context of a validation: the unit of forces on each body that is no plane one."""
+AMOUNTS = "amounts"
+"""Of that context: the list of all `Amount` that are read."""
 _MOST = 1_000_000
 
 
@@ -64,14 +66,20 @@ class Measure(_Read):
 
     def read(self, given: object, info: ValidationInfo) -> float:
         """The number in the unit of the field."""
-        accepted = self._accepted(info)
+        found = self._amount(given, self._accepted(info))
+        if info.context is not None:
+            info.context[AMOUNTS].append(found)
+        return found.value
+
+    def _amount(self, given: object, accepted: tuple[str, ...]) -> Amount:
         if isinstance(given, str):
             try:
-                return in_units(given, accepted)
+                return amount(given, accepted)
             except WrongUnitError as error:
                 raise refused(error.why, error.mend) from error
+        own = accepted[0] if accepted else ""
         if self.endless and isinstance(given, float) and isinf(given):
-            return given
+            return Amount(given, given, own)
         if not is_number(given):
             least = isinstance(given, float) and not isfinite(given)
             unit = f" in {' or '.join(accepted)}" if accepted else ""
@@ -79,7 +87,7 @@ class Measure(_Read):
         if isinstance(given, float) and 0 < given <= self.radians:
             said = f"'{given:g} rad', or '{given:g} deg' if that is meant"
             raise refused("radians, by its looks: angles are in degrees", f"give {said}")
-        return float(given)  # type: ignore[arg-type]  # a real number
+        return Amount(given, float(given), own)  # type: ignore[arg-type]  # a real number
 
     def _accepted(self, info: ValidationInfo) -> tuple[str, ...]:
         if self.whole:

@@ -2,7 +2,8 @@
 
 import pytest
 
-from lacore.files.problem.units import WrongUnitError, in_units, stated_prefix
+from lacore.files.problem.units import Amount, WrongUnitError, amount, chosen
+from lacore.numerics.quantities import Units
 
 
 @pytest.mark.parametrize(
@@ -21,12 +22,14 @@ from lacore.files.problem.units import WrongUnitError, in_units, stated_prefix
         ("30°", ("deg",), 30.0),
         ("30 deg", ("deg",), 30.0),
         ("0.5235987755982988 rad", ("deg",), 30.0),
+        ("3 ksf", ("Pa",), 3000 * 4.4482216152605 / 0.3048**2),
+        ("110 pcf", ("N/m^3",), 110 * 4.4482216152605 / 0.3048**3),
         ("1 kip/ft", ("N/m",), 14593.902937206),  # 4448.2216152605 N over 0.3048 m
     ],
 )
 def test_amounts_are_converted(text, accepted, value):
     # A factor of pint's is rounded once, and the number to 14 digits.
-    assert in_units(text, accepted) == pytest.approx(value, rel=1e-13)
+    assert amount(text, accepted).value == pytest.approx(value, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -48,19 +51,37 @@ def test_amounts_are_converted(text, accepted, value):
 )
 def test_what_does_not_fit_is_refused(text, accepted, why):
     with pytest.raises(WrongUnitError, match=why):
-        in_units(text, accepted)
+        amount(text, accepted)
 
 
 @pytest.mark.parametrize(
-    ("data", "prefix"),
+    ("written", "units"),
     [
-        ({}, None),
-        ({"a": 3, "title": "2 kN wall", "b": ["3 m", "30 deg", "5 blub"]}, None),
-        ({"a": {"b": ["20 kPa", {"c": "18 kN/m3"}]}, "d": "2 MPa"}, "k"),
-        ({"a": ["250 N/mm2", "1 MPa"], "b": "3 kN"}, "M"),
-        ({"a": "1 kip/ft"}, None),
-        ({"a": "5 Pa"}, ""),
+        ([], Units("kN", whole=True)),  # as fits the sizes of the problem
+        ([3.0, "30 deg"], Units("kN", whole=True)),
+        (["20 kPa", "18 kN/m3", "2 MPa"], Units("kN", whole=True)),
+        (["250 N/mm2", "1 MPa"], Units("MN", whole=True)),
+        (["250 N/mm2", "1 MPa", "3 kN"], Units("kN", own_stress="MPa", whole=True)),
+        (["5 Pa"], Units("N", whole=True)),
+        (["20 kPa", "2 m", "300 mm", 4.0], Units("kN", whole=True)),  # 4 is in m
+        (["20 kPa", "2 m", "300 mm", "200 mm", 0.0], Units("kN", "mm", whole=True)),  # 0 in none
+        (["2 ksf", "3 ft", "110 pcf"], Units("lbf", "ft", "ksf", whole=True)),
+        (["36 ksi", "3 ft", "12 in", "8 in"], Units("kip", "in", whole=True)),
+        (["2 klf", "50 kip ft"], Units("kip", whole=True)),
     ],
 )
-def test_what_a_file_states_most_is_told_in(data, prefix):
-    assert stated_prefix(data) == prefix
+def test_answers_are_told_as_a_file_is_written(written, units):
+    assert chosen(map(_read, written), ["20000 Pa"], {}) == units
+
+
+def test_units_that_are_asked_for_have_the_last_word():
+    amounts = [_read(own) for own in ("20 kPa", "3 m", "18 kN/m3")]
+    asked = {"length": "mm", "stress": "MPa"}
+    assert chosen(amounts, [], asked) == Units("kN", "mm", "MPa", whole=True)
+
+
+def _read(given):
+    """As a file that asks for any of these units reads it."""
+    if not isinstance(given, str):
+        return Amount(given, given, "m")
+    return amount(given, ("deg",) if "deg" in given else ("m", "Pa", "N/m", "N/m^3", "N", "N m"))
