@@ -152,7 +152,12 @@ class DissipationGroup(Compact):
     @property
     def frictional(self) -> bool:
         """Whether flow is not associated: friction dissipates beside what dilates (T50)."""
-        return self.surfaces is not None and self.surfaces.dilating is not None
+        return self.surfaces is not None and self.surfaces.flow is not None
+
+    @property
+    def sliding(self) -> bool:
+        """Whether cones are planes of slip and nothing else, as Davis's strength is of (T55)."""
+        return self.surfaces is not None and self.surfaces.count == 1 and self.dim == 2
 
     @property
     def frictions(self) -> int:
@@ -172,11 +177,13 @@ class DissipationGroup(Compact):
         surfaces = self.surfaces.at_friction(friction.reshape(-1, self.surfaces.count))
         return replace(self, surfaces=surfaces)
 
-    def at_flow(self, velocity: Floats) -> "DissipationGroup":
-        """The group with the flow of a velocity frozen (T52)."""
-        if self.surfaces is None or not self.frictional:
+    def at_flow(self, velocity: Floats, friction: Floats) -> "DissipationGroup":
+        """The group with the flow of a velocity frozen (T52), on its surfaces as friction says."""
+        frozen = self.at_friction(friction).surfaces
+        if self.surfaces is None or frozen is None or not self.frictional:
             return self
-        return replace(self, surfaces=self.surfaces.at_flow(self.rates(velocity)))
+        flows = frozen.multipliers(self.rates(velocity), self.volume_rates(velocity))
+        return replace(self, surfaces=self.surfaces.at_flow(flows[:, : self.surfaces.count]))
 
     def associated(self) -> "DissipationGroup":
         """The group with flow normal to its surfaces."""
@@ -192,12 +199,12 @@ class DissipationGroup(Compact):
         """
         if self.surfaces is None or not self.frictional:
             return self
-        if self.dim != 2:
+        if not self.sliding:
             raise InputError(
                 "coupling",
                 "davis",
-                f"his strength is that of planes of slip, and {self.name!r} has none",
-                "take it of MohrCoulomb in plane strain",
+                f"his strength is that of planes of slip, and {self.name!r} has others, or none",
+                "take it of MohrCoulomb in plane strain, without cut-offs",
             )
         return replace(self, surfaces=self.surfaces.davis())
 

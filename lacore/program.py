@@ -267,21 +267,21 @@ class KinematicProgram(Compact):
 
     def friction(self, means: tuple[Floats, ...]) -> Floats:
         """Friction of the cones of such groups at mean stresses, one after the other, Pa (T50)."""
-        own = zip(self.groups, means, strict=True)
-        return np.concatenate([np.zeros(0), *(group.friction(mean) for group, mean in own)])
+        return np.concatenate([np.zeros(0), *map(DissipationGroup.friction, self.groups, means)])
+
+    def _shares(self, friction: Floats | float) -> "zip[tuple[DissipationGroup, Floats]]":
+        ends = np.cumsum([0, *(group.frictions for group in self.groups)])
+        parts = np.split(np.broadcast_to(friction, ends[-1]), ends[1:])[:-1]
+        return zip(self.groups, parts, strict=True)
 
     def at_friction(self, friction: Floats | float) -> "KinematicProgram":
         """The program with friction of groups frozen, as `friction` lists it (T52)."""
-        if not self.frictional:
-            return self
-        ends = np.cumsum([group.frictions for group in self.groups])
-        parts = np.split(np.broadcast_to(friction, ends[-1]), ends[:-1])
-        own = zip(self.groups, parts, strict=True)
-        return replace(self, groups=tuple(group.at_friction(part) for group, part in own))
+        groups = tuple(own.at_friction(part) for own, part in self._shares(friction))
+        return replace(self, groups=groups) if self.frictional else self
 
-    def at_flow(self, velocity: Floats) -> "KinematicProgram":
-        """The program with the flow of groups frozen at a velocity (T52)."""
-        groups = tuple(group.at_flow(velocity) for group in self.groups)
+    def at_flow(self, velocity: Floats, friction: Floats) -> "KinematicProgram":
+        """The program with flow of groups frozen at a velocity, by such a friction (T52)."""
+        groups = tuple(own.at_flow(velocity, part) for own, part in self._shares(friction))
         return replace(self, groups=groups) if self.frictional else self
 
     def associated(self) -> "KinematicProgram":

@@ -10,8 +10,8 @@ give the dissipation, ``D = max (q ||d|| + p . v)``, and its edges to infinity t
 possible at all: ``q ||d|| + p . v <= 0`` along each. For Mohr-Coulomb in plane strain there is one
 corner, the apex, and ``D = c cot(phi) theta`` with ``theta >= sin(phi) ||d||`` (T38).
 
-Where flow dilates less than its surface slopes (T49), only its friction at a frozen pressure, or a
-frozen flow, leaves something convex: again surfaces whose normals flow keeps (T52).
+Where flow dilates less than its surfaces slope (T49), only their friction at a frozen pressure, or
+a frozen flow, leaves something convex: again surfaces whose normals flow keeps (T52, T88).
 """
 
 from dataclasses import dataclass, replace
@@ -52,22 +52,22 @@ class Surfaces(Compact):
         normed: 1 where ``||s||`` counts, 0 of a plane in p alone, shape (k,).
         dilation: volumetric rates that flow has besides, shape (m L,), 1/s; None: none. With it a
             velocity comes out strictly inside of what is possible (T45).
-        dilating: share of its slope by which flow on each dilates, shape (m, k), in [0, 1]; None:
-            all of it, the associated flow.
+        flow: slopes by which flow on each dilates in place of its own, shape (m, k, L), the first
+            at most its own; None: its own, the associated flow.
     """
 
     slope: Floats
     strength: Floats
     normed: Floats
     dilation: Floats | None = None
-    dilating: Floats | None = None
+    flow: Floats | None = None
 
     @property
     def numbers(self) -> dict[str, Floats]:
         """All that must be finite, by name."""
         numbers = {"slope": self.slope.ravel(), "strength of surfaces": self.strength.ravel()}
-        if self.dilating is not None:
-            numbers["share that dilates"] = self.dilating.ravel()
+        if self.flow is not None:
+            numbers["slope of flow"] = self.flow.ravel()
         return numbers
 
     @property
@@ -106,20 +106,21 @@ class Surfaces(Compact):
             slope=self.slope[points],
             strength=self.strength[points],
             dilation=None,
-            dilating=None if self.dilating is None else self.dilating[points],
+            flow=None if self.flow is None else self.flow[points],
         )
 
     def associated(self) -> "Surfaces":
         """The same, with flow normal to them."""
-        return replace(self, dilating=None)
+        return replace(self, flow=None)
 
     def friction(self, mean: Floats) -> Floats:
         """What p of shape (m L,) adds to the shear that flow dissipates, shape (m, k), Pa; >= 0.
 
-        ``(sin(phi) - sin(psi)) pi`` (T50); none of surfaces with associated flow.
+        ``(sin(phi) - sin(psi)) pi`` (T50), pi of each surface the pressure from the apex that it
+        feels (T88); none of surfaces with associated flow.
         """
-        room = self.strength - self.use(np.zeros(self.strength.shape[0]), mean)
-        return np.asarray(self._kept * np.maximum(room, 0.0))
+        felt = np.einsum("mkl,ml->mk", self._kept, mean.reshape(-1, self.volumes))
+        return np.asarray(np.maximum(self._of_friction * self.strength - felt, 0.0))
 
     def at_friction(self, friction: Floats) -> "Surfaces":
         """Associated ones that flow of a frozen friction obeys (T52, K-step), and their apex.
@@ -127,38 +128,49 @@ class Surfaces(Compact):
         Args:
             friction: as of `friction`, shape (m, k), Pa.
         """
-        share = 1.0 - self._kept
+        apex = np.zeros_like(self.slope[:, :1])
+        rubs = int(np.any(self._kept, axis=(0, 2)).argmax())
+        apex[:, 0, 0] = self.slope[:, rubs, 0]
+        dilating = (1.0 - self._of_friction) * self.strength
         return Surfaces(
-            slope=np.concatenate([share[:, :, None] * self.slope, self.slope], axis=1),
-            strength=np.concatenate([share * self.strength + friction, self.strength], axis=1),
-            normed=np.concatenate([self.normed, np.zeros(self.count)]),
+            slope=np.concatenate([self.slope - self._kept, apex], axis=1),
+            strength=np.column_stack([dilating + friction, self.strength[:, rubs]]),
+            normed=np.append(self.normed, 0.0),
         )
 
-    def at_flow(self, length: Floats) -> "Surfaces":
-        """Associated ones that dilate more than flow of a frozen rate does (T52, S-step).
+    def at_flow(self, multipliers: Floats) -> "Surfaces":
+        """Associated ones that dilate more than frozen flow does (T52, S-step).
 
         Args:
-            length: ``||d||``, shape (m,), 1/s.
+            multipliers: how fast each surface flows, shape (m, k), 1/s.
         """
-        more = np.einsum("mk,mkl,m->ml", self._kept, self.slope, length).ravel()
-        return replace(self, dilation=self.besides - more, dilating=None)
+        more = np.einsum("mkl,mk->ml", self._kept, multipliers).ravel()
+        return replace(self, dilation=self.besides - more, flow=None)
 
     def davis(self) -> "Surfaces":
         """Associated ones with the strength of lines that do not extend (T55), of one plane."""
         sine = self.slope[:, :, 0]
-        cosine, dilating = np.sqrt(1 - sine**2), (1 - self._kept) * sine
+        cosine, dilating = np.sqrt(1 - sine**2), sine - self._kept[:, :, 0]
         share = np.sqrt(1 - dilating**2) * cosine / (1 - dilating * sine)
         tangent = share * sine / cosine
         along = 1 / np.sqrt(1 + tangent**2)
         strength = self.strength * share * along / cosine
         slope = (tangent * along)[:, :, None]
-        return replace(self, slope=slope, strength=strength, dilating=None)
+        return replace(self, slope=slope, strength=strength, flow=None)
 
     @property
     def _kept(self) -> Floats:
-        """Share of its slope by which flow does not dilate, shape (m, k)."""
-        none = np.zeros_like(self.strength)
-        return none if self.dilating is None else 1.0 - self.dilating
+        """Slopes by which flow does not dilate, shape (m, k, L)."""
+        return np.zeros_like(self.slope) if self.flow is None else self.slope - self.flow
+
+    @property
+    def _of_friction(self) -> Floats:
+        """Share of each strength that is friction at the apex, which all that rub have in common.
+
+        There p is ``(H, 0)``, as the first volumetric row is that of the whole volume: (m, k).
+        """
+        kept, own = self._kept[:, :, 0], self.slope[:, :, 0]
+        return np.asarray(np.divide(kept, own, out=np.zeros_like(kept), where=kept != 0))
 
     @property
     def largest_shear(self) -> float:
@@ -206,7 +218,7 @@ class Surfaces(Compact):
             length: ``||d||``, shape (m,).
             volume: v, shape (m L,), point after point.
         """
-        if self.dilating is not None:
+        if self.flow is not None:
             raise ValueError("flow that is not associated dissipates at a friction: freeze it")
         if not length.size:
             return np.zeros(0)
@@ -228,6 +240,28 @@ class Surfaces(Compact):
             rates = rates.copy()
             rates[:, 1:] -= wrong / np.where(own > 0, own, 1.0) * edge
         return rates
+
+    def multipliers(self, length: Floats, volume: Floats) -> Floats:
+        """How fast each surface flows where strain rates cost least, shape (m, k), 1/s; >= 0.
+
+        Of several ways at the same cost the slowest; of rates as `dissipation` takes them.
+        """
+        normals, felt = self.planes[0], np.append(True, ~self._lines)
+        rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))
+        found = np.zeros((len(self._bases), *normals.shape[:2]))
+        for flowing, chosen, real in zip(found, self._bases, self._real.T, strict=True):
+            matrix = np.where(
+                real[:, None, None], normals[:, chosen][:, :, felt], np.eye(felt.sum())
+            )
+            own = np.linalg.solve(matrix.transpose(0, 2, 1), rates[:, felt, None])[:, :, 0]
+            flowing[:, chosen] = np.where(real[:, None], own, np.nan)
+        least, most = found.min(axis=2), np.abs(found).max(axis=2)
+        flows = least >= -_ON * most
+        slowest = np.where(flows, found.sum(axis=2), np.inf).argmin(axis=0)
+        nearest_by = np.where(self._real.T, least, -np.inf).argmax(axis=0)
+        choice = np.where(flows.any(axis=0), slowest, nearest_by)
+        best = np.take_along_axis(found, choice[None, :, None], axis=0)[0]
+        return np.asarray(np.nan_to_num(np.maximum(best[:, : self.count], 0.0)))
 
     def impossible(self, length: Floats, volume: Floats) -> Floats:
         """How far strain rates are from flow that is possible, 1/s, shape (m,); <= 0 within it.
@@ -271,18 +305,24 @@ class Surfaces(Compact):
         normals = np.concatenate([own, last], axis=1)
         return normals, np.concatenate([self.strength, np.zeros((m, 1))], axis=1)
 
+    @property
+    def _bases(self) -> list[tuple[int, ...]]:
+        """Planes that may meet in a point, v of them."""
+        size = 1 + self.volumes - int(self._lines.sum())
+        return list(combinations(range(self.count + 1), size))
+
     @cached_property
     def _met(self) -> tuple[Floats, Bools]:
         """Points in which planes meet, and which of them are corners: (m, v, 1+L), (m, v)."""
         normals, strengths = self.planes
-        felt = np.concatenate([[True], ~self._lines])
+        felt = np.append(True, ~self._lines)
         places = np.flatnonzero(felt)
         seen = normals[:, :, felt]
         length = np.linalg.norm(seen, axis=2, keepdims=True)
         length[length == 0] = 1.0
         seen, bound = seen / length, strengths / length[:, :, 0]
         found, real = [], []
-        for chosen in combinations(range(seen.shape[1]), places.size):
+        for chosen in self._bases:
             matrix, right = seen[:, chosen], bound[:, chosen]
             good = np.abs(np.linalg.det(matrix)) > _PARALLEL
             matrix = np.where(good[:, None, None], matrix, np.eye(places.size))

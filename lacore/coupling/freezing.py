@@ -63,10 +63,17 @@ def at_pressing(program: KinematicProgram, pressed: Floats) -> Frozen:
     return Frozen(program.at_friction(friction), reaction_contact(program.contact, reaction))
 
 
-def at_slip(program: KinematicProgram, velocity: Floats) -> Frozen:
-    """Slip, flow and hardening frozen at a velocity: the problem of an S-step."""
+def at_slip(program: KinematicProgram, velocity: Floats, pressed: Floats) -> Frozen:
+    """Slip, flow and hardening frozen at a velocity: the problem of an S-step.
+
+    Args:
+        program: as it is stated.
+        velocity: of a K-step.
+        pressed: what it froze, which says on which surfaces of a soil it flows.
+    """
     slip = np.asarray(np.linalg.norm(program.contact.slip(velocity), axis=1))
-    flowing = program.hardened(velocity).at_flow(velocity)
+    friction = pressed[program.contact.count :]
+    flowing = program.hardened(velocity).at_flow(velocity, friction)
     return Frozen(flowing, shift_contact(program.contact, slip))
 
 

@@ -50,9 +50,9 @@ def _hurried(run: Run, static: ProgramState) -> Iterate | None:
         pressed, k = carried_k_step(run, pressed, static, "K")
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
-        pressed, step = pressing(run.program, k.inner.point), step + 1
+        frozen, pressed, step = pressed, pressing(run.program, k.inner.point), step + 1
         if step % _BATCH == 0:
-            s = s_step(run, k.inner.point)
+            s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
                 return s if carries(run, s) else None
             static, least, own = s.inner.point, own or least, gap(s)
@@ -70,9 +70,10 @@ def drifted(run: Run, static: ProgramState) -> Iterate | None:
         pressed, k = carried_k_step(run, pressed, static, kind)
         if run.exhausted or k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
+        frozen = pressed
         pressed = pressed + share * (pressing(run.program, k.inner.point) - pressed)
         if step in _LOOKS:
-            s = s_step(run, k.inner.point)
+            s = s_step(run, k.inner.point, frozen)
             if s.inner.point is None or run.free(s) or run.proven(s):
                 return s if carries(run, s) else None
             static = s.inner.point

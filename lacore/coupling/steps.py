@@ -48,7 +48,7 @@ def alternate(
         pressed, k = carried_k_step(run, pressed, static, kind)
         if k.inner.point is None or run.free(k) or run.proven(k):
             return k if carries(run, k) else None
-        s = s_step(run, k.inner.point)
+        s = s_step(run, k.inner.point, pressed)
         if s.inner.point is None or run.free(s) or run.proven(s):
             return s if carries(run, s) else None
         static, own = s.inner.point, gap(s)
@@ -83,9 +83,15 @@ def k_step(run: Run, pressed: Floats, static: ProgramState, kind: str) -> Iterat
     return k
 
 
-def s_step(run: Run, kinematic: ProgramState) -> Iterate:
-    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12)."""
-    frozen = at_slip(run.program, kinematic.velocity)
+def s_step(run: Run, kinematic: ProgramState, pressed: Floats) -> Iterate:
+    """``(t, alpha) = argmax`` over SA, t in K, of ``alpha - sum w mu ||u_t|| t_n`` (T12).
+
+    Args:
+        run: the loop.
+        kinematic: a K-step's.
+        pressed: what it froze.
+    """
+    frozen = at_slip(run.program, kinematic.velocity, pressed)
     partner = lambda s: paired(kinematic, s)  # noqa: E731
     return run.solve("S", frozen.contact, partner=partner, program=frozen.program)
 

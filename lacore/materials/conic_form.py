@@ -22,13 +22,13 @@ class Surface(Compact):
         slope: of each volumetric row, L of them; each of all elements, or of each, (elements,).
         strength: Pa; of all elements, or of each, shape (elements,), or as a function of place.
         normed: whether ``||s||`` counts; if not, it bounds p alone.
-        dilating: share of its slope by which flow dilates, in [0, 1]; 1 is the associated flow.
+        flow: slopes by which flow dilates in place of its own (T49); None: flow is associated.
     """
 
     slope: tuple[float | Floats, ...]
     strength: Strengths
     normed: bool = True
-    dilating: float = 1.0
+    flow: tuple[float | Floats, ...] | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,6 +49,7 @@ class ConicForm(Compact):
             regularised dissipation (T17) sees that deviator.
         surfaces: that depend on pressure (T39, T40); none: ``||s|| <= bound`` is all there is.
         out_of_plane: sigma_zz per mean stress: 1 in plane strain, 0 in plane stress.
+        out_of_rows: sigma_zz per conjugate stress besides, of rows that feel it, shape (dim,).
     """
 
     rows: Floats
@@ -57,6 +58,7 @@ class ConicForm(Compact):
     volumetric_factor: float
     surfaces: tuple[Surface, ...] = ()
     out_of_plane: float = 1.0
+    out_of_rows: tuple[float, ...] = ()
 
     @property
     def volumes(self) -> Floats:
@@ -71,7 +73,7 @@ class ConicForm(Compact):
     @property
     def frictional(self) -> bool:
         """Whether flow is not associated: it dilates less than a surface slopes (T49)."""
-        return any(surface.dilating < 1 for surface in self.surfaces)
+        return any(surface.flow is not None for surface in self.surfaces)
 
     @property
     def strengths(self) -> list[Strengths]:
@@ -128,12 +130,16 @@ class ConicForm(Compact):
             np.stack([of_elements(own, elements) for own in one.slope], axis=1)
             for one in self.surfaces
         ]
-        share = np.array([one.dilating for one in self.surfaces], dtype=np.float64)
+        steepness = np.stack(slopes, axis=1)
+        flow = steepness.copy()
+        for place, one in enumerate(self.surfaces):
+            if one.flow is not None:
+                flow[:, place] = one.flow
         return Surfaces(
-            slope=np.stack(slopes, axis=1),
+            slope=steepness,
             strength=np.stack(strengths, axis=1),
             normed=np.array([one.normed for one in self.surfaces], dtype=np.float64),
-            dilating=np.tile(share, (elements.size, 1)) if self.frictional else None,
+            flow=flow if self.frictional else None,
         )
 
     def bounds(self, elements: Ints) -> Floats:
@@ -153,6 +159,8 @@ class ConicForm(Compact):
         if plane.shape[1] == 4:
             return np.asarray(plane)
         out = self.out_of_plane * means[:, 0]
+        if self.out_of_rows:
+            out = out + conjugate @ self.out_of_rows
         return np.column_stack([plane[:, :2], out, plane[:, 2]])
 
     def across(self) -> "ConicForm":

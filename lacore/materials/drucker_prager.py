@@ -26,8 +26,9 @@ _LEAST_ROOT = 1e-3  # m of plane stress: below it a sheet is all but locked
 class DruckerPrager(Compact):
     """A cone around the hydrostatic axis, ``sqrt(J2) <= k - a tr(sigma)/3`` (T41).
 
-    With a dilation angle below the friction angle flow is not associated (T49), in axisymmetry: its
-    potential is the cone of that angle. In plane strain `MohrCoulomb` is the one to take.
+    With a dilation angle below the friction angle flow is not associated (T49): its potential is
+    the cone of that angle. In plane strain stresses that flow are then less than those that are
+    allowed, so that it meets `MohrCoulomb` no longer, whatever the match (T88).
 
     Attributes:
         cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match;
@@ -38,7 +39,7 @@ class DruckerPrager(Compact):
 
     Raises:
         InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
-            stresses of a sheet have no bound.
+            stresses of a sheet have no bound, or a dilation angle below the friction angle.
     """
 
     cohesion: Given | Field
@@ -58,7 +59,7 @@ class DruckerPrager(Compact):
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
-        require_dilation("DruckerPrager", self.dilation_angle, self.friction_angle, cut=False)
+        require_dilation("DruckerPrager", self.dilation_angle, self.friction_angle)
 
     @property
     def slope(self) -> float:
@@ -66,11 +67,11 @@ class DruckerPrager(Compact):
         return self._slope(self.friction_angle)
 
     @property
-    def dilating(self) -> float:
-        """Slope of the cone of the dilation angle per `slope`; 1 of associated flow."""
+    def flow(self) -> float | None:
+        """Slope of the cone of the dilation angle; None of associated flow."""
         if self.dilation_angle is None or self.dilation_angle >= self.friction_angle:
-            return 1.0
-        return self._slope(self.dilation_angle) / self.slope
+            return None
+        return self._slope(self.dilation_angle)
 
     def _slope(self, angle: float) -> float:
         sine = sin(radians(angle))
@@ -121,16 +122,29 @@ class DruckerPrager(Compact):
 
         Plane strain: ``theta^2/3`` of the norm moves to the other side. Plane stress: eps_zz is
         free, and ``m lam = ||(d, sqrt(3) theta/m)|| - 2 a theta/m`` with ``m^2 = 1 - 4 a^2/3``; the
-        linear part is that of two planes.
+        linear part is that of two planes. Where flow is not associated, in plane strain all of the
+        norm is kept, as `sigma_zz` is what flow makes of it, and less where nothing flows.
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
-        a, k = self.slope, self.k
-        if self.dilating < 1 and kinematics != "axisymmetric":
+        a, k, flow = self.slope, self.k, self.flow
+        own = (Surface((a,), k, flow=None if flow is None else (flow,)),)
+        if flow is not None and kinematics == "plane_stress":
             raise InputError(
                 "DruckerPrager.dilation_angle",
                 self.dilation_angle,
-                f"in {kinematics.replace('_', ' ')} how it is met depends on the flow (T42)",
-                "take MohrCoulomb in plane strain, or leave the dilation angle out",
+                "in plane stress its strength and its flow are cones around axes of their own, of"
+                " which no pressure makes one from the other (T88)",
+                "take MohrCoulomb, or leave the dilation angle out",
+            )
+        if flow is not None and kinematics == "plane_strain":
+            third = 1 / sqrt(3)
+            return ConicForm(
+                rows=np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0], [third, third, 0.0]]),
+                volumetric=np.array([[1.0, 1.0, 0.0]]),
+                bound=k,
+                volumetric_factor=0.0,
+                surfaces=own,
+                out_of_rows=(0.0, 0.0, -2 * third),
             )
         if kinematics == "plane_strain":
             root = sqrt(1 - a**2 / 3)
@@ -139,7 +153,7 @@ class DruckerPrager(Compact):
         if kinematics == "axisymmetric":
             if not a:
                 return replace(flat, bound=k)
-            return replace(flat, bound=k, surfaces=(Surface((a,), k, dilating=self.dilating),))
+            return replace(flat, bound=k, surfaces=own)
         m = sqrt(max(1 - 4 * a**2 / 3, 0.0))
         if m < _LEAST_ROOT:
             raise InputError(

@@ -30,7 +30,7 @@ class MohrCoulomb(Compact):
     """Soil, rock, concrete: ``tau <= c - sigma tan(phi)`` on every plane (T38).
 
     With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
-    not hold, and load factors need not be unique. In plane strain, without cut-offs.
+    not hold, and load factors need not be unique. That of cut-offs stays associated (T88).
     Cohesion, friction angle and cut-offs may vary from place to place: a `lacore.Field`, a function
     of coordinates of shape (2, n), or a value for each element. Within an element in which the
     angle varies bounds take a cone that lies within, or around, all of those there (T87).
@@ -45,7 +45,7 @@ class MohrCoulomb(Compact):
     Raises:
         InputError: an angle outside of [0, 89] degrees, or one that looks like radians; neither
             cohesion nor friction; a cut-off beyond the apex; a dilation angle above the friction
-            angle, or beside cut-offs.
+            angle, or beside one that varies.
     """
 
     cohesion: Given | Field
@@ -78,10 +78,8 @@ class MohrCoulomb(Compact):
                 f"beyond the apex c cot(phi) = {self.apex:.6g} Pa, which no stress exceeds",
                 f"give at most {self.apex:.6g}, or none",
             )
-
-        cut = most is not None or crushing is not None
         if not isinstance(self._friction, Field):
-            require_dilation("MohrCoulomb", self.dilation_angle, self._friction, cut)
+            require_dilation("MohrCoulomb", self.dilation_angle, self._friction)
 
     def _require_varying_angle(self) -> None:
         if self.dilation_angle is not None:
@@ -166,13 +164,13 @@ class MohrCoulomb(Compact):
         """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
         if isinstance(self._friction, Field):
             raise ValueError("an angle that varies is one of elements: see `form_of`")
-        less = self.dilation_angle is not None and self.dilation_angle < self._friction
+        psi = self.dilation_angle
         return planes_form(
             kinematics,
             self._cohesion * cos(self.angle),
             sin(self.angle),
             *self._cutoffs,
-            sin(radians(self.dilation_angle or 0.0)) / sin(self.angle) if less else 1.0,
+            None if psi is None or psi >= self._friction else sin(radians(psi)),
         )
 
     def form_of(self, kinematics: str, angles: Floats, cohesion: Strengths) -> ConicForm:

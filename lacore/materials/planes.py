@@ -1,5 +1,6 @@
 """Planes of stress that criteria are made of, and what their numbers must be (T39, T40)."""
 
+from collections.abc import Callable
 from math import degrees, pi
 
 import numpy as np
@@ -10,6 +11,8 @@ from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
 from lacore.materials.fields import Field, Strength, Strengths, number_told
 from lacore.materials.von_mises import VonMises
 
+Slope = float | Floats
+"""Of all elements, or of each."""
 _LEAST_ANGLE, _LARGEST_ANGLE = 0.1, 89.0  # degrees: beside them a plane is level, or upright
 _LEAST_WHOLE, _WHOLE = 6, 2e-3  # degrees: what is within this of a whole angle, in radians
 
@@ -20,7 +23,7 @@ def planes_form(
     slope: float | Floats,
     tension: Strength | None,
     crushing: Strength | None,
-    dilating: float = 1.0,
+    dilation: float | None = None,
 ) -> ConicForm:
     """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
 
@@ -29,39 +32,33 @@ def planes_form(
         shear: ``c cos(phi)``, Pa; None: no such plane.
         slope: ``sin(phi)``, of all elements or of each; 0 of all or of none.
         tension, crushing: Pa; None: none.
-        dilating: share of its slope by which flow on the first dilates; below 1 in plane strain
-            alone, without the others.
+        dilation: ``sin(psi)`` of flow on the planes of friction; None: it is associated. That of
+            the others is (T88).
     """
     require_known("Body.kinematics", kinematics, KINEMATICS)
     cut = tension is not None or crushing is not None
-    if dilating < 1 and kinematics != "plane_strain":
-        raise InputError(
-            "Body.kinematics",
-            kinematics,
-            "planes meet in corners here, where flow that is not associated has no one direction",
-            "take 'plane_strain'; or DruckerPrager with a dilation_angle in 'axisymmetric'",
-        )
     if shear is not None and not np.any(slope) and not cut and kinematics == "plane_strain":
         return VonMises(shear_strength=shear).conic_form(kinematics)  # type: ignore[arg-type]  # no array: of angles of elements there is none of 0
     planes: list[Surface] = []
     around = kinematics == "axisymmetric"
 
-    def add(
-        pressure: float | Floats,
-        strength: Strengths,
-        third: float | Floats = 0.0,
-        normed: bool = True,
-    ) -> None:
+    def own(pressure: Slope, third: Slope) -> tuple[Slope, ...]:
         # Stresses (P, t - P) of (theta, eps_tt): without friction no plane feels the first (T40).
-        own = (pressure + third, third) if around else (pressure,)
-        planes.append(Surface(own, strength, normed, dilating))
+        return (pressure + third, third) if around else (pressure,)
+
+    def add(pressure: Slope, strength: Strengths, third: Slope = 0.0, normed: bool = True) -> None:
+        planes.append(Surface(own(pressure, third), strength, normed))
+
+    def rub(strength: Strengths, slopes: Callable[[Slope], tuple[Slope, Slope]]) -> None:
+        flow = None if dilation is None else own(*slopes(dilation))
+        planes.append(Surface(own(*slopes(slope)), strength, flow=flow))
 
     if shear is not None:
-        add(slope, shear)
+        rub(shear, lambda sine: (sine, 0.0))
         below, above = 2 * shear / (1 + slope), 2 * shear / (1 - slope)
         if around:
-            add(1.0, below, -(1 - slope) / (1 + slope))
-            add(-1.0, above, (1 + slope) / (1 - slope))
+            rub(below, lambda sine: (1.0, -(1 - sine) / (1 + sine)))
+            rub(above, lambda sine: (-1.0, (1 + sine) / (1 - sine)))
         elif kinematics == "plane_stress":
             add(1.0, below)
             add(-1.0, above)
@@ -146,14 +143,13 @@ def require_angle(field: str, value: float) -> None:
         )
 
 
-def require_dilation(kind: str, dilation: float | None, friction: float, cut: bool) -> None:
+def require_dilation(kind: str, dilation: float | None, friction: float) -> None:
     """Raise `InputError` unless a dilation angle is one from 0 to the friction angle, degrees.
 
     Args:
         kind: of the criterion, for messages.
         dilation: psi; None: flow is associated.
         friction: phi.
-        cut: whether there are cut-offs besides.
     """
     if dilation is None:
         return
@@ -165,11 +161,4 @@ def require_dilation(kind: str, dilation: float | None, friction: float, cut: bo
             dilation,
             f"more than the friction angle {friction:.6g}: flow would create energy",
             f"give at most {friction:.6g}, or none for flow that is associated",
-        )
-    if cut and dilation < friction:
-        raise InputError(
-            field,
-            dilation,
-            "beside cut-offs flow is only known where it is associated",
-            "leave out tension_cutoff and crushing, or dilation_angle",
         )

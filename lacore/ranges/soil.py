@@ -255,8 +255,7 @@ def _why(problem: Discretisation, given: Mapping[str, Any]) -> Status:
 
 
 def _davis(problem: Discretisation, given: Mapping[str, Any]) -> float:
-    """Load factor with Davis's strength; NaN where cones are no planes of slip."""
-    cones = [group.dim for group in problem.program.groups if group.frictional]
-    if any(dim != 2 for dim in cones):
+    """Load factor with Davis's strength; NaN where cones are no planes of slip alone."""
+    if not all(group.sliding for group in problem.program.groups if group.frictional):
         return float("nan")
     return solve(problem, coupling="davis", **given).load_factor
