@@ -3,6 +3,7 @@
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -30,6 +31,21 @@ _STOPPED = 130
 @click.option("--sensitivity", is_flag=True, help="List what the load factor depends on.")
 @click.option("--cases", is_flag=True, help="Solve each case of the loads alone: which governs?")
 @click.option("--envelope", is_flag=True, help="Search all combinations of two or three cases.")
+@click.option(
+    "--vary",
+    metavar="NAME=LOW:HIGH",
+    help="A number of the file that varies: 'arch.thickness=5 cm:20 cm'.",
+)
+@click.option(
+    "--critical",
+    type=float,
+    is_flag=False,
+    flag_value=1.0,
+    metavar="[TARGET]",
+    help="Search along it where the load factor is TARGET; 1 if left out.",
+)
+@click.option("--limit", is_flag=True, help="Search along it where the dead loads just stand.")
+@click.option("--worst", is_flag=True, help="Search along it where the load factor is least.")
 @click.option("--backend", metavar="NAME", help="In place of that of the file, or clarabel.")
 @click.option(
     "--out",
@@ -49,6 +65,10 @@ def solve(
     sensitivity: bool,
     cases: bool,
     envelope: bool,
+    vary: str | None,
+    critical: float | None,
+    limit: bool,
+    worst: bool,
     backend: str | None,
     out: Path | None,
     as_json: bool,
@@ -56,7 +76,8 @@ def solve(
     """Solve a problem of your own: its load factor, what that is worth, how it falls.
 
     Cases are names that reference loads have in the file, case = "wind". With --bracket each case,
-    and each direction of an envelope, is proven to that width.
+    and each direction of an envelope, is proven to that width. NAME is what errors call a number
+    of the file, or an end of that: bodies.arch.thickness, or thickness, reference_loads[0].at[0].
 
     FILE.toml states bodies, materials, supports, contact and loads; `lacore new` writes files to
     begin with. Nothing in it is run. Beside the answer come a page with pictures, tables, a file
@@ -71,6 +92,9 @@ def solve(
       lacore solve footing.toml
       lacore solve footing.toml --bracket 0.05 --out answer
       lacore solve frame.toml --cases --envelope
+      lacore solve arch.toml --vary 'thickness=20 cm:60 cm' --limit
+      lacore solve arch.toml --vary 'thickness=20 cm:60 cm' --critical 10
+      lacore solve frame.toml --vary 'reference_loads[0].at[0]=0.5:5.5' --worst
     """  # noqa: D301  # click reads the backspace
     folder = out or Path("reports") / file.stem
     try:  # to import all of it takes a second, too
@@ -79,8 +103,15 @@ def solve(
         from verification.problems import answers, records, words, writing
 
         stated = read(file)
-        more = {"stable": stable, "sensitivity": sensitivity, "cases": cases, "envelope": envelope}
-        more |= {"range": whole_range, "safety": safety}
+        more: dict[str, Any] = {
+            "stable": stable,
+            "sensitivity": sensitivity,
+            "cases": cases,
+            "envelope": envelope,
+        }
+        more |= {"range": whole_range, "safety": safety, "vary": vary}
+        more |= {"limit": limit, "worst": worst}
+        more |= {} if critical is None else {"critical": critical}
         question = answers.asked(stated, backend, bracket=bracket, **more)
         writing.require_writable(folder)
         with stated.locating():

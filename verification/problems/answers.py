@@ -10,9 +10,11 @@ from typing import Any
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
 from lacore.coupling.names import COUPLINGS
-from lacore.errors import InputError, require_known, require_positive
+from lacore.errors import InputError, is_number, require_known, require_positive
 from lacore.files.problem.reading import Stated
-from verification.problems.more import MORE, Given, check
+from lacore.files.problem.varied import Varied, read_varied
+from verification.problems.asking import Given
+from verification.problems.more import MORE, check
 
 _NARROW = 1e-3  # of a range: below it its ends are one
 
@@ -30,6 +32,8 @@ class Question:
         safety: whether the factor of safety is asked for.
         more: names of `MORE` that are asked for.
         cases: reference loads by the name of their case, as places in the list of the problem.
+        varied: number of the file that varies; None: none does.
+        target: load factor that is looked for along it.
     """
 
     backend: str
@@ -39,6 +43,8 @@ class Question:
     safety: bool
     more: tuple[str, ...] = ()
     cases: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    varied: Varied | None = None
+    target: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -98,9 +104,24 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
             known(getattr(own, key))
         except InputError as error:
             raise stated.source.error(("solve", key), error.value, error.why, error.mend) from error
-    wanted = tuple(name for name in MORE if more.get(name) or getattr(own, name))
+    goals = {"critical": more.get("critical", own.critical)}
+    wanted = tuple(
+        name
+        for name in MORE
+        if (goals[name] is not None if name in goals else more.get(name) or getattr(own, name))
+    )
+    if goals["critical"] is not None and not is_number(goals["critical"]):
+        raise InputError("--critical", goals["critical"], "no load factor", "give a finite number")
+    varied = _varied(stated, more.get("vary"))
+    if varied is not None and not any(MORE[name].varies for name in wanted):
+        raise InputError(
+            "--vary",
+            varied.name,
+            "nothing is asked of it",
+            "ask for --critical, --limit or --worst",
+        )
     for name in wanted:
-        check(name, stated)
+        check(name, stated, varied)
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,
@@ -109,7 +130,18 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         safety=bool(more.get("safety") or own.safety),
         more=wanted,
         cases=stated.cases,
+        varied=varied,
+        target=1.0 if goals["critical"] is None else goals["critical"],
     )
+
+
+def _varied(stated: Stated, given: str | None) -> Varied | None:
+    """Of the command line, or else of the file."""
+    if given is not None:
+        return read_varied(stated.source, given, "--vary")
+    if stated.asked.vary is not None:
+        return read_varied(stated.source, stated.asked.vary, ("solve", "vary"))
+    return None
 
 
 def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
@@ -148,16 +180,29 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
     if question.range:  # last: it takes longest, and what is refused is to be said before
         with doing("searching for other load factors"):
             found = _range(problem, question.backend)
-    given = Given(state, question.cases, question.backend, question.bracket)
     others: dict[str, Any] = {}
     for name in question.more:
-        with doing(MORE[name].doing):
+        with doing(MORE[name].doing) as tell:
+            given = _given(state, question, tell)
             try:
                 others[name] = MORE[name].ask(given)
             except InputError as error:  # the load factor stays an answer
                 others[name] = f"none: {error}"
     seconds = time.perf_counter() - begin
     return Answer(state, interval, stability, bracket, found, safety, others, seconds)
+
+
+def _given(state: la.LimitState, question: Question, tell: Callable[[str], None]) -> Given:
+    return Given(
+        state=state,
+        places=question.cases,
+        backend=question.backend,
+        coupling=question.coupling,
+        bracket=question.bracket,
+        varied=question.varied,
+        target=question.target,
+        tell=tell,
+    )
 
 
 def _telling(tell: Callable[[str], None]) -> Callable[[Any], None]:

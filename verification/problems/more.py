@@ -1,114 +1,18 @@
 """More than the load factor: whether it stands, what matters, which case, which combination."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Any
-
-import pandas as pd
+from typing import Any
 
 import lacore as la
 from lacore import views
-from lacore.conditions.loads import Load
+from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
-from lacore.numerics.quantities import Units
+from lacore.files.problem.varied import Varied
 from lacore.questions.stable import require_dead_loads
+from verification.problems.asking import Given, More
 from verification.problems.tables import sensitivity_in
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True)
-class Given:
-    """What a question is asked with.
-
-    Attributes:
-        state: of all reference loads.
-        places: of the reference loads of each case.
-        backend: its name.
-        bracket: width that each case, or direction, is proven to; None: none is.
-    """
-
-    state: la.LimitState
-    places: Mapping[str, Sequence[int]]
-    backend: str
-    bracket: float | None
-
-    @property
-    def problem(self) -> la.Problem:
-        """As it is stated."""
-        return self.state.discretisation.problem
-
-    @property
-    def cases(self) -> dict[str, Sequence[Load]]:
-        """Reference loads by case."""
-        loads = self.problem.reference_loads
-        return {name: [loads[place] for place in own] for name, own in self.places.items()}
-
-
-@dataclass(frozen=True)
-class More:
-    """A question that is asked of a problem beside its load factor.
-
-    Attributes:
-        title: of its section.
-        doing: what is said on the way.
-        ask: the answer.
-        good: whether that is certified.
-        said: it in a line.
-        caption: of its picture.
-        document: its numbers.
-        script: the call that asks it.
-        table: of it, if there is one.
-        cases: least and largest number of cases that it takes.
-        takes: the same in words.
-        dead: whether it is about dead loads.
-        told: the answer in some units.
-        drawn: its picture in these.
-    """
-
-    title: str
-    doing: str
-    ask: Callable[[Given], Any]
-    good: Callable[[Any], bool]
-    said: Callable[[Any], str]
-    caption: Callable[[Any], str]
-    document: Callable[[Any], dict[str, Any]]
-    script: Callable[[str, str], str]
-    table: Callable[[Any], pd.DataFrame] | None = None
-    cases: tuple[float, float] = (0, inf)
-    takes: str = ""
-    dead: bool = False
-    told: Callable[[Any, Units], Any] = lambda found, units: found
-    drawn: Callable[[Any, Units], "Figure"] = lambda found, units: views.picture(found)
-
-
-def check(name: str, stated: Stated) -> None:
-    """Raise `InputError`, with its line, where a file has not what a question is about."""
-    least, most = MORE[name].cases
-    if not least <= len(stated.cases) <= most:
-        why = f"{name} takes {MORE[name].takes}, and there are {len(stated.cases)}"
-        mend = 'name the case of each reference load: case = "wind"'
-        raise stated.source.error(("reference_loads",), list(stated.cases), why, mend)
-    if MORE[name].dead:
-        with stated.locating():
-            require_dead_loads(stated.problem)
-
-
-def lines(
-    names: Sequence[str], places: Mapping[str, Sequence[int]], backend: str, bracket: float | None
-) -> Iterator[str]:
-    """What asks the same in a script."""
-    if any(MORE[name].cases[0] for name in names):
-        yield "loads = {"
-        for case, own in places.items():
-            listed = ", ".join(f"problem.reference_loads[{place}]" for place in own)
-            yield f'    "{case}": [{listed}],'
-        yield "}"
-    width = "" if bracket is None else f", target_width={bracket!r}"
-    for name in names:
-        yield f"print({MORE[name].script(backend, width)})"
+from verification.problems.varying import VARYING
 
 
 def _stands(found: la.Stable) -> str:
@@ -215,5 +119,37 @@ MORE: Mapping[str, More] = {
         cases=(2, 3),
         takes="two or three cases",
     ),
+    **VARYING,
 }
 """By the key in ``[solve]``, which is that of the option."""
+
+
+def check(name: str, stated: Stated, varied: Varied | None) -> None:
+    """Raise `InputError`, with its line, where a file has not what a question is about."""
+    least, most = MORE[name].cases
+    if not least <= len(stated.cases) <= most:
+        why = f"{name} takes {MORE[name].takes}, and there are {len(stated.cases)}"
+        mend = 'name the case of each reference load: case = "wind"'
+        raise stated.source.error(("reference_loads",), list(stated.cases), why, mend)
+    if MORE[name].varies and varied is None:
+        why = "says nothing of which number varies"
+        mend = "say it by --vary, or vary in [solve], such as arch.thickness='5 cm:20 cm'"
+        raise InputError(f"--{name}", None, why, mend)
+    if MORE[name].dead:
+        with stated.locating():
+            require_dead_loads(stated.problem)
+
+
+def lines(
+    names: Sequence[str], places: Mapping[str, Sequence[int]], backend: str, bracket: float | None
+) -> Iterator[str]:
+    """What asks the same in a script; of what varies as ``problem_at`` and ``within`` say."""
+    if any(MORE[name].cases[0] for name in names):
+        yield "loads = {"
+        for case, own in places.items():
+            listed = ", ".join(f"problem.reference_loads[{place}]" for place in own)
+            yield f'    "{case}": [{listed}],'
+        yield "}"
+    width = "" if bracket is None else f", target_width={bracket!r}"
+    for name in names:
+        yield f"print({MORE[name].script(backend, width)})"

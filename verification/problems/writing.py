@@ -1,12 +1,15 @@
 """The files of an answer: page, tables, VTU, and the problem as Python."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryFile
+from textwrap import indent
 
 import lacore as la
 from lacore.errors import InputError
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.script import script
+from lacore.files.problem.varied import Varied
 from verification.problems import more
 from verification.problems.answers import Answer, Question, Status
 from verification.problems.page import page
@@ -14,6 +17,7 @@ from verification.problems.words import lines
 from verification.report.files import write
 from verification.store.provenance import describe
 
+_SHARES = (0.381966, 0.618034)  # of a range: no number of a file is there by chance
 SCRIPT, STATE = "problem.py", "state.vtu"
 
 
@@ -60,10 +64,38 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
         ends.append(f'print(la.{soil}(problem, backend="{question.backend}"))')
     if question.safety:
         ends.append(f'print(la.safety_factor(problem, backend="{question.backend}"))')
-    ends += more.lines(question.more, question.cases, question.backend, question.bracket)
+    asked = list(question.more)
+    if question.varied is not None:
+        function = _function(question.varied, folder)
+        asked = [name for name in asked if function or not more.MORE[name].varies]
+        ends += _along(question, function)
+    ends += more.lines(asked, question.cases, question.backend, question.bracket)
     title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
     head = f'"""{title}: as {stated.source.file.name} states it."""\n\n'
     return f"{head}{paths}import lacore as la\n\n{problem}" + "\n".join(ends) + "\n"
+
+
+def _along(question: Question, function: str) -> Iterator[str]:
+    """The problem at each value, as a function of Python, and what is asked with it."""
+    varied = question.varied
+    assert varied is not None
+    if not function:
+        yield f"# {varied.name} varies in the file alone: here other numbers follow from it"
+        return
+    yield f"\n\ndef problem_at(value):\n{indent(function, '    ')}    return problem\n\n"
+    yield f"within = ({varied.low!r}, {varied.high!r})"
+    if "critical" in question.more:
+        yield f"target = {question.target!r}"
+
+
+def _function(varied: Varied, folder: Path) -> str:
+    """A script with ``value`` in place of the number; empty where more than that depends on it."""
+    found = set()
+    for share in _SHARES:
+        value = float(f"{varied.low + share * (varied.high - varied.low):.9g}")
+        text = script(varied.stated(value).program, folder)
+        found.add(text.replace(repr(value), "value") if repr(value) in text else "")
+    return found.pop() if len(found) == 1 else ""
 
 
 def _write(file: Path, text: str) -> None:

@@ -80,9 +80,13 @@ def read_problem(path: str | PathLike[str]) -> Problem:
 
 def read(path: str | PathLike[str]) -> Stated:
     """As `read_problem`, with what else is in the file."""
+    return stated_by(Source.of(File(fspath(path))))
+
+
+def stated_by(source: "Source") -> Stated:
+    """What a file states that has been read; errors as of `read_problem`."""
     from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
 
-    source = Source.of(File(fspath(path)))
     stated, amounts = checked(source)
     try:
         program = stated.program()
@@ -150,7 +154,7 @@ class Source:
         if own is not None and not isinstance(own, dict | list):
             value = own
         shown = value_of_files(value)
-        field = _written(there if there else path[:1])
+        field = written(there if there else path[:1])
         return InputError(
             f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
             None if shown == [] else shown,
@@ -178,7 +182,8 @@ def has(table: Any, key: str | int) -> bool:
     return listed or (isinstance(table, dict) and key in table)
 
 
-def _written(path: Path) -> str:
+def written(path: Path) -> str:
+    """``bodies.arch.thickness``, ``reference_loads[0].at``."""
     text = ""
     for key in path:
         if isinstance(key, int):

@@ -16,10 +16,14 @@ _TINY = float(np.finfo(float).tiny)
 _HIGHEST = 4.0  # of a picture of the least, per the middle one: others would flatten it
 
 
-def plot_critical(found: Critical) -> Figure:
+def plot_critical(found: Critical, parameter: str = "parameter") -> Figure:
     """Load factors over the parameter, the target, and wherever both were found to meet.
 
     Values without a finite load factor stand at the border, with their status.
+
+    Args:
+        found: the answer.
+        parameter: what the axis is called.
     """
     figure, axes = _axes(cut(f"{_heading(found)}", 95))
     _curve(axes, found.table, found.target)
@@ -33,19 +37,24 @@ def plot_critical(found: Critical) -> Figure:
             axes.axvline(own.value, color=_FOUND, lw=1.0, zorder=1)
             axes.plot([own.value], [found.target], "o", color=_FOUND, ms=7, zorder=4)
     axes.set_ylabel(found.of.replace(", ", ",\n"), fontsize=9)
-    axes.set_xlabel("parameter", fontsize=9)
+    axes.set_xlabel(parameter, fontsize=9)
     return figure
 
 
-def plot_worst_position(found: WorstPosition) -> Figure:
-    """Load factors over the position, and the least of them."""
+def plot_worst_position(found: WorstPosition, position: str = "position") -> Figure:
+    """Load factors over the position, and the least of them.
+
+    Args:
+        found: the answer.
+        position: what the axis is called.
+    """
     heading = f"load factor {found.load_factor:.6g} at {found.position:.6g}: the least found"
     figure, axes = _axes(heading)
     _curve(axes, found.table, found.load_factor, highest=_HIGHEST)
     if np.isfinite(found.load_factor):
         axes.plot([found.position], [found.load_factor], "o", color=_FOUND, ms=7, zorder=4)
     axes.set_ylabel("load factor", fontsize=9)
-    axes.set_xlabel("position", fontsize=9)
+    axes.set_xlabel(position, fontsize=9)
     return figure
 
 

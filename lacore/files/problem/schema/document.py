@@ -50,6 +50,14 @@ class Asked(Entry):
     """Whether each case of the reference loads is solved alone."""
     envelope: StrictBool = False
     """Whether all combinations of the cases, two or three, are searched."""
+    vary: str | None = None
+    """A number of the file and its range: arch.thickness=5 cm:20 cm."""
+    critical: Number | None = None
+    """The load factor that is looked for along it."""
+    limit: StrictBool = False
+    """Whether it is asked where along it the dead loads are just carried."""
+    worst: StrictBool = False
+    """Whether it is asked where along it the load factor is least."""
 
 
 class ProblemFile(Entry):
