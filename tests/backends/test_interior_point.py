@@ -7,7 +7,9 @@ import pytest
 
 import lacore as la
 from backends import interior_point
-from backends._embedding.follow import Found
+from backends._embedding import follow as way
+from backends._embedding.follow import Found, judged, residuals
+from backends._embedding.place import Place
 from backends.auto import AutoOptions, AutoSolver
 from backends.interior_point import InteriorPoint
 from lacore.backend import find_backend
@@ -98,6 +100,22 @@ def test_a_punch_has_the_load_factor_of_clarabel(smooth):
     assert own.status is Status.SOLVED
     assert certify(smooth[0], own.point, smooth[1]).holds(BAR)
     assert own.point.load_factor == pytest.approx(other.point.load_factor, rel=BAR)
+
+
+def test_residuals_know_forces_out_of_balance(smooth, monkeypatch):
+    """A thousandth more stress leaves a thousandth of the power unbalanced, and not much more."""
+    places = []
+
+    def remembering(place, goal, power):
+        places.append(place)
+        return judged(place, goal, power)
+
+    monkeypatch.setattr(way, "judged", remembering)
+    answer("interior_point", *smooth)
+    at = places[-1].at
+    more = replace(at, stresses=tuple(1.001 * z for z in at.stresses))
+    assert residuals(places[-1], 1.0)[1] <= BAR
+    assert 1e-3 <= residuals(Place(at.conic, more), 1.0)[1] <= 1e-2
 
 
 @pytest.mark.slow

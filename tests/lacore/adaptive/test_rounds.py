@@ -1,5 +1,6 @@
 """Rounds of brackets: how much finer the next meshes are, and several solves at a time."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -53,6 +54,29 @@ def test_an_order_that_widths_have_is_seen_and_lands_on_the_target(true):
     # The first step may guess the order wrong; from the second on it is known. A mesh grows by a
     # fifth at least, and is that much finer than asked for at most.
     assert seen[-1][1] >= target * 1.2**-true * (1 - 1e-9)
+
+
+def test_widths_that_fall_slowly_take_more_elements():
+    assert order([(100, 1.0), (400, 0.3)]) == pytest.approx(np.log(1 / 0.3) / np.log(4))
+    # 3 times as wide, order 1.2 or .8: 3^(1/1.2) at once, or 3^(1/.8) = 3.9 in two steps.
+    assert growth(3.0, 1.2) == pytest.approx(3 ** (1 / 1.2))
+    assert growth(3.0, 0.8) == pytest.approx(3 ** (1 / 1.6))
+
+
+def test_what_is_not_proven_is_asked_once_more_as_the_backend_would(monkeypatch):
+    """With the tolerance of the question first, and then with that of the backend."""
+    seen = []
+
+    def careless(problem, backend, options):
+        seen.append(options.get("tolerance"))
+        found = la.lower_bound(problem, backend, options=options)
+        return replace(found, status=la.Status.NOT_CERTIFIED) if len(seen) == 1 else found
+
+    monkeypatch.setattr(asking, "lower_bound", careless)
+    solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
+    found = solver.bound(asking.Asked("lower", even_punch(), 1e-6))
+    assert found.status is la.Status.SOLVED
+    assert seen == [1e-6, None]
 
 
 def test_an_order_is_guessed_while_nothing_is_known():

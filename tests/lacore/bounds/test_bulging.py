@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.bounds.quadratic.bubbles import EDGES, bubbles
+from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, bubbles
 
 WEIGHT = la.Linear(-18e3, (300.0, 2e3), at=(0.0, 1.0))  # N/m^3, heavier below
 SOILS = {"clay": la.VonMises(40e3), "soil": la.MohrCoulomb(20e3, 20.0)}
@@ -52,6 +52,28 @@ def slopes(mesh):
     edges = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=1)
     inverse = np.linalg.inv(edges.transpose(2, 0, 1))  # (e, local, xy)
     return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+
+
+@pytest.mark.parametrize("edges", [1, 2, 3])
+def test_what_quadratic_stresses_use_is_the_most_of_them(edges):
+    """Of clay: their deviators of one way, so that shares of edges add up without loss."""
+    mesh, rng = grid(), np.random.default_rng(edges)
+    (clay,) = la.Body(mesh, SOILS["clay"]).regions
+    way = rng.normal(size=(mesh.nelements, 1, 2))
+    control = np.zeros((mesh.nelements, 3, 3))
+    control[:, :edges, 0] = rng.uniform(1, 2, (mesh.nelements, edges)) * way[..., 0]
+    control[:, :edges, 1] = -control[:, :edges, 0]
+    control[:, :edges, 2] = control[:, :edges, 0] / way[..., 0] * way[..., 1]
+    used = Bubbles(control, np.zeros((2, mesh.nelements, 3))).uses(clay)[0]
+    places = np.stack(np.meshgrid(*[np.linspace(0, 1, 101)] * 2), axis=-1).reshape(-1, 2)
+    places = places[places.sum(axis=1) <= 1]
+    most = np.zeros(mesh.nelements)
+    for shares in np.column_stack([places, 1 - places.sum(axis=1)]):
+        s = at(np.zeros((mesh.nelements, 3, 3)), control, shares)
+        most = np.maximum(most, np.linalg.norm(s @ np.linalg.pinv(clay.form.rows), axis=1))
+    assert np.all(most <= used * (1 + EXACT))
+    # Places are .01 apart, where their quadratic is stationary: 1e-4 of its largest control.
+    assert np.all(most >= used - 1e-4 * np.abs(control).max(axis=(1, 2)))
 
 
 LOADS = {

@@ -164,7 +164,17 @@ def on(problem, **changes):
     return replace(problem, bodies={**problem.bodies, "soil": clay})
 
 
+def halves(own):
+    """Clay that is stronger on the right: uniform in each region, and as its mesh on both sides."""
+    clay = own.bodies["soil"]
+    left = clay.mesh.p[0, clay.mesh.t].mean(axis=0) < 0
+    mesh = clay.mesh.with_subdomains({"left": np.flatnonzero(left), "right": np.flatnonzero(~left)})
+    strengths = {"left": la.VonMises(1.0), "right": la.VonMises(1.5)}
+    return replace(own, bodies={**own.bodies, "soil": la.Body(mesh, strengths)})
+
+
 ONE_SIDED = {
+    "regions": halves,
     "support": lambda own: replace(own, supports=own.supports[:2]),
     "strength that varies": lambda own: on(own, criterion=la.VonMises(lambda x: 1 + x[0] / 9)),
     "mesh": lambda own: on(own, mesh=la.meshes.rectangle((-3, 3.5), (-1.5, 0), 13, 2)),
