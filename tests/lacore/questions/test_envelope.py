@@ -173,6 +173,23 @@ def halves(own):
     return replace(own, bodies={**own.bodies, "soil": la.Body(mesh, strengths)})
 
 
+def lying(own, *strengths):
+    """The clay on a floor, to which it sticks left and right with strengths of their own."""
+    floor = la.RigidObstacle((0.0, -1.5), (0.0, 1.0))
+    sides = (lambda x: (x[1] == -1.5) & (x[0] < 0), lambda x: (x[1] == -1.5) & (x[0] > 0))
+    held = [
+        la.Interface(("soil", side), floor, la.Tresca(strength))
+        for side, strength in zip(sides, strengths, strict=True)
+    ]
+    return replace(own, supports=own.supports[1:], interfaces=[*own.interfaces, *held])
+
+
+def test_contact_is_its_image_if_its_laws_are():
+    loads = {"V": VERTICAL, "H": ASIDE}
+    assert senses(lying(footing(), 0.3, 0.3), loads) == [[1, 1], [1, -1]]
+    assert senses(lying(footing(), 0.3, 0.6), loads) == [[1, 1]]
+
+
 ONE_SIDED = {
     "regions": halves,
     "support": lambda own: replace(own, supports=own.supports[:2]),
