@@ -51,6 +51,11 @@ class Certificate(Shown):
             friction that is mobilised too little, on the average over the dissipation (T53).
         slip: Coulomb law as bipotential, ``sum w |b_c(-u, t) + u.t|`` (T3) per power.
         gap: pair gap ``|D + sum b_c(-u, t) - Fd.u - alpha|`` per power (T15).
+        load: by how much the load factor may be off for what all others leave, to first order, per
+            power: the power of forces out of balance ``sum |r_i| |U_i|`` and of stresses and
+            tractions beyond their strength from below, that of stresses and tractions on flow and
+            contact that are not possible from above. Where soil outruns its load a thousandfold,
+            a millionth of the forces is no millionth of the load.
     """
 
     equilibrium: float
@@ -62,6 +67,7 @@ class Certificate(Shown):
     flow: float
     slip: float
     gap: float
+    load: float
 
     @property
     def worst(self) -> tuple[str, float]:
@@ -81,7 +87,7 @@ class Certificate(Shown):
         kinds = {
             "of forces": ("equilibrium", "yield_violation", "cone"),
             "of velocities": ("penetration", "divergence", "normalisation"),
-            "of powers": ("flow", "slip", "gap"),
+            "of powers": ("flow", "slip", "gap", "load"),
         }
         told = {
             kind: ", ".join(f"{name} {getattr(self, name):.1e}" for name in names)
@@ -134,6 +140,7 @@ def certify(
     at_points = forces_at_points(program, by_part)
     moving = _nonzero(_largest(by_part[program.part] * np.abs(u)))
     residual = np.abs(out_of_balance(program, state))
+    pair_gap = dissipated - dead_power + by_shift - state.load_factor
     reaction = _most(
         _largest(np.hypot(t_n, np.linalg.norm(t_t, axis=1))),
         forces / _nonzero(float(rows.weights.sum())),
@@ -146,6 +153,20 @@ def certify(
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
+    defects = _flow_defects(program, state)
+    # T15 with what is left of each side: at an optimal velocity and at optimal stresses, whose
+    # places those of the state take.
+    below = (
+        float(residual @ np.abs(u))
+        - float(np.minimum(defects, 0.0).sum())
+        - float(rows.weights @ np.minimum(bipotential, 0.0))
+    )
+    pushed = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
+    above = (
+        pair_gap
+        + sum(g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True))
+        + float(rows.weights @ (pushed * np.maximum(inward, 0.0)))
+    )
     return Certificate(
         equilibrium=_most(_largest(residual) / forces, _largest(residual / by_part[program.part])),
         yield_violation=_most(
@@ -164,26 +185,33 @@ def certify(
         penetration=_most(_largest(inward) / velocity, _largest(inward * at_points) / moving),
         divergence=_most(
             *(_largest(g.impossible(u)) / strain for g in program.groups if g.surfaces is None),
-            sum(g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True))
+            sum(
+                g.taken(u, p)
+                for g, p in zip(program.groups, state.mean_stress, strict=True)
+                if g.surfaces is not None
+            )
             / power,
         ),
         normalisation=abs(float(program.reference_load @ u) - 1),
-        flow=abs(_flow_defect(program, state)) / power,
+        flow=abs(float(defects.sum())) / power,
         slip=float(rows.weights @ np.abs(bipotential)) / power,
-        gap=abs(dissipated - dead_power + by_shift - state.load_factor) / power,
+        gap=abs(pair_gap) / power,
+        load=_most(below, above) / power,
     )
 
 
-def _flow_defect(program: KinematicProgram, state: ProgramState) -> float:
-    defect = 0.0
+def _flow_defects(program: KinematicProgram, state: ProgramState) -> Floats:
+    """Dissipation less work of the stresses, of all cones one after the other; negative beyond."""
     u = state.velocity
+    defects = [np.zeros(0)]
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         work = np.sum(stress * group.cone_vectors(u), axis=1)
-        work = np.where(group.rates(u) > 0, work, 0.0)
-        defect += float(group.dissipation(u).sum() - group.weights @ work)
+        work = group.weights * np.where(group.rates(u) > 0, work, 0.0)
         if group.surfaces is not None:
-            defect -= float(group.volume_weights @ (mean * group.volume_rates(u)))
-    return defect
+            powers = group.volume_weights * (mean * group.volume_rates(u))
+            work = work + powers.reshape(-1, group.volumes).sum(axis=1)
+        defects.append(group.dissipation(u) - work)
+    return np.concatenate(defects)
 
 
 def _most(*values: float) -> float:

@@ -104,15 +104,17 @@ class DissipationGroup(Compact):
         return np.asarray(np.maximum(self.surfaces.impossible(lengths, volume), 0.0))
 
     def taken(self, velocity: Floats, mean: Floats) -> float:
-        """Power of stresses on flow that is not possible, from above; of surfaces only.
+        """Power of stresses on flow that is not possible, from above.
 
         What a cone leaves of its conditions is a rate times a weight: near an axis of revolution,
         or in the least element, the rate alone says little. The stress is the mean one and what
         can be carried beside it, no less than on the average of all points: where both vanish, too,
         flow has to keep to its rule.
         """
-        if self.surfaces is None or not self.weights.size:
+        if not self.weights.size:
             return 0.0
+        if self.surfaces is None:
+            return float(self.volume_weights @ (np.abs(mean) * self.impossible(velocity)))
         stress = np.abs(mean).reshape(-1, self.volumes).max(axis=1) + self.carried(mean)
         stress = np.maximum(stress, np.average(stress, weights=self.weights))
         return float(self.weights @ (stress * self.impossible(velocity)))

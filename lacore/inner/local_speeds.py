@@ -20,10 +20,10 @@ from scipy.sparse import csr_matrix, diags_array
 
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
-from lacore.certificate import certify
 from lacore.dissipation import DissipationGroup
+from lacore.inner.rescaling import largest_residual
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.state import ProgramState, out_of_balance
+from lacore.state import ProgramState
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
 
@@ -127,21 +127,6 @@ def local_speeds(program: KinematicProgram, velocity: Floats) -> Floats:
     return np.asarray(np.maximum(np.where(np.isfinite(least), least, 0.0) / load, 1.0))
 
 
-def doubt(program: KinematicProgram, answer: InnerSolution, contact: FrozenContact) -> float:
-    """Largest residual of an answer, or power of the forces out of balance if that is more.
-
-    Per power that is turned over; infinite without a point.
-    """
-    point = answer.point
-    if point is None:
-        return np.inf
-    left = float(np.abs(out_of_balance(program, point)) @ np.abs(point.velocity))
-    turned = abs(point.load_factor) + abs(float(program.dead_load @ point.velocity))
-    power = left / turned if turned > 0 else 0.0
-    worst = max(certify(program, point, contact).worst[1], power)
-    return worst if np.isfinite(worst) else np.inf
-
-
 def _told(program: KinematicProgram) -> bool:
     """Whether soil presses, and residuals know its flow: not where it is frozen (T52), or inside.
 
@@ -170,7 +155,7 @@ class LocalSpeedSolver:
         best = self._asked(contact)
         if not _told(self._program):
             return best
-        left = doubt(self._program, best, contact)
+        left = largest_residual(self._program, best, contact)
         for _ in range(_TRIES):
             if best.point is None or left <= _LEFT * self._good:
                 break
@@ -179,7 +164,7 @@ class LocalSpeedSolver:
                 break
             self._renew(units)
             answer = self._asked(contact)
-            found = doubt(self._program, answer, contact)
+            found = largest_residual(self._program, answer, contact)
             closer = answer if found < left else best
             best = replace(
                 closer,

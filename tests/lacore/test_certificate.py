@@ -20,6 +20,7 @@ from tests.lacore.planted import (
     sliding,
     sliding_field,
 )
+from verification.cases.strip_footing_gamma import CASE as SAND
 
 EXACT = 1e-12  # round-off of sums of a hundred terms of order one
 BAR = 1e-6  # of `solve`
@@ -221,11 +222,37 @@ def test_the_right_residual_speaks():
         certificate = certify(*error(*planted))
         return {name for name, value in vars(certificate).items() if not value <= EXACT}
 
-    assert loud(SLIDING, SLIDING_ERRORS["load factor off by 1e-4"]) == {"equilibrium", "gap"}
-    assert loud(SLIDING, SLIDING_ERRORS["too little friction for the slip"]) == {"slip", "gap"}
-    assert loud(SLIDING, SLIDING_ERRORS["mean stress off by 1e-3"]) == {"equilibrium"}
+    load_off = loud(SLIDING, SLIDING_ERRORS["load factor off by 1e-4"])
+    assert load_off == {"equilibrium", "gap", "load"}
+    assert loud(SLIDING, SLIDING_ERRORS["too little friction for the slip"]) == {
+        "slip",
+        "gap",
+        "load",
+    }
+    assert loud(SLIDING, SLIDING_ERRORS["mean stress off by 1e-3"]) == {"equilibrium", "load"}
     assert loud(FLOWING, FLOWING_ERRORS["beyond yield by 1e-3"]) >= {"yield_violation"}
-    assert loud(FLOWING, FLOWING_ERRORS["flow not normal"]) == {"flow", "gap"}
+    assert loud(FLOWING, FLOWING_ERRORS["flow not normal"]) == {"flow", "gap", "load"}
+
+
+def test_a_millionth_of_the_forces_is_no_millionth_of_the_load_where_soil_outruns_it():
+    """Forces on the fastest soil that cancel each other's power: only their size tells."""
+    variant = next(v for v in SAND.variants if v.name == "smooth-30")
+    state = la.solve(SAND.problem(variant, "medium"), throw=True)
+    d = state.discretisation
+    velocity = np.linalg.lstsq(d.free_basis.toarray(), state.point.velocity)[0]
+    point, program = replace(state.point, velocity=velocity), d.program
+    assert certify(program, point).holds(BAR)
+    forces = abs(point.load_factor) * np.abs(program.reference_load).sum()
+    forces += np.abs(program.dead_load).sum()
+    one, other = np.argsort(-np.abs(velocity))[:2]
+    left = np.zeros(program.n)
+    left[one] = 5e-7 * forces
+    left[other] = -left[one] * velocity[one] / velocity[other]
+    seen = certify(replace(program, dead_load=program.dead_load + left), point)
+    others = {name: value for name, value in vars(seen).items() if name != "load"}
+    assert all(value <= BAR for value in others.values()), seen
+    # Twice 5e-7 of the forces at 150 times the speed of the load.
+    assert seen.load > 10 * BAR
 
 
 def test_an_associated_state_is_no_coulomb_state():

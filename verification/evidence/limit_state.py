@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from math import isnan, nan
 from typing import Any
 
@@ -40,6 +40,12 @@ def records(frame: pd.DataFrame) -> tuple[dict[str, Any], ...]:
     names = [str(name) for name in frame]
     columns = [frame[name].tolist() for name in frame]
     return tuple(dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True))
+
+
+def _certificate(residuals: Mapping[str, float]) -> Certificate | None:
+    """As stored; what was not computed when it was is NaN, which holds for nothing."""
+    names = [entry.name for entry in fields(Certificate)]
+    return Certificate(**(dict.fromkeys(names, nan) | dict(residuals))) if residuals else None
 
 
 def _values(row: Row) -> RegularisedValues:
@@ -132,7 +138,7 @@ def restored_on(
         rigor=next(rigor for rigor in la.Rigor if rigor.label == row.rigor),
         backend=row.backend,
         coupling=row.coupling,
-        certificate=Certificate(**evidence.residuals) if evidence.residuals else None,
+        certificate=_certificate(evidence.residuals),
         contraction=row.contraction,
         bracket=None,
         regularised=None if isnan(row.P) else _values(row),
