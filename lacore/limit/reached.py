@@ -1,5 +1,7 @@
 """Whether the mechanism of a soil comes to where the soil is held: a box that is too small."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from lacore.arrays import Floats, Ints
@@ -20,6 +22,8 @@ _MOVES = 0.15
 # Of rollers, along which nothing holds the motion back: footings with a tenth to spare come to 0.23
 # on 40 to 1344 elements, those whose box ends where the mechanism does to 0.53 and more.
 _ROLLS = 0.35
+# Of the largest speed, of an element beside a support that is too large to tell where motion ends.
+_IN_DOUBT = 0.5
 _FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
@@ -35,21 +39,14 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
         discretisation: of the problem.
         velocity: all unknowns, shape (n,); None where it is not known.
     """
-    if velocity is None or not discretisation.bodies:
-        return ""
-    speeds = {name: np.hypot(*velocity[dofs.dofs]) for name, dofs in discretisation.bodies.items()}
-    fastest = max(float(speed.max(initial=0.0)) for speed in speeds.values())
     reached, rolling = [], False
-    for support in discretisation.problem.supports:
-        dofs = discretisation.bodies.get(support.body)
-        if dofs is None or not _rubs(dofs.body):
-            continue
+    for support, dofs, speed, fastest in _held(discretisation, velocity):
         rollers = support.components != "xy"
         if rollers and not _of_a_box(support, discretisation.problem, dofs.body):
             continue
-        speed = _beside(dofs, facets_of(support, dofs.body), speeds[support.body])
-        if speed > (_ROLLS if rollers else _MOVES) * fastest > 0:
-            reached.append(f"{support.body}.{where_name(support.where)}")
+        near = _beside(dofs, facets_of(support, dofs.body), speed)
+        if near > (_ROLLS if rollers else _MOVES) * fastest > 0:
+            reached.append(told(support))
             rolling |= rollers
     if not reached:
         return ""
@@ -63,6 +60,43 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
         f"the mechanism reaches {sides}: where the ground goes on beyond, make the"
         " body larger, as it may carry less then"
     )
+
+
+def doubtful_supports(
+    discretisation: Discretisation, velocity: Floats
+) -> tuple[tuple[Fix, Floats], ...]:
+    """Straight sides of soils that are held altogether, fast right beside them; outward normals.
+
+    Of those that `reached_supports` does not tell of: motion ends in elements of some size there.
+    """
+    found = []
+    for support, dofs, speed, fastest in _held(discretisation, velocity):
+        outward = _held_across(support, dofs.body)
+        if support.components != "xy" or outward is None:
+            continue
+        nodes = _nodes_beside(dofs, facets_of(support, dofs.body))
+        if float(speed[nodes].max(initial=0.0)) > _IN_DOUBT * fastest > 0:
+            found.append((support, outward))
+    return tuple(found)
+
+
+def told(support: Fix) -> str:
+    """The side that a support holds, for messages: ``soil.bottom``."""
+    return f"{support.body}.{where_name(support.where)}"
+
+
+def _held(
+    discretisation: Discretisation, velocity: Floats | None
+) -> Iterator[tuple[Fix, BodyDofs, Floats, float]]:
+    """Supports of soils, their unknowns, speeds of their nodes, and the largest of all bodies."""
+    if velocity is None or not discretisation.bodies:
+        return
+    speeds = {name: np.hypot(*velocity[dofs.dofs]) for name, dofs in discretisation.bodies.items()}
+    fastest = max(float(speed.max(initial=0.0)) for speed in speeds.values())
+    for support in discretisation.problem.supports:
+        dofs = discretisation.bodies.get(support.body)
+        if dofs is not None and _rubs(dofs.body):
+            yield support, dofs, speeds[support.body], fastest
 
 
 def _of_a_box(support: Fix, problem: Problem, body: Body) -> bool:
@@ -101,12 +135,17 @@ def _rubs(body: Body) -> bool:
     return any(0 < slope < 1 for slope in steepest)
 
 
-def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:
-    """Largest speed at 2 % of the size of a body from facets, as it rises to the next vertices."""
+def _nodes_beside(dofs: BodyDofs, facets: Ints) -> Ints:
+    """Of the elements that touch facets."""
     mesh = dofs.body.mesh
     beside = np.isin(mesh.t, np.unique(mesh.facets[:, facets])).any(axis=0)
-    nodes = np.unique(dofs.element_nodes[: len(mesh.t), beside])
-    near = _NEAR * dofs.body.size
+    return np.unique(dofs.element_nodes[: len(mesh.t), beside])
+
+
+def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:
+    """Largest speed at 2 % of the size of a body from facets, as it rises to the next vertices."""
+    mesh, near = dofs.body.mesh, _NEAR * dofs.body.size
+    nodes = _nodes_beside(dofs, facets)
     start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     distance = _distance(dofs.nodes[:, nodes], start, end)
     return float((speed[nodes] * near / np.maximum(distance, near)).max(initial=0.0))

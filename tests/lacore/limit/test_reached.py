@@ -2,9 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import lacore as la
+from lacore.bodies.continuum.loaded import force
+from lacore.limit.larger import with_ground_beyond
 from verification.catalogue.catalogue import catalogue, find
 
 
@@ -42,6 +45,54 @@ def test_a_box_that_is_too_small_is_named(box, names):
 def test_coarse_elements_beside_a_support_say_little():
     """Any motion ends in the last of them."""
     assert "reaches" not in la.solve(strip(4.0, 1.4, nx=5, ny=2)).message
+
+
+@pytest.mark.parametrize("cells", [(5, 2), (8, 5)])
+@pytest.mark.parametrize(
+    ("box", "names"),
+    [((4.0, 1.4), []), ((2.5, 1.4), ["soil.right"]), ((4.0, 0.7), ["soil.bottom"])],
+)
+def test_more_ground_tells_of_a_box_on_coarse_meshes_too(box, names, cells):
+    message = la.solve(strip(*box, *cells)).message
+    for side in ("soil.right", "soil.bottom"):
+        assert (f"the mechanism reaches {side}" in message) == (side in names)
+
+
+def test_more_ground_on_the_same_mesh_carries_no_more():
+    """Its velocities are among those of the larger one, with weight, water and a surcharge, too."""
+    soil = strip(2.5, 1.4, 5, 2)
+    beside = la.Pressure("soil", lambda x: (x[1] > -1e-9) & (x[0] > 1), 0.5)
+    water = la.PorePressure("soil", la.WaterTable(-1.4, 1.0))
+    wet = soil.with_loads(dead_loads=[beside, water, la.BodyForce("soil", (0, -1))])
+    _, right, _ = wet.supports
+    larger = with_ground_beyond(wet, right, np.array([0.5, 0.0]))
+    body = larger.bodies["soil"]
+    assert body.box[1][0] == 3.0
+    far = la.discretise(larger).bodies["soil"]
+    surcharge = force(larger.dead_loads[0], far).sum()
+    assert surcharge == pytest.approx(-0.5 * 2.0)  # 1 m to 3 m
+    assert la.solve(larger).load_factor < la.solve(wet).load_factor
+
+
+def test_more_ground_is_of_the_region_beside_it():
+    soil = strip(2.5, 1.4, 5, 2)
+    mesh = soil.bodies["soil"].mesh
+    upper = mesh.p[1, mesh.t].mean(axis=0) > -0.5
+    named = mesh.with_subdomains({"sand": np.flatnonzero(upper), "clay": np.flatnonzero(~upper)})
+    layered = la.Body(named, {"sand": la.MohrCoulomb(1.0, 20.0), "clay": la.VonMises(2.0)})
+    problem = replace(soil, bodies={"soil": layered})
+    larger = with_ground_beyond(problem, problem.supports[1], np.array([0.5, 0.0]))
+    mesh = larger.bodies["soil"].mesh
+    upper = mesh.p[1, mesh.t].mean(axis=0) > -0.5
+    assert set(mesh.subdomains["sand"]) == set(np.flatnonzero(upper))
+
+
+def test_no_ground_is_put_where_a_load_ends_or_a_body_goes_on():
+    soil = strip(2.5, 1.4, 5, 2)
+    left, *_ = soil.supports
+    step = np.array([0.5, 0.0])
+    assert with_ground_beyond(soil, left, -step) is None  # the footing begins there
+    assert with_ground_beyond(soil, la.Fix("soil", "bottom"), np.array([0.0, 0.3])) is None
 
 
 @pytest.mark.parametrize("cells", [(5, 2), (16, 9)])
