@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+from scipy.spatial import ConvexHull, HalfspaceIntersection, KDTree, QhullError
 
 from lacore.arrays import Floats
 
@@ -116,11 +116,9 @@ def hulls(points: Floats, normals: Floats, offsets: Floats, centre: Floats) -> H
 
 def _distinct(corners: Floats) -> Floats:
     """Each once."""
-    kept: list[Floats] = []
-    for corner in corners[np.all(np.isfinite(corners), axis=1)]:
-        if all(np.abs(corner - other).max() > _SAME for other in kept):
-            kept.append(corner)
-    return np.array(kept)
+    finite = corners[np.all(np.isfinite(corners), axis=1)]
+    near = KDTree(finite).query_ball_point(finite, _SAME, p=np.inf)
+    return np.asarray(finite[[min(own) == number for number, own in enumerate(near)]])
 
 
 def _in_order(corners: Floats) -> Floats:

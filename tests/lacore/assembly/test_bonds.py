@@ -71,6 +71,24 @@ def test_a_body_cut_by_a_bond_is_the_uncut_one(space, cut):
     assert parts.rigor is uncut.rigor
 
 
+@pytest.mark.parametrize("criterion", [CRITERION, la.MohrCoulomb(1.0, 20.0)])
+def test_a_bond_may_lie_anywhere(criterion):
+    """At each row, and at each column that does not end below the footing."""
+    uncut = la.solve(whole(criterion=criterion)).load_factor
+
+    def part(x, y):
+        return layer(x, y, round(4 * (x[1] - x[0])), round(4 * (y[1] - y[0])), criterion=criterion)
+
+    for y in (-0.75, -0.5, -0.25):
+        bodies = {"top": part(X, (y, 0.0)), "low": part(X, (-1.0, y))}
+        bond = la.Interface(("top", "bottom"), ("low", "top"), la.BOND)
+        assert la.solve(ground(bodies, [bond])).load_factor == pytest.approx(uncut, rel=SAME)
+    for x in (0.5, 0.75, 1.0, 1.25, 1.5, 1.75):
+        bodies = {"under": part((0.0, x), Y), "beside": part((x, 2.0), Y)}
+        bond = la.Interface(("beside", "left"), ("under", "right"), la.BOND)
+        assert la.solve(ground(bodies, [bond])).load_factor == pytest.approx(uncut, rel=SAME)
+
+
 def test_four_parts_that_meet_in_one_point_are_one():
     """Where three bonds tie the four nodes at a point, the fourth says nothing new."""
     places = {"a": (0.0, 0.5), "b": (0.5, 2.0)}
