@@ -110,6 +110,9 @@ class ConicForm(Compact):
                 one,
                 strength=own(one.strength),
                 slope=tuple(of_elements(slope, elements) for slope in one.slope),
+                flow=None
+                if one.flow is None
+                else tuple(of_elements(slope, elements) for slope in one.flow),
             )
             for one in self.surfaces
         )
@@ -134,7 +137,8 @@ class ConicForm(Compact):
         flow = steepness.copy()
         for place, one in enumerate(self.surfaces):
             if one.flow is not None:
-                flow[:, place] = one.flow
+                own = [of_elements(slope, elements) for slope in one.flow]
+                flow[:, place] = np.stack(own, axis=1)
         return Surfaces(
             slope=steepness,
             strength=np.stack(strengths, axis=1),

@@ -1,19 +1,16 @@
 """The criterion of Drucker and Prager (T41, T42)."""
 
 from dataclasses import dataclass, replace
-from math import atan, cos, degrees, nan, radians, sin, sqrt, tan
+from math import nan, sqrt
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.errors import InputError, require_known
+from lacore.materials.angles import angles_told, flatter, require_angles
 from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
-from lacore.materials.fields import Field, Given, Strength, number_told, taken
-from lacore.materials.planes import (
-    planes_form,
-    require_angle,
-    require_dilation,
-    require_not_negative,
-)
+from lacore.materials.fields import Field, Given, Strength, Strengths, number_told, taken
+from lacore.materials.planes import planes_form, require_not_negative
 from lacore.materials.von_mises import VonMises
 from lacore.showing import Compact
 
@@ -32,10 +29,11 @@ class DruckerPrager(Compact):
 
     Attributes:
         cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match;
-            c may vary from place to place, as there.
+            both may vary from place to place, as there; the angles not in plane stress, whose cones
+            turn with them.
         match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
             in triaxial ``compression`` or ``extension``.
-        dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
+        dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
     Raises:
         InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
@@ -43,67 +41,84 @@ class DruckerPrager(Compact):
     """
 
     cohesion: Given | Field
-    friction_angle: float
+    friction_angle: Given | Field
     match: str = "plane_strain"
-    dilation_angle: float | None = None
+    dilation_angle: Given | Field | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cohesion", taken("DruckerPrager.cohesion", self.cohesion))
+        for name in ("cohesion", "friction_angle", "dilation_angle"):
+            object.__setattr__(self, name, taken(f"DruckerPrager.{name}", getattr(self, name)))
         require_not_negative("DruckerPrager.cohesion", self._cohesion)
-        require_angle("DruckerPrager.friction_angle", self.friction_angle)
+        require_angles("DruckerPrager", self._friction, self._dilation)
         require_known("DruckerPrager.match", self.match, MATCHES)
-        if self._cohesion == 0 and self.friction_angle == 0:
+        numbers = not isinstance(self._friction, Field)
+        if numbers and self._cohesion == self._friction == 0:
             raise InputError(
                 "DruckerPrager.cohesion",
                 self._cohesion,
                 "without friction it is the only strength",
                 "give a cohesion > 0 in Pa, or a friction_angle in degrees",
             )
-        require_dilation("DruckerPrager", self.dilation_angle, self.friction_angle)
 
     @property
     def slope(self) -> float:
-        """Slope a of the cone."""
-        return self._slope(self.friction_angle)
+        """Slope a of the cone; nan where it varies."""
+        return nan if isinstance(self._friction, Field) else float(self._slope(self._friction))
 
     @property
     def flow(self) -> float | None:
-        """Slope of the cone of the dilation angle; None of associated flow."""
-        if self.dilation_angle is None or self.dilation_angle >= self.friction_angle:
+        """Slope of the cone of the dilation angle; None of associated flow, nan: it varies."""
+        friction, dilation = self._friction, self._dilation
+        if isinstance(friction, Field) or isinstance(dilation, Field):
+            return None if dilation is None else nan
+        if dilation is None or dilation >= friction:
             return None
-        return self._slope(self.dilation_angle)
+        return float(self._slope(dilation))
 
-    def _slope(self, angle: float) -> float:
-        sine = sin(radians(angle))
+    def _per_sine(self, angle: float | Floats) -> tuple[float | Floats, float | Floats]:
+        """Slope of a cone that meets an angle, degrees, per its sine, and that sine."""
+        sine = np.sin(np.radians(angle))
         if self.match == "plane_strain":
-            return sqrt(3) * sine / sqrt(3 + sine**2)
+            return sqrt(3) / np.sqrt(3 + sine**2), sine
         sign = -1 if self.match == "compression" else 1
-        return 6 * sine / (sqrt(3) * (3 + sign * sine))
+        return 6 / (sqrt(3) * (3 + sign * sine)), sine
+
+    def _slope(self, angle: float | Floats) -> float | Floats:
+        per, sine = self._per_sine(angle)
+        return per * sine
 
     @property
     def _cohesion(self) -> Strength:
         return self.cohesion  # type: ignore[return-value]  # as `taken` leaves it
 
     @property
+    def _friction(self) -> Strength:
+        return self.friction_angle  # type: ignore[return-value]  # as `taken` leaves it
+
+    @property
+    def _dilation(self) -> Strength | None:
+        return self.dilation_angle  # type: ignore[return-value]  # as `taken` leaves it
+
+    @property
     def k(self) -> Strength:
-        """Shear stress k that it carries without pressure, Pa."""
-        sine, cosine = (f(radians(self.friction_angle)) for f in (sin, cos))
-        if self.match == "plane_strain":
-            return sqrt(3) * self._cohesion * cosine / sqrt(3 + sine**2)
-        sign = -1 if self.match == "compression" else 1
-        return 6 * self._cohesion * cosine / (sqrt(3) * (3 + sign * sine))
+        """Shear stress k that it carries without pressure, Pa; nan where the angle varies."""
+        if isinstance(self._friction, Field):
+            return nan
+        return self._k(self._friction, self._cohesion)  # type: ignore[return-value]  # no array
+
+    def _k(self, angle: float | Floats, cohesion: Strengths) -> Strengths:
+        per, _ = self._per_sine(angle)
+        return cohesion * (per * np.cos(np.radians(angle)))
 
     @property
     def strength(self) -> float:
         """As `k`; nan where it varies."""
-        return nan if isinstance(self.k, Field) else self.k
+        return nan if isinstance(self.k, Field) else float(self.k)
 
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°, matched in compression``."""
-        told = [number_told("c", self._cohesion), f"φ = {self.friction_angle:.4g}°"]
-        if self.dilation_angle is not None:
-            told.append(f"ψ = {self.dilation_angle:.4g}°")
+        told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
         return ", ".join([*told, f"matched in {self.match.replace('_', ' ')}"])
 
     @property
@@ -113,8 +128,7 @@ class DruckerPrager(Compact):
 
     def weakened(self, factor: float) -> "DruckerPrager":
         """Cohesion and ``tan(phi)`` divided by a factor."""
-        angle = degrees(atan(tan(radians(self.friction_angle)) / factor))
-        dilation = None if self.dilation_angle is None else min(self.dilation_angle, angle)
+        angle, dilation = flatter("DruckerPrager", self._friction, self._dilation, factor)
         return DruckerPrager(self._cohesion / factor, angle, self.match, dilation)
 
     def conic_form(self, kinematics: str) -> ConicForm:
@@ -125,8 +139,37 @@ class DruckerPrager(Compact):
         linear part is that of two planes. Where flow is not associated, in plane strain all of the
         norm is kept, as `sigma_zz` is what flow makes of it, and less where nothing flows.
         """
+        if isinstance(self._friction, Field) or isinstance(self._dilation, Field):
+            raise ValueError("an angle that varies is one of elements: see `form_of`")
+        return self._form(kinematics, self.slope, self.k, self.flow)
+
+    def form_of(
+        self, kinematics: str, angles: Floats, cohesion: Strengths, dilation: Floats | None
+    ) -> ConicForm:
+        """The same with angles, degrees, and cohesions of each element, (elements,).
+
+        Raises:
+            InputError: in plane stress, where the axes of cones turn with their angle.
+        """
+        if kinematics == "plane_stress":
+            raise InputError(
+                "DruckerPrager.friction_angle",
+                None,
+                "varies, and in plane stress the axes of cones turn with their angle",
+                "take MohrCoulomb, or make regions of one friction angle each",
+            )
+        flow = None if dilation is None else self._slope(dilation)
+        return self._form(kinematics, self._slope(angles), self._k(angles, cohesion), flow)
+
+    def _form(
+        self,
+        kinematics: str,
+        a: float | Floats,
+        k: Strengths,
+        flow: float | Floats | None,
+    ) -> ConicForm:
+        """Of slope a, strength k, Pa, and slope of the flow, of all elements or of each."""
         require_known("Body.kinematics", kinematics, KINEMATICS)
-        a, k, flow = self.slope, self.k, self.flow
         own = (Surface((a,), k, flow=None if flow is None else (flow,)),)
         if flow is not None and kinematics == "plane_stress":
             raise InputError(
@@ -147,13 +190,14 @@ class DruckerPrager(Compact):
                 out_of_rows=(0.0, 0.0, -2 * third),
             )
         if kinematics == "plane_strain":
-            root = sqrt(1 - a**2 / 3)
+            root = np.sqrt(1 - a**2 / 3)
             return planes_form(kinematics, k / root, a / root, None, None)
         flat = VonMises(shear_strength=1.0).conic_form(kinematics)
         if kinematics == "axisymmetric":
-            if not a:
+            if not np.any(a):
                 return replace(flat, bound=k)
             return replace(flat, bound=k, surfaces=own)
+        assert isinstance(a, float)
         m = sqrt(max(1 - 4 * a**2 / 3, 0.0))
         if m < _LEAST_ROOT:
             raise InputError(

@@ -5,21 +5,20 @@ third principal stress where it is not free.
 """
 
 from dataclasses import dataclass
-from math import atan, cos, degrees, inf, nan, radians, sin, tan
+from math import cos, inf, nan, radians, sin, tan
 from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, require_positive
+from lacore.materials.angles import angles_told, flatter, require_angles
 from lacore.materials.conic_form import ConicForm
 from lacore.materials.fields import Field, Given, Strength, Strengths, number_told, taken
 from lacore.materials.planes import (
     limits_told,
     planes_form,
-    require_angle,
     require_cutoffs,
-    require_dilation,
     require_not_negative,
 )
 from lacore.showing import Compact
@@ -31,16 +30,16 @@ class MohrCoulomb(Compact):
 
     With a dilation angle below the friction angle flow is not associated (T49): bound theorems do
     not hold, and load factors need not be unique. That of cut-offs stays associated (T88).
-    Cohesion, friction angle and cut-offs may vary from place to place: a `lacore.Field`, a function
+    Cohesion, angles and cut-offs may vary from place to place: a `lacore.Field`, a function
     of coordinates of shape (2, n), or a value for each element. Within an element in which the
-    angle varies bounds take a cone that lies within, or around, all of those there (T87).
+    friction angle varies bounds take a cone that lies within, or around, all of those there (T87).
 
     Attributes:
         cohesion: c, Pa, >= 0.
         friction_angle: phi, degrees: 0, or from 0.1 to 89 everywhere.
         tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none.
         crushing: largest compression of a principal stress, Pa; None: none.
-        dilation_angle: psi, degrees, at most phi; None: phi, flow is associated.
+        dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
     Raises:
         InputError: an angle outside of [0, 89] degrees, or one that looks like radians; neither
@@ -52,15 +51,12 @@ class MohrCoulomb(Compact):
     friction_angle: Given | Field
     tension_cutoff: Given | Field | None = None
     crushing: Given | Field | None = None
-    dilation_angle: float | None = None
+    dilation_angle: Given | Field | None = None
 
     def __post_init__(self) -> None:
-        _take(self, "cohesion", "friction_angle", "tension_cutoff", "crushing")
+        _take(self, "cohesion", "friction_angle", "tension_cutoff", "crushing", "dilation_angle")
         require_not_negative("MohrCoulomb.cohesion", self._cohesion)
-        if isinstance(self._friction, Field):
-            self._require_varying_angle()
-        else:
-            require_angle("MohrCoulomb.friction_angle", self._friction)
+        require_angles("MohrCoulomb", self._friction, self._dilation)
         if not isinstance(self._friction, Field) and self._cohesion == self._friction == 0:
             raise InputError(
                 "MohrCoulomb.cohesion",
@@ -78,17 +74,6 @@ class MohrCoulomb(Compact):
                 f"beyond the apex c cot(phi) = {self.apex:.6g} Pa, which no stress exceeds",
                 f"give at most {self.apex:.6g}, or none",
             )
-        if not isinstance(self._friction, Field):
-            require_dilation("MohrCoulomb", self.dilation_angle, self._friction)
-
-    def _require_varying_angle(self) -> None:
-        if self.dilation_angle is not None:
-            raise InputError(
-                "MohrCoulomb.dilation_angle",
-                self.dilation_angle,
-                "beside a friction angle that varies flow is only known where it is associated",
-                "leave it out, or make regions of one friction angle each",
-            )
 
     @property
     def _cohesion(self) -> Strength:
@@ -101,6 +86,10 @@ class MohrCoulomb(Compact):
     @property
     def _friction(self) -> Strength:
         return self.friction_angle  # type: ignore[return-value]  # as `_take` leaves it
+
+    @property
+    def _dilation(self) -> Strength | None:
+        return self.dilation_angle  # type: ignore[return-value]  # as `_take` leaves it
 
     @property
     def angle(self) -> float:
@@ -122,13 +111,7 @@ class MohrCoulomb(Compact):
     @property
     def label(self) -> str:
         """``c = 5000 Pa, phi = 30°``."""
-        told = [number_told("c", self._cohesion)]
-        if isinstance(self._friction, Field):
-            told.append(number_told("φ", self._friction, "°"))
-        else:
-            told.append(f"φ = {self._friction:.4g}°")
-        if self.dilation_angle is not None:
-            told.append(f"ψ = {self.dilation_angle:.4g}°")
+        told = [number_told("c", self._cohesion), *angles_told(self._friction, self._dilation)]
         return ", ".join([*told, *limits_told(*self._cutoffs)])
 
     @property
@@ -145,13 +128,7 @@ class MohrCoulomb(Compact):
             InputError: an angle below 0.1 degrees comes of it.
         """
         tension, crushing = self._cutoffs
-        angle: Strength
-        dilation = self.dilation_angle
-        if isinstance(self._friction, Field):
-            angle = _flatter(self._friction, factor)
-        else:
-            angle = degrees(atan(tan(self.angle) / factor))
-            dilation = None if dilation is None else min(dilation, angle)
+        angle, dilation = flatter("MohrCoulomb", self._friction, self._dilation, factor)
         return MohrCoulomb(
             self._cohesion / factor,
             angle,
@@ -162,9 +139,9 @@ class MohrCoulomb(Compact):
 
     def conic_form(self, kinematics: str) -> ConicForm:
         """Planes of T39 in plane strain and plane stress, of T40 in axisymmetry."""
-        if isinstance(self._friction, Field):
+        psi = self._dilation
+        if isinstance(self._friction, Field) or isinstance(psi, Field):
             raise ValueError("an angle that varies is one of elements: see `form_of`")
-        psi = self.dilation_angle
         return planes_form(
             kinematics,
             self._cohesion * cos(self.angle),
@@ -173,23 +150,13 @@ class MohrCoulomb(Compact):
             None if psi is None or psi >= self._friction else sin(radians(psi)),
         )
 
-    def form_of(self, kinematics: str, angles: Floats, cohesion: Strengths) -> ConicForm:
-        """The same with friction angles, degrees, and cohesions of each element, (elements,)."""
+    def form_of(
+        self, kinematics: str, angles: Floats, cohesion: Strengths, dilation: Floats | None
+    ) -> ConicForm:
+        """The same with angles, degrees, and cohesions of each element, (elements,)."""
         phi = np.radians(angles)
-        return planes_form(kinematics, cohesion * np.cos(phi), np.sin(phi), *self._cutoffs)
-
-
-def _flatter(angle: Field, factor: float) -> Field:
-    """Angles of elements of tangents divided by a factor."""
-    if callable(angle.values):
-        raise InputError(
-            "MohrCoulomb.friction_angle",
-            angle,
-            "a function of place, whose tangents divided by a factor are no multiple of it",
-            "give a value for each element, or regions of one friction angle each",
-        )
-    tangent = np.tan(np.radians(angle.factor * np.asarray(angle.values)))
-    return Field(np.degrees(np.arctan(tangent / factor)))
+        psi = None if dilation is None else np.sin(np.radians(dilation))
+        return planes_form(kinematics, cohesion * np.cos(phi), np.sin(phi), *self._cutoffs, psi)
 
 
 def _take(criterion: Any, *names: str) -> None:

@@ -23,7 +23,7 @@ def planes_form(
     slope: float | Floats,
     tension: Strength | None,
     crushing: Strength | None,
-    dilation: float | None = None,
+    dilation: Slope | None = None,
 ) -> ConicForm:
     """Form of ``q <= shear - slope P``, ``sigma_1 <= tension``, ``sigma_3 >= -crushing``.
 

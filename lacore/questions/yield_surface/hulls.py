@@ -117,8 +117,8 @@ def hulls(points: Floats, normals: Floats, offsets: Floats, centre: Floats) -> H
 def _distinct(corners: Floats) -> Floats:
     """Each once."""
     finite = corners[np.all(np.isfinite(corners), axis=1)]
-    near = KDTree(finite).query_ball_point(finite, _SAME, p=np.inf)
-    return np.asarray(finite[[min(own) == number for number, own in enumerate(near)]])
+    pairs = KDTree(finite).query_pairs(_SAME, p=np.inf, output_type="ndarray")
+    return np.asarray(np.delete(finite, pairs[:, 1], axis=0))
 
 
 def _in_order(corners: Floats) -> Floats:

@@ -187,9 +187,111 @@ def test_an_angle_that_nobody_knows_within_elements_has_no_bounds():
     assert la.lower_bound(problem).load_factor < la.upper_bound(problem).load_factor
 
 
-def test_a_dilation_angle_beside_an_angle_that_varies_is_refused():
-    with pytest.raises(la.InputError, match="only known where it is associated"):
-        la.MohrCoulomb(1.0, jumping, dilation_angle=10)
+@pytest.mark.parametrize(
+    ("kind", "kinematics"),
+    [
+        (la.MohrCoulomb, "plane_strain"),
+        (la.MohrCoulomb, "axisymmetric"),
+        (la.DruckerPrager, "plane_strain"),
+        (la.DruckerPrager, "axisymmetric"),
+    ],
+)
+def test_dilation_by_regions_and_by_elements_is_one(kind, kinematics):
+    """Surfaces of elements, not load factors, of which flow that is not associated has many."""
+    own = mesh()
+    low, psi = own.subdomains["low"], np.full(own.nelements, 15.0)
+    psi[low] = 5.0
+
+    def surfaces(criterion):
+        found = np.zeros((own.nelements, 0))
+        for region in la.Body(own, criterion, space="p2-gauss", kinematics=kinematics).regions:
+            one = region.form.surfaces_of(region.elements)
+            numbers = np.concatenate([one.slope, one.flow, one.strength[..., None]], axis=2)
+            found = found if found.size else np.zeros((own.nelements, *numbers.shape[1:]))
+            found[region.elements] = numbers
+        return found
+
+    for high in (LOOSE, DENSE):
+        regions = {
+            "low": kind(1.0, LOOSE, dilation_angle=5.0),
+            "high": kind(1.0, high, dilation_angle=15.0),
+        }
+        friction = np.full(own.nelements, high)
+        friction[low] = LOOSE
+        for phi in (LOOSE, friction) if high == LOOSE else (friction,):
+            for dilation in (psi, lambda x: np.where(x[1] < 0.5, 5.0, 15.0)):
+                one = surfaces(kind(1.0, phi, dilation_angle=dilation))
+                assert one == pytest.approx(surfaces(regions), rel=1e-13)
+
+
+def test_dilation_that_rises_with_height_has_certified_states():
+    """And carries no more than with associated flow on the same mesh (T54)."""
+    own = mesh(4, 2)
+    psi, phi = la.Linear(5.0, (0.0, 10.0)), 20.0
+    state = la.solve(
+        pressed(la.MohrCoulomb(1.0, phi, dilation_angle=psi), own, space="p2-gauss"), throw=True
+    )
+    assert state.certificate.holds(1e-6)
+    associated = la.solve(pressed(la.MohrCoulomb(1.0, phi), own, space="p2-gauss"), throw=True)
+    assert state.load_factor <= associated.load_factor * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("kinematics", ["plane_strain", "axisymmetric"])
+@pytest.mark.parametrize("match", ["plane_strain", "compression", "extension"])
+def test_cones_by_regions_and_by_elements_are_one(match, kinematics):
+    own = mesh(4, 2)
+    regions = {
+        name: la.DruckerPrager(1.0, phi, match) for name, phi in (("low", LOOSE), ("high", DENSE))
+    }
+    more = {"space": "p2-gauss", "kinematics": kinematics}
+    criteria = (
+        regions,
+        *(la.DruckerPrager(1.0, phi, match) for phi in (of_elements(own), jumping)),
+    )
+    loads = [la.solve(pressed(own_, own, **more), throw=True).load_factor for own_ in criteria]
+    assert loads[1:] == pytest.approx([loads[0], loads[0]], rel=SAME)
+
+
+def test_bounds_of_a_cone_whose_angle_varies_enclose_its_load():
+    """In plane strain the cone that is met there is Mohr and Coulomb's: so are its bounds."""
+    angle, own = la.Linear(25.0, (0.0, -6.0), at=(0.0, 1.0)), mesh(4, 2)
+    cone, soil = (
+        (la.lower_bound(problem, throw=True).load_factor, la.upper_bound(problem).load_factor)
+        for problem in (
+            pressed(kind(1.0, angle), own) for kind in (la.DruckerPrager, la.MohrCoulomb)
+        )
+    )
+    assert cone == pytest.approx(soil, rel=1e-7)
+    assert cone[0] < cone[1]
+
+
+@pytest.mark.parametrize(
+    ("criterion", "said"),
+    [
+        (lambda: la.MohrCoulomb(1.0, 20.0, dilation_angle=lambda x: 15 + 10 * x[1]), "more than"),
+        (lambda: la.MohrCoulomb(1.0, jumping, dilation_angle=25.0), "at most the friction angle"),
+        (lambda: la.DruckerPrager(1.0, 0.0, dilation_angle=[1.0] * 64), "without friction"),
+        (lambda: la.MohrCoulomb(1.0, 20.0, dilation_angle=lambda x: -x[0]), "negative"),
+    ],
+)
+def test_dilation_that_cannot_be_is_refused_with_its_place(criterion, said):
+    with pytest.raises(la.InputError, match=said):
+        la.Body(mesh(), criterion())
+
+
+def test_a_sheet_of_a_cone_that_varies_is_refused():
+    with pytest.raises(la.InputError, match="axes of cones turn"):
+        la.Body(mesh(), la.DruckerPrager(1.0, jumping), kinematics="plane_stress")
+
+
+def test_what_dilates_less_somewhere_has_no_bounds():
+    problem = pressed(la.MohrCoulomb(1.0, DENSE, dilation_angle=of_elements(mesh())), mesh())
+    with pytest.raises(la.InputError, match="not associated"):
+        la.upper_bound(problem)
+    weaker = la.MohrCoulomb(1.0, DENSE, dilation_angle=of_elements(mesh())).weakened(1.3)
+    most = weaker.friction_angle
+    assert np.max(weaker.dilation_angle.values) == pytest.approx(most, rel=1e-14)
+    assert np.min(weaker.dilation_angle.values) == LOOSE
 
 
 @pytest.mark.parametrize("space", ["p1-disc", "p2-disc"])

@@ -13,10 +13,10 @@ from skfem import Mesh
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.varying import Varying
 from lacore.errors import InputError
+from lacore.materials.angles import Angled
 from lacore.materials.conic_form import ConicForm
 from lacore.materials.criterion import Criterion
-from lacore.materials.fields import Field, Strengths
-from lacore.materials.mohr_coulomb import MohrCoulomb
+from lacore.materials.fields import Field, Strength, Strengths
 from lacore.materials.planes import require_angle
 from lacore.meshes.curved import vertices
 
@@ -35,51 +35,86 @@ class Envelopes:
 def envelopes(
     place: str,
     criterion: Criterion,
-    angle: Field,
     known: Known,
     mesh: Mesh,
     elements: Ints,
     kinematics: str,
 ) -> Envelopes:
-    """The forms of a criterion whose friction angle varies.
+    """The forms of a criterion whose friction angle, or dilation angle, varies.
 
     Args:
         place: of the criterion, for messages.
-        criterion: with that angle.
-        angle: its angle, degrees.
+        criterion: with these angles.
         known: what is known of all of its fields in the elements.
         mesh: of the body.
         elements: of the region, shape (e,).
         kinematics: of the body.
 
     Raises:
-        InputError: angles that are none somewhere, or 0.
+        InputError: angles that are none somewhere, or 0; dilation above friction.
     """
-    assert isinstance(criterion, MohrCoulomb)  # no other takes a field for its angle
-    own = _of(angle, known)
-    low, high = (angle.factor * limit for limit in own.limits())
+    assert isinstance(criterion, Angled)  # no other takes a field for an angle
+    friction: Strength = criterion.friction_angle  # type: ignore[assignment]  # as it was taken
+    low, high = _limits(friction, known, elements.size)
     _check(f"{place}.friction_angle", low, high, mesh, elements)
+    dilation: Strength | None = criterion.dilation_angle  # type: ignore[assignment]  # as above
+    flow = _flow(place, friction, dilation, known, mesh, elements)
     cohesion: Strengths = criterion.cohesion  # type: ignore[assignment]  # as it was taken
+
+    def form(angles: Floats, cohesions: Strengths) -> ConicForm:
+        psi = None if flow is None else _spread(np.minimum(flow, angles), mesh, elements)
+        return criterion.form_of(kinematics, _spread(angles, mesh, elements), cohesions, psi)
+
     if np.all(high - low <= _SAME * high):
-        form = criterion.form_of(kinematics, _spread(high, mesh, elements), cohesion)
-        return Envelopes(form, form)
+        both = form(high, cohesion)
+        return Envelopes(both, both)
     least, greatest = _limits(cohesion, known, elements.size)
     ratio = np.tan(np.radians(low)) / np.tan(np.radians(high))
-    above, below = (
-        criterion.form_of(
-            kinematics, _spread(angles, mesh, elements), _spread(cohesions, mesh, elements)
-        )
-        for angles, cohesions in ((high, greatest / ratio), (low, least * ratio))
-    )
+    above = form(high, _spread(greatest / ratio, mesh, elements))
+    below = form(low, _spread(least * ratio, mesh, elements))
     return Envelopes(above, below)
 
 
-def _limits(cohesion: Strengths, known: Known, count: int) -> tuple[Floats, Floats]:
-    """Least and greatest cohesion of elements, Pa, shape (e,) each."""
-    if isinstance(cohesion, Field):
-        low, high = (cohesion.factor * limit for limit in _of(cohesion, known).limits())
+def _limits(value: Strengths, known: Known, count: int) -> tuple[Floats, Floats]:
+    """Least and greatest value in elements, shape (e,) each."""
+    if isinstance(value, Field):
+        low, high = (value.factor * limit for limit in _of(value, known).limits())
         return low, high
-    return np.full(count, cohesion), np.full(count, cohesion)
+    return np.full(count, value), np.full(count, value)
+
+
+def _flow(
+    place: str,
+    friction: Strength,
+    dilation: Strength | None,
+    known: Known,
+    mesh: Mesh,
+    elements: Ints,
+) -> Floats | None:
+    """Dilation angles of elements, degrees, where they vary there the mean; None: associated.
+
+    No bound asks for more: there is none where flow is not associated.
+    """
+    if dilation is None:
+        return None
+    psi, phi = (
+        own.factor * _of(own, known).vertex if isinstance(own, Field) else np.full((1, 1), own)
+        for own in (dilation, friction)
+    )
+    shape = (elements.size, len(mesh.t))
+    over = np.broadcast_to(psi - phi, shape).max(axis=1)
+    worst = int(over.argmax())
+    if over[worst] > _SAME * float(np.max(phi)):
+        raise InputError(
+            _at(f"{place}.dilation_angle", mesh, int(elements[worst])),
+            float(np.broadcast_to(psi, shape)[worst].max()),
+            f"more than the friction angle by {over[worst]:.4g} degrees: flow would create energy",
+            "let it be at most the friction angle everywhere, or leave it out where flow is"
+            " associated",
+        )
+    if np.all(psi >= phi):
+        return None
+    return np.asarray(np.broadcast_to(psi, shape).mean(axis=1))
 
 
 def _of(field: Field, known: Known) -> Varying:

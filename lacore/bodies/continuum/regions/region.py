@@ -59,7 +59,7 @@ class Region(Compact):
         """How large its fields are: ``VonMises, shear_strength 1 to 3 Pa``; empty without any."""
         parts = []
         for name, own in varying(self.criterion).items():
-            values, unit = self.seen(own), "°" if name == "friction_angle" else " Pa"
+            values, unit = self.seen(own), "°" if name.endswith("_angle") else " Pa"
             parts.append(f", {name} {values.min():.4g} to {values.max():.4g}{unit}")
         return "".join([type(self.criterion).__name__, *parts]) if parts else ""
 

@@ -99,13 +99,12 @@ def _near(mesh: Mesh, element: int) -> str:
 
 def _region(name: str, elements: Ints, criterion: Criterion, kinematics: str, mesh: Mesh) -> Region:
     place = f"Body.criterion[{name!r}]" if name else "Body.criterion"
-    angle = varying(criterion).get("friction_angle")
-    if angle is not None:
+    if {"friction_angle", "dilation_angle"} & varying(criterion).keys():
         known = tuple(
             (own, in_elements(f"{place}.{key}", own, mesh, elements, False))
             for key, own in varying(criterion).items()
         )
-        both = envelopes(place, criterion, angle, known, mesh, elements, kinematics)
+        both = envelopes(place, criterion, known, mesh, elements, kinematics)
         return Region(name, elements, criterion, both.above, known, both.below)
     form = criterion.conic_form(kinematics)
     for own in form.strengths:

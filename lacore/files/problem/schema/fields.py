@@ -87,6 +87,12 @@ FrictionAngle = Annotated[
     Discriminator(_kind),
 ]
 """An angle, or as it varies from place to place."""
+DilationAngle = Annotated[
+    Annotated[Angle, Tag("~number")]
+    | Annotated[LinearAngle, Tag("~linear")]
+    | Annotated[AngleByLevel, Tag("~levels")],
+    Discriminator(_kind),
+]
 
 
 class LinearWeight(Linear):

@@ -8,8 +8,8 @@ from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, mode
 from lacore.files.problem.calls import Call, Name
 from lacore.files.problem.places import Path
 from lacore.files.problem.schema.entry import Entry
-from lacore.files.problem.schema.fields import FrictionAngle, Strength
-from lacore.files.problem.schema.values import Angle, Number, Steep, Stress, refused
+from lacore.files.problem.schema.fields import DilationAngle, FrictionAngle, Strength
+from lacore.files.problem.schema.values import Number, Steep, Stress, refused
 
 
 class _Hardening(Entry):
@@ -91,7 +91,7 @@ class MohrCoulomb(Entry):
     friction_angle: FrictionAngle
     tension_cutoff: Strength | None = None
     crushing: Strength | None = None
-    dilation_angle: Angle | None = None
+    dilation_angle: DilationAngle | None = None
 
 
 class DruckerPrager(Entry):
@@ -101,9 +101,9 @@ class DruckerPrager(Entry):
     tag: ClassVar[str] = "criterion"
     criterion: Literal["drucker-prager"]
     cohesion: Strength
-    friction_angle: Steep
+    friction_angle: FrictionAngle
     match: str = "plane_strain"
-    dilation_angle: Angle | None = None
+    dilation_angle: DilationAngle | None = None
 
 
 class Rankine(Entry):
