@@ -128,13 +128,14 @@ class Surfaces(Compact):
         Args:
             friction: as of `friction`, shape (m, k), Pa.
         """
+        rubs = np.any(self._kept, axis=(0, 2))
+        first = int(rubs.argmax())
         apex = np.zeros_like(self.slope[:, :1])
-        rubs = int(np.any(self._kept, axis=(0, 2)).argmax())
-        apex[:, 0, 0] = self.slope[:, rubs, 0]
-        dilating = (1.0 - self._of_friction) * self.strength
+        apex[:, 0, 0] = self.slope[:, first, 0]
+        strength = (1.0 - self._of_friction) * self.strength + rubs * friction
         return Surfaces(
             slope=np.concatenate([self.slope - self._kept, apex], axis=1),
-            strength=np.column_stack([dilating + friction, self.strength[:, rubs]]),
+            strength=np.column_stack([strength, self.strength[:, first]]),
             normed=np.append(self.normed, 0.0),
         )
 

@@ -15,7 +15,8 @@ r"""A hollow sphere of soil, radii a = 1 and b = 2, driven apart by pressure in 
 
 Axisymmetric, a quarter of a meridian section modelled; u_r = 0 on the axis by itself. Two hoop
 stresses are equal, at an edge of the surface of yield: all of its planes are asked for, and no
-hypothesis about the third stress is made. The pressure is the same whatever the soil dilates by.
+hypothesis about the third stress is made. The pressure is the same whatever the soil dilates by:
+in one variant that is by less than its friction, and each load factor is that of a certified state.
 
 Edges are curved: the nodes of a rectangle of radii and angles, on circles.
 """
@@ -23,6 +24,7 @@ Edges are curved: the nodes of a rectangle of radii and angles, on circles.
 import lacore as la
 from verification.case import Band, Case, Convergence, Order, Reference, Variant
 from verification.cases.shared.cavities import MESHES, expansion, quarter, smooth
+from verification.cases.shared.friction_inside import UNFIT
 
 _ERROR = Convergence(
     0.023,
@@ -32,24 +34,24 @@ _ERROR = Convergence(
 )
 
 
-def build(n_radial: int, n_angular: int, angle: float) -> la.Problem:
+def build(n_radial: int, n_angular: int, angle: float, dilation: float) -> la.Problem:
     """The quarter; cohesion 1."""
-    return quarter(n_radial, n_angular, angle, "axisymmetric")
+    return quarter(n_radial, n_angular, angle, dilation, "axisymmetric")
 
 
-def reference(angle: float) -> Reference:
+def reference(angle: float, dilation: float) -> Reference:
     """The sphere that yields everywhere."""
     return expansion(angle, 2)
 
 
-def band(elements: int, angle: float) -> Band:
+def band(elements: int, angle: float, dilation: float) -> Band:
     """Interior strain points, curved edges."""
     return smooth(_ERROR, elements)
 
 
-def order(angle: float) -> Order | None:
+def order(angle: float, dilation: float) -> Order | None:
     """Smooth; with less friction coarse meshes fall faster, without any to the solver at once."""
-    if angle < 30:
+    if angle < 30 or dilation < angle:
         return None
     return Order(
         tuple({"n_radial": n, "n_angular": 2 * n} for n in (2, 3, 4, 6, 8)),
@@ -85,9 +87,10 @@ b/a = 2:      2.772589, 2.876194, 2.821940, 2.632444 c
     surfaces=True,
     bracket=None,
     variants=(
-        Variant("phi-30", {"angle": 30.0}, ("coarse",)),
-        Variant("phi-20", {"angle": 20.0}, ("coarse",)),
-        Variant("phi-10", {"angle": 10.0}, ("coarse",)),
-        Variant("phi-0", {"angle": 0.0}, ("coarse",)),
+        Variant("phi-30", {"angle": 30.0, "dilation": 30.0}, ("coarse",)),
+        Variant("psi-10", {"angle": 30.0, "dilation": 10.0}, ("coarse",), unfit=UNFIT),
+        Variant("phi-20", {"angle": 20.0, "dilation": 20.0}, ("coarse",)),
+        Variant("phi-10", {"angle": 10.0, "dilation": 10.0}, ("coarse",)),
+        Variant("phi-0", {"angle": 0.0, "dilation": 0.0}, ("coarse",)),
     ),
 )

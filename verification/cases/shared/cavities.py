@@ -16,7 +16,9 @@ MESHES = {
 }
 
 
-def quarter(n_radial: int, n_angular: int, angle: float, kinematics: str) -> la.Problem:
+def quarter(
+    n_radial: int, n_angular: int, angle: float, dilation: float, kinematics: str
+) -> la.Problem:
     """A quarter of a tube (plane strain) or a sphere (axisymmetric), curved, cohesion 1."""
     flat = la.meshes.rectangle(
         (INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER)
@@ -25,9 +27,9 @@ def quarter(n_radial: int, n_angular: int, angle: float, kinematics: str) -> la.
     supports = [la.Fix("soil", "bottom", "y")]
     if kinematics == "plane_strain":
         supports.append(la.Fix("soil", "top", "x"))
-    soil = la.Body(mesh, la.MohrCoulomb(C, angle), kinematics=kinematics, space="p2-gauss")
+    soil = la.MohrCoulomb(C, angle, dilation_angle=dilation if dilation < angle else None)
     return la.Problem(
-        bodies={"soil": soil},
+        bodies={"soil": la.Body(mesh, soil, kinematics=kinematics, space="p2-gauss")},
         supports=supports,
         reference_loads=[la.Pressure("soil", "left")],
     )
