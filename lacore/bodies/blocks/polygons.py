@@ -8,6 +8,7 @@ import numpy.typing as npt
 import shapely
 
 from lacore.arrays import Floats, Geometries, Ints
+from lacore.bodies.blocks.overlap import overlap_told
 from lacore.bodies.touching import NEAR, Edges, near_misses
 from lacore.errors import InputError, require_range
 
@@ -133,11 +134,10 @@ def require_apart(names: Sequence[str], polygons: Geometries, tolerance: float, 
     if i.size:
         order = np.lexsort((j, i))
         a, b = i[order[0]], j[order[0]]
-        area = shapely.area(shapely.intersection(polygons[a], polygons[b]))
         raise InputError(
             field,
             (names[a], names[b]),
-            f"these blocks overlap (over {area:.3g} m^2; overlapping pairs: {i.size})",
+            f"these blocks {overlap_told(polygons[a], polygons[b])} (overlapping pairs: {i.size})",
             "move them apart",
         )
 

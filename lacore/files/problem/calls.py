@@ -5,11 +5,12 @@ are called, with numbers, texts and each other as arguments.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
 from lacore.errors import InputError
+from lacore.files.problem.apart import require_apart
 from lacore.files.problem.makers import MAKERS, NAMES
 from lacore.files.problem.places import Path
 
@@ -93,12 +94,18 @@ class Program:
         """What the call makes, and the things.
 
         Raises:
-            MisfitError: lacore refuses one of them.
+            MisfitError: lacore refuses one of them, or bodies lie in each other.
         """
         things: dict[Key, Any] = {}
         for key, node in self.things.items():
             things[key] = made(node, things)
-        return made(self.call, things), things
+        bodies = made(self.call.arguments["bodies"], things)
+        try:
+            require_apart(bodies)
+        except InputError as error:
+            raise MisfitError(error, parts(error.field)) from error
+        whole = replace(self.call, arguments={**self.call.arguments, "bodies": bodies})
+        return made(whole, things), things
 
 
 class MisfitError(Exception):

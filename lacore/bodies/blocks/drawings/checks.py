@@ -9,6 +9,7 @@ from lacore.arrays import Floats
 from lacore.bodies.blocks.drawings.loops import Chain
 from lacore.bodies.blocks.drawings.snapping import Merged
 from lacore.bodies.blocks.drawings.strokes import place_told, refused
+from lacore.bodies.blocks.overlap import overlap_told
 
 _WIDEST = 2.0  # snaps: vertices that are one lie no farther apart
 
@@ -62,12 +63,10 @@ def _require_apart(path: str, rings: Sequence[Chain], place: Floats, snap: float
     if not i.size:
         return
     one, other = rings[i[0]], rings[j[0]]
-    common = shapely.intersection(polygons[i[0]], polygons[j[0]])
-    middle = shapely.get_coordinates(shapely.point_on_surface(common))[0]
+    told = overlap_told(polygons[i[0]], polygons[j[0]])
     raise refused(
         path,
         f"{one.told}, and {other.told}",
-        f"these blocks overlap at {place_told(middle)}, over {common.area:.3g} m^2 (overlapping"
-        f" pairs: {i.size})",
+        f"these blocks {told} (overlapping pairs: {i.size})",
         "draw each block once; name the layer of the outlines of windows in `openings`",
     )

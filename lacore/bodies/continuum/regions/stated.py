@@ -13,7 +13,7 @@ from lacore.errors import InputError, suggest_all
 from lacore.materials.criterion import Criterion
 from lacore.materials.fields import Field, varying
 from lacore.meshes.curved import vertices
-from lacore.showing import counted, listed, short
+from lacore.showing import counted, listed, short, spanned
 
 
 def regions_of(
@@ -73,7 +73,7 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
                 place,
                 name,
                 f"overlaps region {other!r} in {counted(taken.size, 'element')},"
-                f" near {_near(mesh, elements[taken[0]])}",
+                f" {_where(mesh, elements[taken])}",
                 "let each element lie in one region",
             )
         owner[elements] = number
@@ -90,6 +90,13 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
             else "let regions cover the mesh",
         )
     return found
+
+
+def _where(mesh: Mesh, elements: Ints) -> str:
+    """The place of elements, and how deep it is: the smaller side of the box around them."""
+    places = vertices(mesh)[:, np.unique(mesh.t[:, elements])]
+    low, high = places.min(axis=1), places.max(axis=1)
+    return f"{(high - low).min():.4g} m deep, within {spanned(low, high)} m"
 
 
 def _near(mesh: Mesh, element: int) -> str:
