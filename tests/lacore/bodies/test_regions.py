@@ -147,7 +147,7 @@ def test_what_cannot_be_is_said(criterion, message):
 def test_regions_that_overlap_are_refused():
     mesh = halves().with_subdomains({"middle": lambda x: abs(x[1] - 0.5) < 0.2})
     one = la.VonMises(1.0)
-    with pytest.raises(la.InputError, match="'low' in 24 elements, .* m deep, within x = 0 to"):
+    with pytest.raises(la.InputError, match=r"'low' in 24 elements, .* m deep, within x = 0 to"):
         la.Body(mesh, {"low": one, "high": one, "middle": one})
 
 
