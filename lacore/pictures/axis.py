@@ -45,7 +45,12 @@ def label_lengths(axes: Axes, names: str, units: Units) -> None:
         axis.set_label_text(f"{name} [{units.length}]", fontsize=9)
         if size != 1.0:
             axis.set_major_locator(_Ticks(size))
-            axis.set_major_formatter(FuncFormatter(lambda at, _: f"{round(at / size, 9):g}"))
+            axis.set_major_formatter(FuncFormatter(lambda at, _: _typeset(at / size)))
+
+
+def _typeset(length: float) -> str:
+    """With the minus that all other axes have."""
+    return f"{round(length, 9):g}".replace("-", "\N{MINUS SIGN}")
 
 
 def draw_axis(axes: Axes, bodies: Iterable[Stated]) -> list[Line2D]:

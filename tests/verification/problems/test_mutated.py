@@ -10,7 +10,8 @@ import pytest
 
 from lacore.errors import InputError
 from lacore.files.problem.layout import toml
-from lacore.files.problem.reading import read
+from lacore.files.problem.reading import Source, read, written
+from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from tests.verification.problems import others
 from verification.problems import starters
@@ -88,6 +89,76 @@ def test_mistakes_are_said_with_line_and_mend(tmp_path):
         assert LINE.match(error.field), (number, error)
         assert error.why, number
         assert error.mend, number
+
+
+def varied(draw, text):
+    """A number of a text, or none, with a range, or none: as `--vary` takes them."""
+    numbers = [
+        (written(path), own)
+        for path in parts(tomllib.loads(text))
+        if path[0] not in ("solve", "title")
+        for own in [value(tomllib.loads(text), path)]
+        if (isinstance(own, int | float) and not isinstance(own, bool)) or isinstance(own, str)
+    ]
+    name, own = draw.choice(numbers)
+    number, _, unit = own.partition(" ") if isinstance(own, str) else (str(own), "", "")
+    try:
+        middle = float(number)
+    except ValueError:
+        middle = 1.0
+    low, high = sorted((middle * draw.choice((0.5, 0.8, -1, 0)), middle * 1.5 + 0.01))
+    unit = draw.choice((unit, unit, unit, "", "kPa", "mm", "deg", "blub"))
+    name = draw.choice((name, name, name, name.rpartition(".")[2], name[:-1], ""))
+    return f"{name}={low:g} {unit}:{high:g} {unit}"
+
+
+def value(data, path):
+    table, key = around(data, path)
+    return table[key]
+
+
+def test_ranges_are_taken_or_refused_with_a_mend(tmp_path):
+    """Numbers of starters and ranges: what is taken makes a problem, or says why."""
+    others.draw(tmp_path)
+    refused = {}
+    for number in range(60):
+        draw = random.Random(number)
+        file = tmp_path / "my.toml"
+        text = PLAIN[draw.choice(list(PLAIN))]
+        file.write_text(text, encoding="utf-8")
+        asked = varied(draw, text)
+        try:
+            found = read_varied(Source.of(file), asked, "--vary")
+            found.problem((found.low + found.high) / 2)
+        except InputError as error:
+            refused[asked] = error
+    assert 10 < len(refused) < 55
+    for asked, error in refused.items():
+        assert error.field == "--vary" or LINE.match(error.field), (asked, error)
+        assert error.why, asked
+        assert error.mend, asked
+
+
+@pytest.mark.slow
+def test_ranges_are_answered_or_refused(tmp_path):
+    """40 of them by the command: a document, or a sentence."""
+    others.draw(tmp_path)
+    file, count = tmp_path / "my.toml", Counter()
+    for number in range(2000, 2040):
+        draw = random.Random(number)
+        text = PLAIN[draw.choice(("arch", "block", "frame", "vault"))]
+        file.write_text(text, encoding="utf-8")
+        asked = ("--vary", varied(draw, text), draw.choice(("--critical", "--limit", "--worst")))
+        result = lacore("solve", file, "--json", "--out", tmp_path / "out", *asked)
+        assert isinstance(result.exception, SystemExit | None), (number, asked, result.exception)
+        count[result.exit_code] += 1
+        if result.exit_code == 2:
+            assert result.stdout == "", (number, asked)
+            assert "; " in result.stderr, (number, asked)
+            continue
+        found = json.loads(result.stdout)[asked[2].removeprefix("--")]
+        assert "failure" in found or found["table"], (number, asked)
+    assert set(count) == {0, 1, 2}
 
 
 @pytest.mark.slow

@@ -128,7 +128,8 @@ def test_pictures_are_in_them(answers):
         maps = [axes for axes in figure.axes if axes.get_xlabel() == "x [mm]"]
         assert maps
         for axes in maps:
-            ticks = [float(own.get_text()) for own in axes.get_xticklabels()]
+            texts = [own.get_text() for own in axes.get_xticklabels()]
+            ticks = [float(own.replace("\N{MINUS SIGN}", "-")) for own in texts]
             assert ticks == pytest.approx([1e3 * place for place in axes.get_xticks()])
 
 
