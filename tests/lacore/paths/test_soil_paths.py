@@ -116,6 +116,15 @@ def test_a_round_sample_of_drucker_and_prager():
     )
 
 
+def test_a_round_sample_dilates_by_its_own_angle():
+    """At an edge of Mohr and Coulomb's surface, where two planes flow: laterally K/2 (T88)."""
+    soil = la.MohrCoulomb(1.0, 30.0, dilation_angle=10.0)
+    path = la.sequential(sample(soil, LATERAL, kinematics="axisymmetric"), 0.1, 4)
+    assert path.status is Ending.REACHED, path.message
+    lateral = ratio(10) / 2
+    assert width(path)[1] == pytest.approx(0.9**-lateral, rel=growth_error(lateral, 0.1, 4))
+
+
 def test_a_thick_tube_of_soil():
     """v ~ r^-beta by the flow rule, and the pressure of the radii as they are."""
     angle, travel, steps = 30.0, 0.3, 4
