@@ -125,7 +125,8 @@ def certify(
     friction = np.where(finite, bound, 0.0) * slip_rate
     cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
 
-    dissipated = program.plastic_dissipation(u) + float(rows.weights @ friction)
+    plastic = [np.zeros(0), *(group.dissipation(u) for group in program.groups)]
+    dissipated = float(sum(own.sum() for own in plastic)) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
     by_shift = float(rows.weights @ (t_n * shift))
     # Dilatant friction dissipates nothing; what it lifts against counts in its place.
@@ -153,7 +154,7 @@ def certify(
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
-    defects = _flow_defects(program, state)
+    defects = np.concatenate(plastic) - _works(program, state)
     # T15 with what is left of each side: at an optimal velocity and at optimal stresses, whose
     # places those of the state take.
     below = (
@@ -200,18 +201,18 @@ def certify(
     )
 
 
-def _flow_defects(program: KinematicProgram, state: ProgramState) -> Floats:
-    """Dissipation less work of the stresses, of all cones one after the other; negative beyond."""
+def _works(program: KinematicProgram, state: ProgramState) -> Floats:
+    """Power of the stresses of all cones, one after the other, where they strain at all."""
     u = state.velocity
-    defects = [np.zeros(0)]
+    works = [np.zeros(0)]
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
         work = np.sum(stress * group.cone_vectors(u), axis=1)
         work = group.weights * np.where(group.rates(u) > 0, work, 0.0)
         if group.surfaces is not None:
             powers = group.volume_weights * (mean * group.volume_rates(u))
             work = work + powers.reshape(-1, group.volumes).sum(axis=1)
-        defects.append(group.dissipation(u) - work)
-    return np.concatenate(defects)
+        works.append(work)
+    return np.concatenate(works)
 
 
 def _most(*values: float) -> float:
