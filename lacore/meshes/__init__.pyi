@@ -16,3 +16,4 @@ from .structured import quadrilaterals as quadrilaterals
 from .structured import quarter_ring as quarter_ring
 from .structured import rectangle as rectangle
 from .structured import split as split
+from .structured import unaligned as unaligned

@@ -36,7 +36,7 @@ def build(nx: int, ny: int, ratio: float, angle: float, dilation: float) -> la.P
     (mesh,) = (body.mesh for body in of_kind(problem.bodies, la.Body).values())
     soil = la.MohrCoulomb(1.0, angle, dilation_angle=dilation)
     return la.Problem(
-        bodies={"soil": la.Body(mesh, soil, space="p2-gauss")},
+        bodies={"soil": la.Body(la.meshes.unaligned(mesh), soil, space="p2-gauss")},
         supports=problem.supports,
         reference_loads=problem.reference_loads,
     )

@@ -198,3 +198,43 @@ def test_split_keeps_the_boundary():
         assert np.array_equal(middle, its)
     with pytest.raises(la.InputError, match="not elements"):
         la.meshes.split(mesh, [mesh.nelements])
+
+
+def dependent_divergences(mesh):
+    """How many linear pressures, but for those of edges outside, no velocity of degree 2 feels."""
+    soil = la.Body(mesh, la.VonMises(1.0), space="p2-gauss")
+    stated = la.Problem({"soil": soil}, [la.Pressure("soil", "top", 1.0)])
+    (group,) = la.discretise(stated).full.groups
+    rows = group.volumetric.toarray()
+    return rows.shape[0] - np.linalg.matrix_rank(rows)
+
+
+MESHES = {
+    "rectangle": la.meshes.rectangle((0, 2), (0, 1), 3, 2, grade_x=(0, 3)),
+    "turned": la.meshes.rectangle((0, 2), (0, 1), 3, 2).translated((1, 0)),
+    "fan": la.meshes.fan((0, 2), (-1, 0), (0.5, 0), 4, 2),
+}
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_centres_off_the_diagonals_leave_no_pressure_unfelt(mesh):
+    """Scott and Vogelius: one for each crossed cell, and none if no vertex is singular."""
+    plain = MESHES[mesh]
+    moved = la.meshes.unaligned(plain)
+    assert dependent_divergences(plain) > 0 == dependent_divergences(moved)
+    assert np.array_equal(moved.t, plain.t)
+    assert np.abs(areas(moved)).sum() == pytest.approx(np.abs(areas(plain)).sum(), rel=ROUND_OFF)
+    assert moved.boundaries.keys() == plain.boundaries.keys()
+    at = np.any(moved.p != plain.p, axis=0)
+    assert not at[plain.boundary_nodes()].any()
+
+
+def test_meshes_without_crossed_cells_stay():
+    mesh = la.meshes.rectangle((0, 2), (0, 1), 3, 2, crossed=False)
+    assert np.array_equal(la.meshes.unaligned(mesh).p, mesh.p)
+
+
+@pytest.mark.parametrize("to", [(0.5, 0.5), (0.3, 0.7), (1.0, 0.6), (float("nan"), 0.6)])
+def test_centres_stay_within_and_off_the_diagonals(to):
+    with pytest.raises(la.InputError, match="off its diagonals"):
+        la.meshes.unaligned(la.meshes.rectangle((0, 2), (0, 1), 3, 2), to)
