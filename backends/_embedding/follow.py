@@ -49,11 +49,10 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
             native = "time limit"
             break
         try:
-            directions = Directions(place, system)
-        except SingularError:
+            step, share = chosen(place, Directions(place, system), goal)
+        except (SingularError, np.linalg.LinAlgError):
             native = "singular matrix"
             break
-        step, share = chosen(place, directions, goal)
         moved = at.plus(step, share)
         if share < _SHORTEST or not Place(conic, moved).sound:
             native = "no progress"
