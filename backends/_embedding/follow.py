@@ -21,6 +21,7 @@ _FURTHER = 0.1  # how much longer a step they aim at
 _GAIN = 0.1  # share of that which they must gain
 _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
 _SHORTEST = 1e-5  # step that leads nowhere
+_SUMMED = 100.0  # tolerances that forces out of balance may work: what certificates allow
 
 
 @dataclass(frozen=True)
@@ -135,4 +136,4 @@ def residuals(place: Place, power: float) -> tuple[float, float, float]:
     force = float(np.abs(left.force).max(initial=0.0)) / at.tau / max(loads, 1e-300)
     fastest = float(np.abs(at.velocity).max(initial=0.0))
     slow = _missed(place) / max(fastest, 1e-300)
-    return gap, max(force, lost), max(slow, abs(left.load) / at.tau)
+    return gap, max(force, lost / _SUMMED), max(slow, abs(left.load) / at.tau)

@@ -115,7 +115,8 @@ def test_residuals_know_forces_out_of_balance(smooth, monkeypatch):
     at = places[-1].at
     more = replace(at, stresses=tuple(1.001 * z for z in at.stresses))
     assert residuals(places[-1], 1.0)[1] <= BAR
-    assert 1e-3 <= residuals(Place(at.conic, more), 1.0)[1] <= 1e-2
+    # Of their power a hundredth counts, as certificates allow.
+    assert 1e-5 <= residuals(Place(at.conic, more), 1.0)[1] <= 1e-3
 
 
 @pytest.mark.slow
