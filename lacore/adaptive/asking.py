@@ -7,6 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
 
+import numpy as np
+
 from lacore.backend import find_backend
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
@@ -16,7 +18,10 @@ from lacore.status import Status
 
 Bound = LowerBound | UpperBound
 
+TIGHTEST = 1e-9  # tolerance that is asked for
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
+_AIM = 0.2  # of what may be lost, when a bound is asked for again: losses do not fall evenly
+_WORTH = 0.5  # of a tolerance at most, for which another solve is worth its time
 
 
 def processors() -> int:
@@ -35,11 +40,29 @@ class Asked:
         kind: ``lower`` or ``upper``.
         problem: on its mesh.
         tolerance: of the backend; it is asked once more with its own where nothing is proven.
+        affordable: of load factors, what a bound may lose as what the solver found is made
+            admissible; where it loses more, the backend is asked once more, with a tolerance as
+            much tighter.
     """
 
     kind: str
     problem: Problem
     tolerance: float
+    affordable: float = np.inf
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A bound, and how it was found.
+
+    Attributes:
+        bound: the better one, where the backend was asked twice.
+        sharper: tolerance that it took, per that of the question, for a bound that lost too much;
+            else 1.
+    """
+
+    bound: Bound
+    sharper: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -58,29 +81,47 @@ class Solver:
     deadline: float
     jobs: int
 
-    def answers(self, asked: Sequence[Asked]) -> Generator[Bound]:
+    def answers(self, asked: Sequence[Asked]) -> Generator[Answer]:
         """The bounds in their order, the same whatever `jobs`: each knows its own question only.
 
         Who stops reading leaves the rest unsolved, or unread.
         """
         jobs = min(self.jobs, len(asked))
         if jobs < 2:
-            yield from map(self.bound, asked)
+            yield from map(self.answer, asked)
             return
         with ThreadPoolExecutor(jobs) as pool:  # backends let go of the interpreter
-            yield from pool.map(self.bound, asked)
+            yield from pool.map(self.answer, asked)
 
-    def bound(self, asked: Asked) -> Bound:
+    def answer(self, asked: Asked) -> Answer:
         """The answer to one question."""
         bound = self._bound(asked, {"tolerance": asked.tolerance})
         if bound.status is Status.NOT_CERTIFIED:
-            bound = self._bound(asked, {})
-        return bound
+            return Answer(self._bound(asked, {}))
+        sharper = self._sharper(asked, bound)
+        if sharper > _WORTH:
+            return Answer(bound)
+        again = self._bound(asked, {"tolerance": sharper * asked.tolerance})
+        closer = again.status is Status.SOLVED and again.lost < bound.lost
+        return Answer(again if closer else bound, sharper)
+
+    def _sharper(self, asked: Asked, bound: Bound) -> float:
+        """Which share of the tolerance a bound needs that loses too much; else 1."""
+        if bound.status is not Status.SOLVED or not bound.lost > asked.affordable:
+            return 1.0
+        if "tolerance" in self.options or "tolerance" not in self._known:
+            return 1.0
+        needed = _AIM * asked.affordable / bound.lost
+        return max(needed, min(TIGHTEST / asked.tolerance, 1.0))
+
+    @property
+    def _known(self) -> set[str]:
+        """Names of the options that the backend has."""
+        return {field.name for field in fields(find_backend(self.backend).Options)}
 
     def _bound(self, asked: Asked, options: Mapping[str, Any]) -> Bound:
-        known = {field.name for field in fields(find_backend(self.backend).Options)}
         left = max(self.deadline - time.perf_counter(), 1.0)
-        given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}
+        given = {k: v for k, v in {**options, "time_limit": left}.items() if k in self._known}
         given |= self.options
         if "time_limit" in given:
             given["time_limit"] = min(given["time_limit"], left)

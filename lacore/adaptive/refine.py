@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from skfem import MeshTri
 
-from lacore.adaptive.asking import Asked, Bound, Solver, processors
+from lacore.adaptive.asking import TIGHTEST, Asked, Bound, Solver, processors
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import starts
@@ -33,7 +33,8 @@ from lacore.status import Status
 
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 _PRESSED = 1e-5  # of soils: what flows as it cannot is worst in the least element (T45)
-_LOOSEST, _TIGHTEST = 2e-5, 1e-9
+_LOOSEST = 2e-5
+_LOST = 0.25  # of the next width, what a bound may lose of what its solver found
 _SETTLED = 0.25  # of the target width, what both ends may have left to gain
 _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
@@ -171,6 +172,7 @@ class _Run:
     absent: dict[str, str] = field(default_factory=dict)
     rows: list[dict[str, Any]] = field(default_factory=list)
     seen: list[tuple[int, float]] = field(default_factory=list)
+    sharper: dict[str, float] = field(default_factory=dict)
 
     @property
     def lower(self) -> float:
@@ -183,6 +185,11 @@ class _Run:
     @property
     def width(self) -> float:
         return width(self.lower, self.upper)
+
+    @property
+    def size(self) -> float:
+        """Of load factors; inf while none is proven."""
+        return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
 
     @property
     def crossed(self) -> bool:
@@ -201,13 +208,14 @@ class _Run:
         """The tracks on new meshes; what these prove is kept."""
         begin = time.perf_counter()
         before = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
-        tolerance = self._tolerance()
-        asked = [Asked(kind, new, tolerance) for track, new in moves for kind in track.kinds]
+        asked = [self._asked(kind, new) for track, new in moves for kind in track.kinds]
         last: dict[str, Bound] = {}
         with closing(self.solver.answers(asked)) as answers:
-            for question, bound in zip(asked, answers, strict=True):
-                self._keep(question, bound)
-                last[question.kind] = bound
+            for question, answer in zip(asked, answers, strict=True):
+                kind = question.kind
+                self._keep(question, answer.bound)
+                self.sharper[kind] = self.sharper.get(kind, 1.0) * answer.sharper
+                last[kind] = answer.bound
                 if self.width <= self.target:
                     break
         after = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
@@ -215,12 +223,14 @@ class _Run:
         seconds = time.perf_counter() - begin
         return [track.moved(new, last, gained, seconds) for track, new in moves]
 
-    def _tolerance(self) -> float:
-        """Of the next solves: what their meshes will about prove decides how close they come."""
+    def _asked(self, kind: str, problem: Problem) -> Asked:
+        """By what its mesh will about prove: it decides how close the solver comes."""
         width = max(self.width / self.growth if self.rows else np.inf, self.target)
+        affordable = _LOST * width * self.size
         width = self.target if self.coulomb else width  # which may stay wide
-        loose = width * (_PRESSED if self.pressed else _LOOSE)
-        return float(np.clip(loose, _TIGHTEST, _LOOSEST))
+        loose = width * (_PRESSED if self.pressed else _LOOSE) * self.sharper.get(kind, 1.0)
+        tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
+        return Asked(kind, problem, tolerance, affordable)
 
     def _keep(self, asked: Asked, bound: Bound) -> None:
         """The best bounds, and what failed."""
@@ -291,13 +301,12 @@ class _Run:
             return Ending.NO_BOUND
         if track.too_fine:
             return Ending.MAX_ELEMENTS
-        size = max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
         rests = track.rests[-RECENT:]
-        if self.coulomb and len(rests) == RECENT and max(rests) <= _SETTLED * self.target * size:
+        small = self.target * self.size
+        if self.coulomb and len(rests) == RECENT and max(rests) <= _SETTLED * small:
             return Ending.SETTLED
         last = track.gains[-_PATIENCE:]
-        least = _NOTHING * self.target * size
-        spent = len(last) == _PATIENCE and max(last) <= least
+        spent = len(last) == _PATIENCE and max(last) <= _NOTHING * small
         return Ending.NO_PROGRESS if spent else None
 
     def stopped(self, tracks: Sequence[Track]) -> str:

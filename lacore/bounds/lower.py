@@ -79,6 +79,17 @@ class LowerBound(Shown):
     model: StaticModel
     point: ProgramState | None
 
+    @property
+    def lost(self) -> float:
+        """How far below the solver's load factor it is, as the stresses are made admissible.
+
+        NaN where either is missing.
+        """
+        if not {"solved", "load_factor"} <= set(self.history):
+            return np.nan
+        last = self.history.iloc[-1]
+        return float(last["solved"] - last["load_factor"])
+
     def _point(self) -> ProgramState:
         if self.point is None:
             raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")

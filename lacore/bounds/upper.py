@@ -90,6 +90,15 @@ class UpperBound(Shown):
         """The assembled problem."""
         return self.state.discretisation
 
+    @property
+    def lost(self) -> float:
+        """How far above the solver's load factor it is, as the velocity is made admissible.
+
+        A finer rule for the dissipation makes it less; NaN where either is missing.
+        """
+        point = self.state.point
+        return np.nan if point is None else self.load_factor - point.load_factor
+
     def facts(self) -> Facts:
         """What is proven, and how well."""
         told = {

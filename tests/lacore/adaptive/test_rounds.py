@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.adaptive import asking
+from lacore.adaptive import asking, refine
 from lacore.adaptive.track import Track, growth, next_round, order
 from tests.lacore.adaptive.test_adaptivity import even_punch
 from tests.lacore.models import CRITERION
@@ -24,6 +24,60 @@ def test_bounds_are_the_same_whatever_runs_at_a_time(arguments, soil):
     assert (one.lower, one.upper) == (two.lower, two.upper)
     told = ["step", "bound", "elements", "solved", "lower", "upper", "width"]
     assert one.history[told].equals(two.history[told])
+
+
+def sand_punch():
+    stated = even_punch()
+    soil = la.MohrCoulomb(1.0, 20.0)
+    return replace(stated, bodies={"soil": la.Body(stated.bodies["soil"].mesh, soil)})
+
+
+@pytest.fixture
+def tolerances(monkeypatch):
+    """Of all solves for upper bounds, by number of elements."""
+    seen: dict[int, list[float]] = {}
+
+    def noted(problem, *args, options, **named):
+        elements = problem.bodies["soil"].mesh.nelements
+        seen.setdefault(elements, []).append(options["tolerance"])
+        return la.solve(problem, *args, options=options, **named)
+
+    monkeypatch.setattr(asking, "solve", noted)
+    return seen
+
+
+def test_an_upper_bound_that_loses_much_is_asked_for_again(tolerances):
+    """What makes a loose velocity of soil possible raises the load factor."""
+    solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
+    loose = asking.Asked("upper", sand_punch(), 1e-4)
+    first = solver.answer(loose)
+    assert first.sharper == 1
+    assert first.bound.lost > 0
+    second = solver.answer(replace(loose, affordable=first.bound.lost / 4))
+    assert second.bound.lost < first.bound.lost / 4
+    assert second.bound.load_factor < first.bound.load_factor
+    (asked,) = tolerances.values()
+    assert asked == [1e-4, 1e-4, second.sharper * 1e-4]
+
+
+def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):
+    solver = asking.Solver("clarabel", {"tolerance": 1e-4}, time.perf_counter() + 60, 1)
+    answer = solver.answer(asking.Asked("upper", sand_punch(), 1e-6, affordable=0.0))
+    assert answer.sharper == 1
+    assert list(tolerances.values()) == [[1e-4]]
+
+
+def test_what_loses_much_is_not_asked_for_twice_on_finer_meshes(tolerances, monkeypatch):
+    """They lose more; and what was learnt does not depend on what runs at a time."""
+    monkeypatch.setattr(refine, "_LOST", 1e-4)
+    one = la.bracket(sand_punch(), 0.05, jobs=1)
+    meshes = [tolerances[elements] for elements in sorted(tolerances)]
+    again = next(number for number, asked in enumerate(meshes) if len(asked) > 1)
+    # Widths fall by less than 100 from mesh to mesh, and tolerances that nothing sharpened alike.
+    assert all(asked[0] <= meshes[again][0] / 10 for asked in meshes[again + 1 :])
+    assert len(meshes) > again + 1
+    two = la.bracket(sand_punch(), 0.05, jobs=2)
+    assert (one.lower, one.upper) == (two.lower, two.upper)
 
 
 def test_what_fails_in_a_thread_is_raised(monkeypatch):
@@ -74,7 +128,7 @@ def test_what_is_not_proven_is_asked_once_more_as_the_backend_would(monkeypatch)
 
     monkeypatch.setattr(asking, "lower_bound", careless)
     solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
-    found = solver.bound(asking.Asked("lower", even_punch(), 1e-6))
+    found = solver.answer(asking.Asked("lower", even_punch(), 1e-6)).bound
     assert found.status is la.Status.SOLVED
     assert seen == [1e-6, None]
 
