@@ -50,6 +50,14 @@ def test_earth_pressure(variant):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_smooth_wall_to_one_per_cent(jobs):
+    """Elements at its toe are tiny, and there loose velocities are far from possible."""
+    found = bracket("earth-pressure:smooth", target_width=0.01, max_elements=4000, jobs=jobs)
+    assert found.width <= 0.01
+
+
+@pytest.mark.slow
 def test_what_c_q_and_gamma_carry_apart_is_too_little_together():
     """24.37 by characteristics; proven to be more than N_c c + N_q q + N_gamma B/2 = 22.81."""
     found = bracket("strip-footing:all-three", target_width=0.03)
