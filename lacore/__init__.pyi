@@ -44,7 +44,7 @@ from .errors import LacoreError as LacoreError
 from .errors import SolveError as SolveError
 from .files.problem.reading import read_problem as read_problem
 from .files.problem.writing import write_problem as write_problem
-from .limit.solve import solve as solve
+from .limit.boxed import solve as solve
 from .limit.stability import Stability as Stability
 from .limit.stability import Standing as Standing
 from .limit.state import LimitState as LimitState

@@ -34,7 +34,10 @@ _FLAT = 1e-9  # of the size of a body: vertices on one line
 
 
 def held_back(
-    discretisation: Discretisation, velocity: Floats, solved: Callable[[Problem], float]
+    discretisation: Discretisation,
+    velocity: Floats,
+    solved: Callable[[Problem], float],
+    load: float | None = None,
 ) -> str:
     """In words which sides of soils a mechanism would pass, and what it would carry; else empty.
 
@@ -45,13 +48,14 @@ def held_back(
         velocity: all unknowns, shape (n,).
         solved: finds the load factor of a problem with flow of soils and contact associated, NaN
             where it has none.
+        load: that of the problem itself, where it is known.
     """
     found = []
     problem = discretisation.problem
     for support, outward in doubtful_supports(discretisation, velocity):
         depth = _DEPTH * float(np.ptp(outward @ _body(problem, support.body).mesh.p))
         larger = with_ground_beyond(problem, support, depth * outward)
-        less = 0.0 if larger is None else _less(problem, larger, support.body, solved)
+        less = 0.0 if larger is None else _less(problem, larger, support.body, solved, load)
         if less > _LESS:
             found.append(
                 f"the mechanism reaches {told(support)}: with {depth:.3g} m more of ground beyond"
@@ -62,16 +66,20 @@ def held_back(
 
 
 def _less(
-    problem: Problem, larger: Problem, body: str, solved: Callable[[Problem], float]
+    problem: Problem,
+    larger: Problem,
+    body: str,
+    solved: Callable[[Problem], float],
+    load: float | None,
 ) -> float:
     """Share of the load that the larger problem carries less; on finer meshes while it is much."""
     while True:
-        load = solved(problem)
+        load = solved(problem) if load is None else load
         less = 1 - solved(larger) / load if load > 0 else 0.0
         if not less > _LESS or _body(problem, body).mesh.nelements >= _ENOUGH:
             return less
         try:
-            problem, larger = _finer(problem, body), _finer(larger, body)
+            problem, larger, load = _finer(problem, body), _finer(larger, body), None
         except InputError:  # values element by element
             return 0.0
 

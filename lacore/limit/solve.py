@@ -38,7 +38,6 @@ from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.engines import engine_for, stated
 from lacore.limit.hinging import ROUNDS, excess, hinged
-from lacore.limit.larger import held_back
 from lacore.limit.reached import reached_supports
 from lacore.limit.stability import warning
 from lacore.limit.state import LimitState
@@ -142,24 +141,9 @@ def solve(
             message=f"{Status.NOT_CERTIFIED.label}: moments inside members exceed the plastic"
             f" moment by {excess(state):.1e}: put nodes where they peak",
         )
-    if state.status is Status.SOLVED and (beyond := _beyond(state)):
-        state = replace(state, message=f"{state.message}; {beyond}")
     if throw and state.status is not Status.SOLVED:
         raise SolveError(state.message, state)
     return state
-
-
-def _beyond(state: LimitState) -> str:
-    """What more ground beside a soil would change, asked where speeds do not tell."""
-
-    def associated(problem: Problem) -> float:
-        options = CouplingOptions(tolerance=TOLERANCE)
-        return _solved(problem, JUDGE, "associated", options, None, None, None).load_factor
-
-    discretisation, point = state.discretisation, state.point
-    if point is None or reached_supports(discretisation, point.velocity):
-        return ""
-    return held_back(discretisation, point.velocity, associated)
 
 
 def _solved(

@@ -9,6 +9,7 @@ import numpy as np
 
 import lacore as la
 from lacore.inner.preparing import JUDGE
+from lacore.limit.solve import solve
 from verification.case import Band, Reference
 from verification.defaults import RAW
 from verification.evidence.limit_state import evidence_of
@@ -46,7 +47,7 @@ def run_limit_state(
     """
     coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
     limit = {} if time_limit is None else {"time_limit": time_limit}
-    state = la.solve(
+    state = solve(
         discretisation,
         backend=run.backend,
         coupling=coupling,
