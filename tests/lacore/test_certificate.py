@@ -230,8 +230,21 @@ def test_the_right_residual_speaks():
         "load",
     }
     assert loud(SLIDING, SLIDING_ERRORS["mean stress off by 1e-3"]) == {"equilibrium", "load"}
-    assert loud(FLOWING, FLOWING_ERRORS["beyond yield by 1e-3"]) >= {"yield_violation"}
+    beyond = {"yield_violation", "load"}
+    assert loud(FLOWING, FLOWING_ERRORS["beyond yield by 1e-3"]) >= beyond
     assert loud(FLOWING, FLOWING_ERRORS["flow not normal"]) == {"flow", "gap", "load"}
+
+
+def test_what_penetrates_may_carry_as_much_as_reactions_do_there():
+    """T15: of two errors of one velocity the load feels both, pair gap and penetration."""
+    program, state = SLIDING_ERRORS["penetration"](*SLIDING)
+    rows, seen = program.contact, certify(program, state)
+    reaction = np.hypot(state.normal_reaction, np.linalg.norm(state.tangential_reaction, axis=1))
+    inward = np.maximum(-rows.opening(state.velocity), 0.0)
+    power = state.load_factor  # at unit power of the load all of it goes into friction, but the gap
+    assert (inward > 0).any()
+    works = float(rows.weights @ (reaction * inward))
+    assert seen.load - seen.gap == pytest.approx(works / power, rel=2 * seen.gap)
 
 
 def test_a_millionth_of_the_forces_is_no_millionth_of_the_load_where_soil_outruns_it():

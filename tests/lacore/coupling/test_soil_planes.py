@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 
 import lacore as la
 from verification.cases import cavity_cylinder, cavity_sphere, circular_footing_tresca
@@ -135,6 +136,15 @@ def test_multipliers_are_those_of_least_cost(name, kinematics):
             assert found @ frozen.normed >= length[0] - 1e-9
             cost = frozen.dissipation(length, rates[1])[0]
             assert found @ frozen.strength[0] == pytest.approx(cost, rel=1e-9, abs=1e-9)
+            slowest = linprog(
+                1 + frozen.normed,  # what is not needed of shear counts as well
+                A_eq=frozen.slope[0].T,
+                b_eq=rates[1],
+                A_ub=[-frozen.normed, frozen.strength[0]],
+                b_ub=[-length[0], cost + 1e-9 * abs(cost)],
+            ).fun
+            # The room of 1e-9 in the cost, by slopes of 10 degrees and less, is 1e-7 in rates.
+            assert found @ (1 + frozen.normed) <= slowest * (1 + 1e-6) + 1e-6
 
 
 def sample(criterion, kinematics, lateral=0.5, pull=-1.0):

@@ -7,7 +7,9 @@ import pytest
 
 import lacore as la
 from lacore.bodies.continuum.loaded import force
+from lacore.limit import boxed
 from lacore.limit.larger import with_ground_beyond
+from lacore.limit.solve import solve
 from verification.catalogue.catalogue import catalogue, find
 
 
@@ -42,12 +44,27 @@ def test_a_box_that_is_too_small_is_named(box, names):
         assert (side in message) == (side in names)
 
 
+def test_more_ground_is_all_that_is_solved_besides(monkeypatch):
+    """Of an associated problem the load is known, and only the larger one is not."""
+    asked = []
+
+    def counted(problem):
+        asked.append(problem)
+        return solve(problem, coupling="associated").load_factor
+
+    monkeypatch.setattr(boxed, "_associated", counted)
+    problem = strip(4.0, 1.4, nx=8, ny=5)
+    assert "reaches" not in la.solve(problem).message
+    (larger,) = asked
+    assert larger.bodies["soil"].mesh.nelements > problem.bodies["soil"].mesh.nelements
+
+
 def test_coarse_elements_beside_a_support_say_little():
     """Any motion ends in the last of them."""
     assert "reaches" not in la.solve(strip(4.0, 1.4, nx=5, ny=2)).message
 
 
-@pytest.mark.parametrize("cells", [(5, 2), (8, 5)])
+@pytest.mark.parametrize("cells", [(3, 2), (5, 2), (8, 5)])  # (3, 2): finer ones acquit
 @pytest.mark.parametrize(
     ("box", "names"),
     [((4.0, 1.4), []), ((2.5, 1.4), ["soil.right"]), ((4.0, 0.7), ["soil.bottom"])],

@@ -67,6 +67,8 @@ def test_units_have_sizes(unit, framed, units, size):
         (["1 Pa", "(0, 3) N/m"], "N"),
         (["k = 2e+04 Pa", "(0, -18000) N/m^3"], "kN"),
         (["1000000 Pa", "k = 1.443e+08 Pa", "3 m"], "MN"),
+        (["900 kPa is text, 900 Pa is not"], "N"),  # three digits before the point, not .9 kPa
+        (["999000 N/m"], "kN"),
         (["1e20 Pa"], "MN"),
         (["1e-20 Pa"], "N"),
     ],

@@ -8,6 +8,8 @@ from math import radians, tan
 
 import pytest
 
+from lacore.files.problem.reading import Source
+from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from verification.problems import starters
 
@@ -73,6 +75,22 @@ def asked(folder, text, *options):
     result = lacore("solve", file, "--out", folder / "out", "--json", *options)
     assert result.exit_code == 0, result.output
     return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize(
+    ("range_", "ends"),
+    [
+        ("at[0]=5:450 cm", (0.05, 4.5)),  # one unit for both
+        ("at[0]=5 cm:4.5 m", (0.05, 4.5)),
+        ("at[0]=0.5:4.5", (0.5, 4.5)),  # of SI, whatever the units of the file are
+    ],
+)
+def test_the_ends_of_a_range_have_units(tmp_path, range_, ends):
+    file = tmp_path / "my.toml"
+    file.write_text(BEAM, encoding="utf-8")
+    found = read_varied(Source.of(file), range_, "--vary")
+    assert (found.low, found.high) == pytest.approx(ends, rel=1e-12)
+    assert found.problem(2.5).reference_loads[0].point == pytest.approx((2.5, 0.0), rel=1e-12)
 
 
 @pytest.mark.parametrize(
