@@ -123,15 +123,14 @@ def counted(number: int, what: str) -> str:
 
 
 def placed(place: Iterable[float]) -> str:
-    """``(1.25, 0.4)``."""
-    x, y = place
-    return f"({x:.6g}, {y:.6g})"
+    """``(1.25, 0.4)``, ``(1.25, 0.4, 2)``."""
+    return f"({', '.join(f'{value:.6g}' for value in place)})"
 
 
 def spanned(low: Iterable[float], high: Iterable[float]) -> str:
     """``x = 0 to 5, y = -2 to 0`` of a box by two of its corners."""
     return ", ".join(
-        f"{axis} = {a:.6g} to {b:.6g}" for axis, a, b in zip("xy", low, high, strict=True)
+        f"{axis} = {a:.6g} to {b:.6g}" for axis, a, b in zip("xyz", low, high, strict=False)
     )
 
 

@@ -134,6 +134,9 @@ def values():
 def drawn():
     """Two stones of a drawing whose words are all as long as can be."""
     blocks = la.BlockAssembly([la.masonry.rectangle(0, 1, y, y + 1) for y in (0, 1)], 0.5)
+    solid = la.Polyhedron(
+        1e10 / 3 * np.eye(4, 3), np.array([(0, 1, 2), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    )
     wide = Fraction(10**300 + 1, 10**300)
     layer = la.masonry.Layer(la.Coulomb(wide), wide)
     layers = {LONG: layer, LONG[1:]: layer}
@@ -142,7 +145,7 @@ def drawn():
     drawing = la.masonry.DrawnBlocks(
         blocks, layers, of, of, LONG, "mm", 1 / 3, float(wide), counts, MANY
     )
-    return [layer, drawing]
+    return [layer, drawing, solid]
 
 
 def states():

@@ -1,0 +1,188 @@
+"""Joints of blocks in space: where two plane faces share an area (T71)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from lacore.arrays import Floats, Geometries, Ints
+from lacore.bodies.blocks3d.faces import Faces, faces_of, facing, flat_polygons
+from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.bodies.blocks3d.surface import axes_of
+from lacore.showing import Compact
+
+_POLYGON = 3  # type number of shapely
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Joints3D(Compact):
+    """Areas that two faces share, and the contact points at their corners (T71, T72).
+
+    Sorted by master, slave, and their faces. Two blocks may share several.
+
+    Attributes:
+        slave, master: block numbers, (J,); the master comes first in the assembly.
+        slave_face, master_face: plane faces, numbered in their blocks, (J,).
+        normal: unit normal from the master into the slave, (3, J).
+        area: m^2, (J,): what is shared, of a piece that is not convex less than its hull.
+        points: contact points, (3, m), m: corners of the convex hulls of the joints, each joint's
+            one after the other, counterclockwise about its normal.
+        joint: number of the joint of each point, (m,).
+        weight: area of the joint over its number of points, (m,), m^2.
+    """
+
+    slave: Ints
+    master: Ints
+    slave_face: Ints
+    master_face: Ints
+    normal: Floats
+    area: Floats
+    points: Floats
+    joint: Ints
+    weight: Floats
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return self.slave.size
+
+    @property
+    def centroid(self) -> Floats:
+        """Mean of the contact points of each joint, (3, J), m."""
+        number = np.bincount(self.joint, minlength=self.count)
+        return np.stack([np.bincount(self.joint, own, self.count) for own in self.points]) / number
+
+
+def find_joints(polyhedra: Mapping[str, Polyhedron], tolerance: float) -> Joints3D:
+    """The joints of blocks.
+
+    Two faces make one where they lie in one plane, look at each other, and overlap on more than a
+    strip as wide as the tolerance. What does not depend on the order of the blocks is the same to
+    the last digit in whichever order they are given.
+
+    Args:
+        polyhedra: by name.
+        tolerance: m: how far the two faces may be apart, or in each other.
+    """
+    faces = faces_of(list(polyhedra.values()))
+    first, second = facing(faces, tolerance)
+    normal = faces.normal[:, first] - faces.normal[:, second]  # from the first into the second
+    normal /= np.linalg.norm(normal, axis=0)
+    one, two = axes_of(normal)
+    pair, shared = shared_pieces(faces, first, second, one, two, tolerance)
+    corners, joint = hull_corners(shared, tolerance)
+    own = pair[joint]
+    low, high = (
+        _height(faces, which[own], normal[:, own], one[:, own], two[:, own], corners)
+        for which in (first, second)
+    )
+    apart = np.zeros(pair.size)
+    np.maximum.at(apart, joint, np.abs(high - low))
+    points = normal[:, own] * (low + high) / 2 + one[:, own] * corners[0] + two[:, own] * corners[1]
+    points += faces.origin[:, None]
+    return _sorted(
+        faces,
+        np.where(apart <= tolerance)[0],
+        first[pair],
+        second[pair],
+        normal[:, pair],
+        np.asarray(shapely.area(shared)),
+        points,
+        joint,
+    )
+
+
+def shared_pieces(
+    faces: Faces, first: Ints, second: Ints, one: Floats, two: Floats, width: float
+) -> tuple[Ints, Geometries]:
+    """Polygons in which faces overlap as seen along the normal, wider than `width` (m).
+
+    Returns:
+        the number of its pair, (k,), and each polygon, (k,), in the axes of its pair.
+    """
+    common = shapely.intersection(
+        flat_polygons(faces, first, one, two), flat_polygons(faces, second, one, two)
+    )
+    shared, pair = shapely.get_parts(common, return_index=True)
+    wide = shapely.get_type_id(shared) == _POLYGON
+    wide &= 2 * shapely.area(shared) > width * shapely.length(shared)
+    return pair[wide], shared[wide]
+
+
+def hull_corners(shared: Geometries, tolerance: float) -> tuple[Floats, Ints]:
+    """Corners of convex hulls, (2, m), counterclockwise, and the number of the hull of each, (m,).
+
+    Points that lie on the line of their neighbours, to the tolerance (m), are no corners.
+    """
+    hull = shapely.convex_hull(shared)
+    place, joint = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
+    place, joint = _opened(place, joint)
+    # Each ring begins where it is farthest from its middle: a corner, which simplifying keeps.
+    count = np.bincount(joint, minlength=shared.size)
+    begin = np.cumsum(count) - count
+    middle = np.stack([np.bincount(joint, own, shared.size) for own in place.T], axis=1)
+    far = np.linalg.norm(place - (middle / np.maximum(count, 1)[:, None])[joint], axis=1)
+    farthest = np.lexsort((-far, joint))[begin] if joint.size else begin
+    behind = np.arange(joint.size) - begin[joint]
+    turned = begin[joint] + (behind + (farthest - begin)[joint]) % count[joint]
+    rings = shapely.linearrings(place[turned], indices=joint)
+    simple = shapely.simplify(shapely.polygons(rings), tolerance)
+    simple = shapely.orient_polygons(simple)
+    place, joint = shapely.get_coordinates(shapely.get_exterior_ring(simple), return_index=True)
+    place, joint = _opened(place, joint)
+    return place.T, joint
+
+
+def _opened(place: Floats, ring: Ints) -> tuple[Floats, Ints]:
+    """Points of rings without the last of each, which repeats the first."""
+    kept = np.diff(ring, append=-1) == 0
+    return place[kept], ring[kept]
+
+
+def _height(
+    faces: Faces, which: Ints, normal: Floats, one: Floats, two: Floats, flat: Floats
+) -> Floats:
+    """Where lines along `normal` meet the planes of faces, m, (m,)."""
+    own = faces.normal[:, which]
+    across = np.sum(own * (one * flat[0] + two * flat[1]), axis=0)
+    return np.asarray((faces.offset[which] - across) / np.sum(own * normal, axis=0))
+
+
+def _sorted(
+    faces: Faces,
+    kept: Ints,
+    first: Ints,
+    second: Ints,
+    normal: Floats,
+    area: Floats,
+    points: Floats,
+    joint: Ints,
+) -> Joints3D:
+    """The joints that are `kept`, by the numbers of their blocks, masters before slaves."""
+    turned = faces.block[first] > faces.block[second]
+    slave, master = np.where(turned, first, second), np.where(turned, second, first)
+    number = np.bincount(joint, minlength=first.size)
+    middle = np.stack([np.bincount(joint, own, first.size) for own in points]) / number
+    blocks = faces.block[slave], faces.block[master]
+    keys = np.stack([*middle[::-1], slave, master, *blocks])[:, kept]
+    order = kept[np.lexsort(keys)]
+    label = np.full(first.size, -1)
+    label[order] = np.arange(order.size)
+    place = np.flatnonzero(label[joint] >= 0)
+    # Seen from the other side, corners that ran counterclockwise run clockwise.
+    inside = np.where(turned[joint[place]], -place, place)
+    place = place[np.lexsort((inside, label[joint[place]]))]
+    joint = label[joint[place]]
+    begin = np.append(0, np.cumsum(np.bincount(faces.block)))[:-1]
+    return Joints3D(
+        faces.block[slave[order]],
+        faces.block[master[order]],
+        slave[order] - begin[faces.block[slave[order]]],
+        master[order] - begin[faces.block[master[order]]],
+        np.where(turned, -1.0, 1.0)[order] * normal[:, order],
+        area[order],
+        points[:, place],
+        joint,
+        (area[order] / number[order])[joint],
+    )
