@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -58,6 +59,21 @@ def test_an_upper_bound_that_loses_much_is_asked_for_again(tolerances):
     assert second.bound.load_factor < first.bound.load_factor
     (asked,) = tolerances.values()
     assert asked == [1e-4, 1e-4, second.sharper * 1e-4]
+
+
+def test_the_better_of_two_bounds_is_kept_and_none_is_asked_for_too_sharply(monkeypatch):
+    lost, asked = iter([1.0, 2.0, 1.0, 0.5]), []
+
+    def bound(_, asked_for, options):
+        asked.append(options["tolerance"])
+        return SimpleNamespace(status=la.Status.SOLVED, lost=next(lost))
+
+    monkeypatch.setattr(asking.Solver, "_bound", bound)
+    solver = asking.Solver("clarabel", {}, time.perf_counter() + 60, 1)
+    loose = asking.Asked("upper", sand_punch(), 1e-6, affordable=1e-9)
+    assert solver.answer(loose).bound.lost == 1.0  # the second loses more
+    assert solver.answer(loose).bound.lost == 0.5
+    assert asked == pytest.approx([1e-6, asking.TIGHTEST] * 2, rel=1e-12)
 
 
 def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):

@@ -229,6 +229,12 @@ def test_centres_off_the_diagonals_leave_no_pressure_unfelt(mesh):
     assert not at[plain.boundary_nodes()].any()
 
 
+def test_centres_move_to_shares_of_their_cell_from_its_lower_left():
+    moved = la.meshes.unaligned(la.meshes.rectangle((1, 3), (0, 1), 1, 1), (0.7, 0.64))
+    centre = np.setdiff1d(np.arange(moved.nvertices), moved.boundary_nodes())
+    assert moved.p[:, centre].ravel() == pytest.approx([2.4, 0.64], rel=ROUND_OFF)
+
+
 def test_meshes_without_crossed_cells_stay():
     mesh = la.meshes.rectangle((0, 2), (0, 1), 3, 2, crossed=False)
     assert np.array_equal(la.meshes.unaligned(mesh).p, mesh.p)

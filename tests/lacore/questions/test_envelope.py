@@ -63,6 +63,18 @@ def test_portal_frame_is_its_polygon():
     assert found.polyhedral_width <= 1e-6
 
 
+def test_a_dead_load_moves_the_surface_by_itself():
+    """The polygon of the portal, 5 kN less to the one side; asked from its middle, not from 0."""
+    dead = [la.PointForce("portal", "B", (5, 0))]
+    found = la.envelope(portal().with_loads(dead_loads=dead), {"H": H, "V": V}, n=24)
+    for corner in [(40 / 3, 10), (20 / 3, 20), (-20 / 3, 20), (-40 / 3, 10)]:
+        for sign in (1, -1):
+            wanted = sign * np.array(corner) - (5, 0)
+            assert np.abs(found.outer - wanted).max(axis=1).min() <= 1e-4
+            assert np.abs(found.inner - wanted).max(axis=1).min() <= 1e-4
+    assert (found.table["lower"] <= found.table["upper"]).all()
+
+
 def test_each_mechanism_bounds_every_combination():
     """Planes of outer hold for load factors in directions that were never asked."""
     found = la.envelope(portal(), {"H": H, "V": V}, n=5)
