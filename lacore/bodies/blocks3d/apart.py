@@ -1,13 +1,14 @@
-"""Blocks in space that lie in each other: found, and refused."""
+"""Blocks in space that lie in each other, or touch: found by their convex pieces."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.blocks3d.faces import boxes_that_meet, spread
-from lacore.bodies.blocks3d.pieces import largest_balls
+from lacore.arrays import Floats, Ints
+from lacore.bodies.blocks3d.faces import boxes_that_meet
+from lacore.bodies.blocks3d.pieces import kept_apart, largest_balls
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.bodies.blocks3d.ranges import spread
 from lacore.errors import InputError
 from lacore.showing import placed
 
@@ -18,9 +19,7 @@ def require_apart(polyhedra: Mapping[str, Polyhedron], tolerance: float, field: 
     How deep is the diameter of the largest ball that convex pieces of both contain: of a layer its
     thickness.
     """
-    blocks = list(polyhedra.values())
-    first, second = _unseparated(blocks, tolerance)
-    radius, centre = _shared_balls(blocks, first, second)
+    first, second, radius, centre = _common_balls(list(polyhedra.values()), tolerance)
     deep = np.flatnonzero(2 * radius > tolerance)
     if deep.size:
         names, worst = list(polyhedra), deep[0]
@@ -47,80 +46,40 @@ def touched_by(
         the number of each that touches another, (k,), ascending, that of the other, and the place,
         (3, k), m.
     """
-    low, high = _boxes(polyhedra)
-    first, second = boxes_that_meet(low, high, tolerance)
-    first, second = np.concatenate([first, second]), np.concatenate([second, first])
-    order = np.lexsort((second, first))
-    order = order[np.isin(first[order], which)]
-    first, second = first[order], second[order]
-    radius, centre = _shared_balls(polyhedra, first, second)
+    first, second, radius, centre = _common_balls(polyhedra, -tolerance)
     near = np.flatnonzero(2 * radius >= -tolerance)
-    _, once = np.unique(first[near], return_index=True)
-    return first[near[once]], second[near[once]], centre[:, near[once]]
+    own = np.concatenate([first[near], second[near]])
+    other, ball = np.concatenate([second[near], first[near]]), np.concatenate([near, near])
+    order = np.lexsort((other, own))
+    order = order[np.isin(own[order], which)]
+    _, once = np.unique(own[order], return_index=True)
+    return own[order][once], other[order][once], centre[:, ball[order][once]]
 
 
-def _shared_balls(blocks: Sequence[Polyhedron], first: Ints, second: Ints) -> tuple[Floats, Floats]:
-    """Radii (k,) and centres (3, k), m, of largest balls in convex pieces of both of a pair.
-
-    Of two that are apart the radius is minus half the distance.
-    """
-    both = [
-        (one.and_of(other), pair)
-        for pair, (i, j) in enumerate(zip(first.tolist(), second.tolist(), strict=True))
-        for one in blocks[i].pieces
-        for other in blocks[j].pieces
-    ]
-    owner = np.array([pair for _, pair in both], dtype=np.int64)
-    reach = np.array([own.radius for own in blocks])
-    size = np.minimum(reach[first], reach[second])[owner]
-    near = np.array([own.centroid for own in blocks]).T[:, first[owner]]
-    radius, centre = largest_balls([common for common, _ in both], near, size)
-    order = np.lexsort((-radius, owner))
-    best = order[np.flatnonzero(np.diff(owner[order], prepend=-1))]
-    return radius[best], centre[:, best]
-
-
-def _boxes(blocks: Sequence[Polyhedron]) -> tuple[Floats, Floats]:
-    """Lowest and highest corners of bounding boxes, (3, B) each, m."""
-    corners = [own.box for own in blocks]
-    return np.stack([low for low, _ in corners], 1), np.stack([high for _, high in corners], 1)
-
-
-def _unseparated(blocks: Sequence[Polyhedron], tolerance: float) -> tuple[Ints, Ints]:
-    """Pairs of blocks that the plane of no face of either keeps apart, to the tolerance."""
-    low, high = _boxes(blocks)
-    first, second = boxes_that_meet(low, high, -tolerance)
-    order = np.lexsort((second, first))
-    first, second = first[order], second[order]
-    apart = _kept_apart(blocks, first, second, tolerance)
-    apart |= _kept_apart(blocks, second, first, tolerance)
-    return first[~apart], second[~apart]
-
-
-def _kept_apart(blocks: Sequence[Polyhedron], own: Ints, other: Ints, tolerance: float) -> Bools:
-    """Whether the plane of a face of the one has it on its inner and the other on its outer side.
+def _common_balls(blocks: Sequence[Polyhedron], depth: float) -> tuple[Ints, Ints, Floats, Floats]:
+    """Pairs of blocks that may be deeper in each other than `depth` (m; below 0: or that near).
 
     Returns:
-        for each pair, (k,).
+        numbers of both, (k,) each, sorted; radii (k,) and centres (3, k), m, of the largest balls
+        in convex pieces of both.
     """
-    faces = np.repeat(np.arange(len(blocks)), [b.offset.size for b in blocks])
-    corners = np.repeat(np.arange(len(blocks)), [len(b.vertices) for b in blocks])
-    normal = np.concatenate([b.normal for b in blocks], axis=1)
-    origin = np.mean([b.centroid for b in blocks], axis=0)
-    points = np.concatenate([b.vertices for b in blocks]).T - origin[:, None]
-    offset = np.concatenate([b.offset for b in blocks]) - origin @ normal
+    corners = [own.box for own in blocks]
+    low, high = (np.stack([box[end] for box in corners], axis=1) for end in (0, 1))
+    first, second = boxes_that_meet(low, high, -depth)
+    left = ~kept_apart([own.hull for own in blocks], first, second, depth)
+    first, second = first[left], second[left]
+    order = np.lexsort((second, first))
+    first, second = first[order], second[order]
 
-    def heights(face: Ints, block: Ints) -> tuple[Floats, Ints]:
-        vertex, row = spread(corners, block, len(blocks))
-        above = np.sum(normal[:, face[row]] * points[:, vertex], axis=0) - offset[face[row]]
-        return above, np.flatnonzero(np.diff(row, prepend=-1))
-
-    above, begin = heights(np.arange(faces.size), faces)
-    outer = np.maximum.reduceat(above, begin) <= tolerance
-    face, pair = spread(faces, own, len(blocks))
-    face, pair = face[outer[face]], pair[outer[face]]
-    apart = np.zeros(own.size, dtype=bool)
-    if face.size:
-        above, begin = heights(face, other[pair])
-        np.logical_or.at(apart, pair, np.minimum.reduceat(above, begin) >= -tolerance)
-    return apart
+    pieces = [piece for own in blocks for piece in own.pieces]
+    owner = np.repeat(np.arange(len(blocks)), [len(own.pieces) for own in blocks])
+    one, row = spread(owner, first, len(blocks))
+    other, again = spread(owner, second[row], len(blocks))
+    one, pair = one[again], row[again]
+    left = ~kept_apart(pieces, one, other, depth)
+    one, other, pair = one[left], other[left], pair[left]
+    both = [(pieces[i], pieces[j]) for i, j in zip(one.tolist(), other.tolist(), strict=True)]
+    radius, centre = largest_balls(both)
+    order = np.lexsort((-radius, pair))
+    best = order[np.flatnonzero(np.diff(pair[order], prepend=-1))]
+    return first[pair[best]], second[pair[best]], radius[best], centre[:, best]

@@ -8,6 +8,7 @@ import shapely
 
 from lacore.arrays import Floats, Geometries, Ints
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.bodies.blocks3d.ranges import spread
 from lacore.showing import Compact
 
 _TURN = 4.0  # tolerances that the far sides of two faces may be off, if each vertex is by one
@@ -156,13 +157,3 @@ def flat_polygons(faces: Faces, which: Ints, one: Floats, two: Floats) -> Geomet
     if outer.size == wanted.size:
         return np.asarray(shapely.polygons(loops))
     return np.asarray(shapely.build_area(shapely.multilinestrings(loops, indices=wanted)))
-
-
-def spread(label: Ints, wanted: Ints, labels: int) -> tuple[Ints, Ints]:
-    """Positions of wanted labels in an ascending list of labels, and which one each is of."""
-    count = np.bincount(label, minlength=labels)
-    begin = (np.cumsum(count) - count)[wanted]
-    number = count[wanted]
-    of = np.repeat(np.arange(wanted.size), number)
-    behind = np.arange(of.size) - (np.cumsum(number) - number)[of]
-    return begin[of] + behind, of

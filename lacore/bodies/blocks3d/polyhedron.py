@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.blocks3d.pieces import Piece, convex_pieces
+from lacore.bodies.blocks3d.pieces import Piece, convex_pieces, hull_of
 from lacore.bodies.blocks3d.surface import (
     HalfEdges,
     area_vectors,
@@ -100,6 +100,7 @@ class Polyhedron(Compact):
         triangles = points[
             np.stack([edges.start[edges.first][edges.face], edges.start, edges.end], 1)
         ]
+        outline = np.concatenate(rings), np.repeat(ring_face, [len(ring) for ring in rings])
         computed = {
             "vertices": points,
             "faces": tuple(
@@ -117,7 +118,7 @@ class Polyhedron(Compact):
             "centroid": centroid,
             "radius": float(np.linalg.norm(points - centroid, axis=1).max()),
             "pieces": convex_pieces(
-                normal, offset, points, triangles, tolerance, "Polyhedron.faces"
+                normal, offset, points, outline, triangles, tolerance, "Polyhedron.faces"
             ),
         }
         for name, value in computed.items():
@@ -127,6 +128,12 @@ class Polyhedron(Compact):
     def convex(self) -> bool:
         """Whether it is."""
         return len(self.pieces) == 1
+
+    @property
+    def hull(self) -> Piece:
+        """Its vertices, and the planes of faces with none of them outside."""
+        assert self.tolerance is not None  # since it was built
+        return hull_of(self.normal, self.offset, self.vertices, self.tolerance)
 
     @cached_property
     def edges(self) -> Ints:
