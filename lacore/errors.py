@@ -92,6 +92,15 @@ def is_plane_vector(value: object) -> bool:
     )
 
 
+def is_vector(value: object) -> bool:
+    """Whether a value is two finite real numbers, or three: in the plane, or in space."""
+    return (
+        isinstance(value, Sequence | np.ndarray)
+        and len(value) in (2, 3)
+        and all(map(is_number, value))
+    )
+
+
 def require_range(field: str, *values: object) -> None:
     """Raise `InputError` where numbers are too large, or all of them too small, to be multiplied.
 

@@ -62,11 +62,9 @@ def ties(problem: Problem, bodies: Mapping[str, BodyDofs]) -> Ties:
     """Which nodes of the continua of a problem its bonds make one."""
     count = sum(own.nodes.shape[1] for own in bodies.values())
     pairs, tied = [np.zeros((2, 0), dtype=np.int64)], {}
-    for index, (interface, segments) in enumerate(
-        zip(problem.interfaces, problem.segments, strict=True)
-    ):
+    for index, interface, segments in problem.bonds:
         names = [name for name, _ in interface.sides]
-        if not interface.bonded or len(names) < 2 or not all(name in bodies for name in names):
+        if len(names) < 2 or not all(name in bodies for name in names):
             continue
         one, other = (bodies[name] for name in names)
         same, turned = matching(one, other, segments)
@@ -129,9 +127,9 @@ def _supported(problem: Problem, rigid: Mapping[str, RigidParts]) -> Sparse:
 def rigid_bonds(problem: Problem, rigid: Mapping[str, RigidParts], n: int) -> Sparse:
     """Rows of n unknowns that bonds of rigid bodies with each other make zero, shape (k, n)."""
     found = [csr_matrix((0, n))]
-    for interface, segments in zip(problem.interfaces, problem.segments, strict=True):
+    for _, interface, segments in problem.bonds:
         names = [name for name, _ in interface.sides]
-        if interface.bonded and len(names) == 2 and all(name in rigid for name in names):
+        if len(names) == 2 and all(name in rigid for name in names):
             for places in (segments.start, segments.end):
                 one, other = (
                     rigid[name].velocity_rows(rigid[name].parts(edges), places, n)
@@ -165,8 +163,8 @@ def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Int
         dofs: of all bodies.
     """
     pairs = [np.zeros((2, 0), dtype=np.int64)]
-    for interface, segments in zip(problem.interfaces, problem.segments, strict=True):
-        if interface.bonded and interface.obstacle is None:
+    for _, interface, segments in problem.bonds:
+        if interface.obstacle is None:
             meeting = zip(interface.sides, segments.edges, strict=True)
             pairs.append(
                 np.stack([parts[_unknowns(dofs[own], edges)] for (own, _), edges in meeting])

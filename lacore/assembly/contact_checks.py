@@ -33,7 +33,7 @@ def shared_corners(
     place = np.column_stack([body, points.moving[:, 0], points.position])
     _, node, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
     node = node.ravel()
-    resultant = np.zeros((count.size, 2))
+    resultant = np.zeros((count.size, points.normal.shape[1]))
     np.add.at(resultant, node, points.normal)
     turns = (np.linalg.norm(resultant, axis=1) < count * _STRAIGHT)[node] & (body >= 0)
     sticking = np.bincount(node, np.isinf(contact.limit), minlength=count.size)[node] > 0

@@ -24,7 +24,7 @@ def contact_sides(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarra
             if body is not None:
                 sides[points, column] = _names(discretisation, body, moving[points, column])
     first = len(discretisation.problem.interfaces)
-    for dofs in discretisation.assemblies.values():
+    for dofs in discretisation.jointed.values():
         joints = dofs.body.joints
         names = np.array(dofs.body.names, dtype=object)
         points = np.flatnonzero((interface >= first) & (interface < first + joints.count))
@@ -44,6 +44,6 @@ def _pairs(discretisation: Discretisation) -> Iterator[tuple[str, str | None]]:
 
 
 def _names(discretisation: Discretisation, body: str, moving: Ints) -> np.ndarray:
-    if body not in discretisation.assemblies:
+    if body not in discretisation.jointed:
         return np.full(moving.size, body, dtype=object)
-    return np.array(discretisation.assemblies[body].body.names, dtype=object)[moving]
+    return np.array(discretisation.jointed[body].body.names, dtype=object)[moving]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from lacore.arrays import Bools, Ints, Sparse
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps
 from lacore.bodies.continuum.slip import Slip
@@ -29,6 +30,7 @@ class Discretisation(Shown):
         bodies: continua by name.
         assemblies: rigid blocks by name.
         frames: frames by name; their hinges are the groups of these names.
+        solids: rigid blocks in space by name.
         jumps: velocity jumps of the regions of continua (T23), by name (of a region ``soil.clay``):
             of those whose space has them, and of those that slip along boundaries. Groups of the
             programs: the regions of the continua, these, the seams, the hinges of frames.
@@ -50,6 +52,7 @@ class Discretisation(Shown):
     bodies: Mapping[str, BodyDofs]
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
+    solids: Mapping[str, RigidDofs3D]
     jumps: Mapping[str, Jumps]
     slips: Mapping[str, Slip]
     seams: Mapping[str, Jumps]
@@ -72,6 +75,11 @@ class Discretisation(Shown):
         if rigor is Rigor.UPPER:
             return "strict upper bound of Coulomb load factors: friction dilates, or sticks"
         return "certified Coulomb state: no bound, there may be several"
+
+    @property
+    def jointed(self) -> dict[str, AnyRigidDofs]:
+        """Rigid blocks, in the plane or in space."""
+        return {**self.assemblies, **self.solids}
 
     @property
     def jumping(self) -> list[Jumps]:
@@ -102,5 +110,5 @@ class Discretisation(Shown):
     def n_elements(self) -> int:
         """Elements of meshes, rigid blocks and rigid pieces of members."""
         elements = sum(dofs.body.mesh.nelements for dofs in self.bodies.values())
-        blocks = sum(len(dofs.body.names) for dofs in self.assemblies.values())
+        blocks = sum(len(dofs.body.names) for dofs in self.jointed.values())
         return int(elements) + blocks + sum(f.body.pieces.start.size for f in self.frames.values())

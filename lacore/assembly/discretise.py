@@ -21,7 +21,7 @@ from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.jumps import jumps, movable
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
-from lacore.contact.segments import Segments
+from lacore.contact.touching import Touching
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
@@ -29,16 +29,19 @@ from lacore.program import ContactRows, KinematicProgram
 from lacore.reduction import held_shut, kept_points, reduced
 
 Contact = Callable[
-    [Sequence[Interface], Sequence[Segments], Unknowns], tuple[ContactRows, ContactPoints]
+    [Sequence[Interface], Sequence[Touching], Unknowns], tuple[ContactRows, ContactPoints]
 ]
 """Rows of interfaces for the unknowns of a problem: see `touching`."""
 
 
 def touching(
-    interfaces: Sequence[Interface], segments: Sequence[Segments], unknowns: Unknowns
+    interfaces: Sequence[Interface], segments: Sequence[Touching], unknowns: Unknowns
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
-    return contact_rows(interfaces, segments, unknowns.dofs, unknowns.assemblies, unknowns.n)
+    dimension = 3 if unknowns.solids else 2
+    return contact_rows(
+        interfaces, segments, unknowns.dofs, unknowns.jointed, unknowns.n, dimension
+    )
 
 
 def held_in_members(unknowns: Unknowns) -> Floats:
@@ -63,7 +66,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
     continua, dofs, n = unknowns.continua, unknowns.dofs, unknowns.n
     footings = tuple(unknowns.footings)
     interfaces = yielding(problem, continua, footings)
-    contact, points = contact_of(interfaces, problem.segments, unknowns)
+    contact, points = contact_of(interfaces, problem.touching, unknowns)
     slipping = slips(problem, continua, footings, unknowns.node_dofs.size)
     tied = ties(problem, continua)
     held = held_by(problem, unknowns, slipping, tied)
@@ -97,7 +100,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         parts=joined_parts(unknowns.parts, problem, dofs),
     )
     program = reduced(full, held.basis)
-    order = point_order(contact, points, unknowns.assemblies, len(problem.interfaces))
+    order = point_order(contact, points, unknowns.jointed, len(problem.interfaces))
     kept = order[movable_points(program.contact, points)[order]]
     full, program = (
         held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
@@ -114,6 +117,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         bodies=continua,
         assemblies=unknowns.assemblies,
         frames=unknowns.frames,
+        solids=unknowns.solids,
         jumps=jumping,
         slips=slipping,
         seams=seaming,

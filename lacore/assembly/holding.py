@@ -62,4 +62,4 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     deforming = tied.spread(deforming, node_dofs)
     rigid = rigid_basis(problem, unknowns.rigid, unknowns.n)
     basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
-    return Held(csr_matrix(basis[:, column_order(basis, unknowns.assemblies)]), nodes)
+    return Held(csr_matrix(basis[:, column_order(basis, unknowns.jointed)]), nodes)

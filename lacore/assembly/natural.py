@@ -1,7 +1,7 @@
 """Scales in which the quantities of an answer are of order one (T20)."""
 
 from collections.abc import Sequence
-from math import fsum, sqrt
+from math import cbrt, fsum, sqrt
 
 import numpy as np
 
@@ -32,17 +32,21 @@ def strengths_of(
 def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: float) -> Scales:
     """Scales of the answer: strengths of continua, else of hinges, else those of the dead load.
 
+    In space the thickness is the length: loads are N there.
+
     Raises:
         InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
     """
-    length = sqrt(fsum(own.extent for own in unknowns.dofs.values()))
+    extent = fsum(own.extent for own in unknowns.dofs.values())
+    length = cbrt(extent) if unknowns.solids else sqrt(extent)
+    across = length if unknowns.solids else 1.0
     bodies = unknowns.continua
     yielding = program.groups[: len(bodies)] or program.groups
     strengths = strengths_of(yielding, program.dead_load, length)
     if not strengths:
         limit = program.contact.limit
         strengths = [
-            fsum(np.abs(program.dead_load)) / length,  # whatever the order
+            fsum(np.abs(program.dead_load)) / (length * across),  # whatever the order
             float(limit[np.isfinite(limit)].max(initial=0.0)),
         ]
     if not max(strengths) > 0:
@@ -55,5 +59,5 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
         )
     volume = sum(float(body.weights.sum()) for body in bodies.values())
     area = sum(body.extent for body in bodies.values())
-    thickness = volume / area if any(b.axisymmetric for b in bodies.values()) else 1.0
+    thickness = volume / area if any(b.axisymmetric for b in bodies.values()) else across
     return Scales(length, max(strengths), velocity, thickness)

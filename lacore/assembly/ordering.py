@@ -10,21 +10,21 @@ from collections.abc import Mapping
 import numpy as np
 
 from lacore.arrays import Floats, Ints, Sparse
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks3d.dofs import AnyRigidDofs
 from lacore.contact.rows import ContactPoints
 from lacore.program import ContactRows
 
 _DIGITS = 9  # of places per size, and of normals: above round-off
 
 
-def column_order(basis: Sparse, assemblies: Mapping[str, RigidDofs]) -> Ints:
+def column_order(basis: Sparse, assemblies: Mapping[str, AnyRigidDofs]) -> Ints:
     """Columns of the free unknowns: those of blocks by the places of centroids, shape (n_free,)."""
     by_column = basis.tocsc()
     row = by_column.indices[by_column.indptr[:-1]].astype(np.int64)
     order = np.arange(row.size)
     for dofs in assemblies.values():
         own = np.flatnonzero((row >= dofs.offset) & (row < dofs.offset + dofs.count))
-        place = dofs.body.centroid[:, (row[own] - dofs.offset) // 3]
+        place = dofs.body.centroid[:, (row[own] - dofs.offset) // dofs.per_block]
         order[own] = own[np.lexsort((own, *_digits(place, dofs.body.size)))]
     return order
 
@@ -32,7 +32,7 @@ def column_order(basis: Sparse, assemblies: Mapping[str, RigidDofs]) -> Ints:
 def point_order(
     contact: ContactRows,
     points: ContactPoints,
-    assemblies: Mapping[str, RigidDofs],
+    assemblies: Mapping[str, AnyRigidDofs],
     interfaces: int,
 ) -> Ints:
     """Contact points: those of joints by their places, whichever block is the slave, shape (m,)."""
@@ -43,7 +43,8 @@ def point_order(
         own = np.flatnonzero((number >= first) & (number < first + joints.count))
         joint = number[own] - first
         normal = np.round(points.normal[own].T, _DIGITS) + 0.0
-        normal *= np.where((normal[0] < 0) | ((normal[0] == 0) & (normal[1] < 0)), -1.0, 1.0)
+        first_along = np.take_along_axis(normal, np.argmax(normal != 0, axis=0)[None], axis=0)
+        normal *= np.where(first_along < 0, -1.0, 1.0)
         pair = (
             dofs.body.centroid[:, joints.slave[joint]] + dofs.body.centroid[:, joints.master[joint]]
         )

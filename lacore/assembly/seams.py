@@ -51,11 +51,9 @@ def seams(
         InputError: a layer of the weaker side has no strength that could be stated.
     """
     found: dict[str, Jumps] = {}
-    for index, (interface, segments) in enumerate(
-        zip(problem.interfaces, problem.segments, strict=True)
-    ):
+    for index, interface, segments in problem.bonds:
         names = [name for name, _ in interface.sides]
-        if not interface.bonded or len(names) < 2 or not any(name in continua for name in names):
+        if len(names) < 2 or not any(name in continua for name in names):
             continue
         jumping = ~tied.tied.get(index, np.zeros(segments.slave.size, dtype=bool))
         if jumping.any():

@@ -99,7 +99,7 @@ def asked_of(
 
 def contact_facets(problem: Problem, index: int) -> dict[str, Ints]:
     """Facets of continua, edges of blocks or nodes of frames that an interface touches, by body."""
-    edges = problem.segments[index].edges
+    edges = problem.touching[index].edges
     sides = zip(problem.interfaces[index].sides, edges, strict=False)
     return {name: np.unique(edges) for (name, _), edges in sides}
 

@@ -1,4 +1,7 @@
-"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order."""
+"""The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order.
+
+In space there are rigid blocks alone.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,6 +15,8 @@ from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
@@ -25,7 +30,7 @@ class Unknowns:
     """What the numbers of a velocity stand for.
 
     Attributes:
-        continua, assemblies, frames: those of bodies, by name.
+        continua, assemblies, frames, solids: those of bodies, by name; solids are blocks in space.
         footings: the unknown of each, its speed along its direction.
         n: how many there are.
     """
@@ -33,6 +38,7 @@ class Unknowns:
     continua: Mapping[str, BodyDofs]
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
+    solids: Mapping[str, RigidDofs3D]
     footings: Mapping[RigidFooting, int]
     n: int
 
@@ -47,13 +53,20 @@ class Unknowns:
         n += sum(own.count for own in assemblies.values())
         frames = numbered(of_kind(problem.bodies, Frame), FrameDofs, n)
         n += sum(own.count for own in frames.values())
+        solids = numbered(of_kind(problem.bodies, BlockAssembly3D), RigidDofs3D, n)
+        n += sum(own.count for own in solids.values())
         numbers = {footing: first + place for place, footing in enumerate(footings)}
-        return cls(continua, assemblies, frames, numbers, n)
+        return cls(continua, assemblies, frames, solids, numbers, n)
 
     @cached_property
     def rigid(self) -> dict[str, RigidParts]:
         """Bodies whose supports are a matter of their own, in the order of their unknowns."""
-        return {**self.assemblies, **self.frames}
+        return {**self.assemblies, **self.frames, **self.solids}
+
+    @cached_property
+    def jointed(self) -> dict[str, AnyRigidDofs]:
+        """Blocks, with joints of their own."""
+        return {**self.assemblies, **self.solids}
 
     @cached_property
     def dofs(self) -> dict[str, Dofs]:
@@ -79,7 +92,7 @@ class Unknowns:
         return parts
 
     def load_size(self, load: Floats) -> float:
-        """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m."""
+        """Sum of the magnitudes of all nodal, footing, block and frame forces, N/m; in space N."""
         node_dofs = self.node_dofs
         nodal = np.linalg.norm(load[node_dofs], axis=0).sum()
         return float(nodal + fsum(np.abs(load[node_dofs.size :])))

@@ -8,6 +8,7 @@ from typing import Protocol, Self, TypeVar
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.touching import Edges, Touched
@@ -16,8 +17,9 @@ from lacore.conditions.where import Where
 from lacore.meshes.curved import EdgeCurves
 from lacore.program import DissipationGroup
 
-AnyBody = Body | BlockAssembly | Frame
-Kind = TypeVar("Kind", Body, BlockAssembly, Frame)
+PlaneBody = Body | BlockAssembly | Frame
+AnyBody = PlaneBody | BlockAssembly3D
+Kind = TypeVar("Kind", Body, BlockAssembly, Frame, BlockAssembly3D)
 Own = TypeVar("Own", bound="Counted")
 
 
@@ -27,6 +29,11 @@ class Stated(Protocol):
     @property
     def contents(self) -> str:
         """What it consists of, in a few words."""
+        ...
+
+    @property
+    def dimension(self) -> int:
+        """2 of the plane, 3 in space."""
         ...
 
     @property
@@ -46,7 +53,7 @@ class Stated(Protocol):
 
     @property
     def box(self) -> tuple[Floats, Floats]:
-        """Lowest and highest corner of its bounding box, m, shape (2,) each."""
+        """Lowest and highest corner of its bounding box, m, shape (d,) each."""
         ...
 
     @property
@@ -57,14 +64,6 @@ class Stated(Protocol):
     @property
     def allowed(self) -> float:
         """Distance up to which coordinates count as one, m."""
-        ...
-
-    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
-        """Numbers and geometry of a part of the boundary; a node is an edge of length 0."""
-        ...
-
-    def curves(self, edges: Ints) -> EdgeCurves:
-        """Edges as curves."""
         ...
 
     def check_load(self, load: Load, field: str) -> None:
@@ -83,6 +82,18 @@ class Stated(Protocol):
 
     def with_points(self, points: Iterable[Sequence[float]]) -> Self:
         """With whatever it needs where point forces act."""
+        ...
+
+
+class StatedInPlane(Stated, Protocol):
+    """What is asked of bodies of the plane besides."""
+
+    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
+        """Numbers and geometry of a part of the boundary; a node is an edge of length 0."""
+        ...
+
+    def curves(self, edges: Ints) -> EdgeCurves:
+        """Edges as curves."""
         ...
 
 
@@ -116,7 +127,7 @@ class Dofs(Protocol):
 
     @property
     def extent(self) -> float:
-        """Area, of a frame the square of its size, m^2."""
+        """Area, of a frame the square of its size, m^2; in space volume, m^3."""
         ...
 
     @property
@@ -139,19 +150,19 @@ class Dofs(Protocol):
         ...
 
     def force(self, load: Load) -> Floats:
-        """Forces of a load on its unknowns, shape (count,), N/m."""
+        """Forces of a load on its unknowns, shape (count,), N/m; in space N."""
         ...
 
     def parts(self, edges: Ints) -> Ints:
-        """What velocities at edges are told by: facets themselves, blocks, nodes."""
+        """What velocities at edges, or faces, are told by: facets themselves, blocks, nodes."""
         ...
 
     def moving(self, parts: Ints) -> Ints:
         """What of it moves continuously, by number."""
         ...
 
-    def velocity_rows(self, parts: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
-        """Rows of u_x and u_y of parts at points of shape (2, k), each of shape (k, n)."""
+    def velocity_rows(self, parts: Ints, points: Floats, n: int) -> tuple[Sparse, ...]:
+        """Rows of u_x, u_y (and u_z) of parts at points of shape (d, k), each of shape (k, n)."""
         ...
 
     def thickness(self, places: Floats) -> Floats:
@@ -167,12 +178,22 @@ class RigidParts(Dofs, Protocol):
         ...
 
     def support_forces(self, force: Floats, supports: Iterable[Fix]) -> tuple[Floats, Floats]:
-        """Places (2, k), and what supports exert there, (3, k), of forces on the unknowns."""
+        """Places (d, k), and what supports exert there of forces on the unknowns.
+
+        Forces, then moments: (3, k), in space (6, k).
+        """
         ...
 
 
-KINDS: tuple[type[Stated], ...] = (Body, BlockAssembly, Frame)
+PLANE: tuple[type[StatedInPlane], ...] = (Body, BlockAssembly, Frame)
+KINDS: tuple[type[Stated], ...] = (*PLANE, BlockAssembly3D)
 """All kinds, in the order of their unknowns: type checkers find here what one lacks."""
+
+
+def plane(body: AnyBody) -> PlaneBody:
+    """A body of a problem of the plane."""
+    assert not isinstance(body, BlockAssembly3D)
+    return body
 
 
 class Counted(Protocol):

@@ -98,7 +98,7 @@ def static_bonds(
         nodes, others = station.moving.T[::-1] if turned else station.moving.T
         between = any(name in rigid for name in names)
         _check_free(np.concatenate([nodes, others[:0] if between else others]), asked, interface)
-        mine, jump = selected(nodes, n), (station.x, station.y)
+        mine, jump = selected(nodes, n), station.axes
         sign = -1.0 if turned else 1.0
         facing = [csr_matrix(rows - sign * part) for rows, part in zip(mine, jump, strict=True)]
         for rows in facing:

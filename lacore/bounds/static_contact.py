@@ -88,8 +88,7 @@ def traction_station(
         weights=np.tile(np.linalg.norm(end - start, axis=0) / 2, 2),
         interface=np.full(nodes.size, index),
         laws=laws_of(interface, strength, nodes.size),
-        x=csr_matrix(sign * x),
-        y=csr_matrix(sign * y),
+        axes=(csr_matrix(sign * x), csr_matrix(sign * y)),
     )
 
 

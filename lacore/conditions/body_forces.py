@@ -27,9 +27,10 @@ class BodyForce(Compact):
 
     Attributes:
         body: name of the body.
-        vector: along x and y, N/m^3: each a number, a function of coordinates of shape (2, n) that
-            returns n values (`lacore.Linear`, `lacore.ByLevel`), a `lacore.Field`, or one value for
-            each element of the mesh (of an assembly each block), whatever `where`.
+        vector: along x and y, in space z too, N/m^3: each a number, a function of coordinates of
+            shape (d, n) that returns n values (`lacore.Linear`, `lacore.ByLevel`), a
+            `lacore.Field`, or one value for each element of the mesh (of an assembly each block),
+            whatever `where`.
         where: the block (or blocks) of an assembly that it acts on, or the region (or regions) of
             a continuum, by the names of ``mesh.subdomains``; None: on all of the body.
 
@@ -38,16 +39,19 @@ class BodyForce(Compact):
     """
 
     body: str
-    vector: tuple[Component, Component]
+    vector: tuple[Component, ...]
     where: str | tuple[str, ...] | None = None
     boundary: ClassVar[None] = None
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         given = self.vector
-        if not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-            mend = "give two components, each a number in N/m^3 or a function of coordinates"
-            raise InputError("BodyForce.vector", given, "not a plane vector", mend)
+        if not isinstance(given, Sequence | np.ndarray) or len(given) not in (2, 3):
+            mend = (
+                "give two components, in space three, each a number in N/m^3 or a function of"
+                " coordinates"
+            )
+            raise InputError("BodyForce.vector", given, "not a vector", mend)
         own = tuple(_taken(f"BodyForce.vector[{axis}]", one) for axis, one in enumerate(given))
         object.__setattr__(self, "vector", own)
 
@@ -75,8 +79,7 @@ class BodyForce(Compact):
 
     def times(self, factor: float) -> "BodyForce":
         """The same with another size."""
-        x, y = (_times(one, factor) for one in self.vector)
-        return replace(self, vector=(x, y))
+        return replace(self, vector=tuple(_times(one, factor) for one in self.vector))
 
     def changed(self, change: Callable[[tuple[float, ...]], Component]) -> "BodyForce":
         """The same with other components in place of those by elements; a factor is taken in."""
@@ -85,11 +88,10 @@ class BodyForce(Compact):
             values = _values(one)
             return one if values is None else change(tuple(values.tolist()))
 
-        x, y = map(new, self.vector)
-        return replace(self, vector=(x, y))
+        return replace(self, vector=tuple(map(new, self.vector)))
 
     def at(self, places: Floats, parts: Ints, count: int, field: str) -> Floats:
-        """Values at places of shape (2, n), N/m^3, shape (2, n).
+        """Values at places of shape (d, n), N/m^3, shape (d, n).
 
         Args:
             places: m.

@@ -1,5 +1,7 @@
 """Supports and loads. Forces are per unit thickness; every load is integrated exactly.
 
+In space vectors and places have three numbers, and forces are whole: N where the plane has N/m.
+
 Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all around, and forces
 are those of the whole circumference, in N.
 """
@@ -20,18 +22,25 @@ from lacore.errors import (
     InputError,
     is_number,
     is_plane_vector,
+    is_vector,
     require_known,
     require_place,
     require_range,
 )
 from lacore.showing import Compact, short
 
-COMPONENTS = ("x", "y", "xy", "normal", "tangential", "rotation", "clamped")
+COMPONENTS = {
+    2: ("x", "y", "xy", "normal", "tangential", "rotation", "clamped"),
+    3: ("x", "y", "z", "xz", "yz", "xyz", "normal"),
+}
+"""What a support may hold, by the dimension of its body."""
+_NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3])))
 
 
 def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
-    if not is_plane_vector(vector):
-        raise InputError(field, vector, "not a plane vector", f"give two finite numbers in {unit}")
+    if not is_vector(vector):
+        mend = f"give two finite numbers in {unit}, in space three"
+        raise InputError(field, vector, "not a vector", mend)
     require_range(field, vector)
 
 
@@ -50,7 +59,8 @@ class Fix(Compact):
         where: see `lacore.bodies.continuum.boundaries.boundary_facets`; of a frame its nodes, see
         `Frame.find`.
         components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes
-            of a frame also ``rotation``, and ``clamped`` for all three, but no normal.
+            of a frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks
+            in space ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
     """
 
     body: str
@@ -58,7 +68,7 @@ class Fix(Compact):
     components: str = "xy"
 
     def __post_init__(self) -> None:
-        require_known("Fix.components", self.components, COMPONENTS)
+        require_known("Fix.components", self.components, _NAMED)
 
     @property
     def boundary(self) -> Where:
@@ -91,7 +101,7 @@ class Traction(Compact):
 
     body: str
     where: Where
-    vector: tuple[float, float]
+    vector: tuple[float, ...]
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
@@ -108,8 +118,8 @@ class Traction(Compact):
         return f"{short(self.vector)} Pa on {self.body}.{where_name(self.where)}"
 
     def on(self, normal: Floats) -> Floats:
-        """Traction where the boundary has outward normals of shape (2, ...), Pa, of that shape."""
-        vector = np.reshape(self.vector, (2, *(1,) * (normal.ndim - 1)))
+        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
+        vector = np.reshape(self.vector, (-1, *(1,) * (normal.ndim - 1)))
         return np.broadcast_to(vector, normal.shape)
 
 
@@ -136,7 +146,7 @@ class Pressure(Compact):
         return f"pressure {short(self.value)} Pa on {self.body}.{where_name(self.where)}"
 
     def on(self, normal: Floats) -> Floats:
-        """Traction where the boundary has outward normals of shape (2, ...), Pa, of that shape."""
+        """Traction where the boundary has outward normals of shape (d, ...), Pa, of that shape."""
         return np.asarray(-self.value * normal)
 
 
@@ -148,25 +158,26 @@ class PointForce(Compact):
         body: name of the body. A continuum yields under it: mesh dependent.
         at: a mesh vertex of a continuum, a point of a block, or the name of a block (at its
             centroid) or of a node of a frame, or a place on a member of one: a node is put there.
-        vector: N/m; on an axisymmetric body the sum around the ring through `at`, N.
+        vector: N/m, in space N; on an axisymmetric body the sum around the ring through `at`, N.
         where: the block that carries it, where `at` lies on several.
     """
 
     body: str
-    at: tuple[float, float] | str
-    vector: tuple[float, float]
+    at: tuple[float, ...] | str
+    vector: tuple[float, ...]
     where: str | None = None
     boundary: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         _check_vector("PointForce.vector", self.vector, "N/m")
-        if not (isinstance(self.at, str) or is_plane_vector(self.at)):
-            raise InputError("PointForce.at", self.at, "not a point", "give (x, y) or a name")
+        if not (isinstance(self.at, str) or is_vector(self.at)):
+            mend = "give (x, y), in space (x, y, z), or a name"
+            raise InputError("PointForce.at", self.at, "not a point", mend)
         if not isinstance(self.at, str):
             require_place("PointForce.at", self.at)
 
     @property
-    def point(self) -> tuple[float, float] | None:
+    def point(self) -> tuple[float, ...] | None:
         """Where it acts, m; None where `at` is a name."""
         return None if isinstance(self.at, str) else self.at
 
@@ -174,7 +185,8 @@ class PointForce(Compact):
     def told(self) -> str:
         """In a few words."""
         unit = "" if self.point is None else " m"
-        return f"{short(self.vector)} N/m at {short(self.at)}{unit} of {self.body}"
+        per = "N/m" if len(self.vector) == 2 else "N"
+        return f"{short(self.vector)} {per} at {short(self.at)}{unit} of {self.body}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -201,7 +213,10 @@ class RigidFooting(Compact):
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        _check_vector("RigidFooting.direction", self.direction, "any unit")
+        if not is_plane_vector(self.direction):
+            why, mend = "not a plane vector", "give two finite numbers"
+            raise InputError("RigidFooting.direction", self.direction, why, mend)
+        require_range("RigidFooting.direction", self.direction)
         _check_size("RigidFooting.pressure", self.pressure, "Pa")
         for name, given in (("direction", self.direction), ("pressure", self.pressure)):
             if not np.any(given):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import Dofs
+from lacore.bodies.any_body import Dofs, plane
 from lacore.contact.segments import Segments
 from lacore.meshes.curved import EdgeCurves
 
@@ -55,7 +55,7 @@ def segment_curves(segments: Segments, sides: Sequence[tuple[Dofs, Ints]]) -> Se
     start, end = segments.start, segments.end
     for dofs, parts in sides:
         if dofs.bent:
-            curves = dofs.body.curves(parts)
+            curves = plane(dofs.body).curves(parts)
             return SegmentCurves(curves, curves.parameter(start), curves.parameter(end))
     straight = EdgeCurves(start, (start + end) / 2, end)
     return SegmentCurves(straight, np.zeros(start.shape[1]), np.ones(start.shape[1]))

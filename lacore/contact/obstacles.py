@@ -7,7 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.touching import TOUCH
-from lacore.errors import InputError, is_plane_vector, require_place, require_range
+from lacore.errors import InputError, is_vector, require_place, require_range
 from lacore.materials.friction import FrictionTerms
 from lacore.showing import Compact
 
@@ -37,30 +37,29 @@ class Shape(Protocol):
 
 @dataclass(frozen=True, repr=False)
 class Plane(Compact):
-    """A plane.
+    """A plane; in two dimensions a line.
 
     Attributes:
         point: on it, m.
         direction: its unit normal, towards the bodies.
     """
 
-    point: tuple[float, float]
-    direction: tuple[float, float]
+    point: tuple[float, ...]
+    direction: tuple[float, ...]
 
     @classmethod
     def through(cls, point: Floats, normal: Floats) -> "Plane":
-        """By a point and a normal of any length, shape (2,) each."""
-        x, y = (float(part) for part in point)
-        n_x, n_y = (float(part) for part in normal / np.linalg.norm(normal))
-        return cls((x, y), (n_x, n_y))
+        """By a point and a normal of any length, shape (d,) each."""
+        unit = normal / np.linalg.norm(normal)
+        return cls(tuple(map(float, point)), tuple(map(float, unit)))
 
     def distance(self, places: Floats) -> Floats:
         """See `Shape`."""
-        return np.asarray(np.array(self.direction) @ (places - np.reshape(self.point, (2, 1))))
+        return np.asarray(np.array(self.direction) @ (places - np.reshape(self.point, (-1, 1))))
 
     def normal(self, places: Floats) -> Floats:
         """See `Shape`."""
-        return np.repeat(np.reshape(self.direction, (2, 1)), places.shape[1], axis=1)
+        return np.repeat(np.reshape(self.direction, (-1, 1)), places.shape[1], axis=1)
 
     def outline(self, low: Floats, high: Floats) -> Floats:
         """See `Shape`; as long as the box is wide, to either side."""
@@ -76,15 +75,16 @@ class RigidObstacle(Compact):
 
     Attributes:
         point, normal: a plane through `point` whose `normal` points out of the obstacle, towards
-            the body. Without them the obstacle has the shape of the boundary that touches it.
+            the body; in space of three numbers each. Without them the obstacle has the shape of
+            the boundary that touches it.
         shape: of any other face, in place of a plane.
 
     Raises:
         InputError: a point without a normal, no vectors, a plane and another shape.
     """
 
-    point: tuple[float, float] | None = None
-    normal: tuple[float, float] | None = None
+    point: tuple[float, ...] | None = None
+    normal: tuple[float, ...] | None = None
     shape: Shape | None = None
 
     def __post_init__(self) -> None:
@@ -104,12 +104,13 @@ class RigidObstacle(Compact):
                 "RigidObstacle", None, "a plane needs both point and normal", "give both or none"
             )
         if self.point is not None and self.normal is not None:
-            if not (is_plane_vector(self.point) and is_plane_vector(self.normal)):
+            both = is_vector(self.point) and is_vector(self.normal)
+            if not (both and len(self.point) == len(self.normal)):
                 raise InputError(
                     "RigidObstacle",
                     (self.point, self.normal),
-                    "not two plane vectors",
-                    "give point=(x, y), normal=(nx, ny)",
+                    "not two vectors of one space",
+                    "give point=(x, y), normal=(nx, ny), in space three numbers each",
                 )
             if not np.any(self.normal):
                 raise InputError(

@@ -4,12 +4,14 @@ They stand at the Bernstein control values of the velocity jump on each segment,
 ``u_n >= 0`` holds along all of it and frozen friction dissipation is over-estimated: for a
 quadratic jump the ends and ``2 u_mid - (u_start + u_end)/2``, weights L/3 each; for the linear
 jump between rigid blocks the ends, weights L/2; a node of a frame is one point of weight 1 m, so
-that its tractions are forces. Two bodies meet on the common refinement of their
+that its tractions are forces. Polygons between blocks in space have them at their corners, weights
+A over the number of these (T71). Two bodies meet on the common refinement of their
 edges, so that neither side is preferred. Control values that two segments share are one point.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from math import inf
 
 import numpy as np
@@ -17,12 +19,15 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.any_body import Dofs
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks3d.dofs import AnyRigidDofs
 from lacore.contact.controls import Controls, controls
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
+from lacore.contact.patches import Patches
 from lacore.contact.segments import Segments
+from lacore.contact.touching import Touching, of_joints
 from lacore.errors import InputError
+from lacore.numerics.interleaving import interleaved
 from lacore.program import ContactRows
 from lacore.showing import Compact
 
@@ -37,7 +42,7 @@ class ContactPoints(Compact):
     """Geometry of contact points, for results and pictures.
 
     Attributes:
-        position, normal: shape (m, 2); `normal` from the master into the slave.
+        position, normal: shape (m, d); `normal` from the master into the slave.
         moving: what moves continuously there of the slave and of the master, see
             `BodyDofs.moving`; an obstacle is -1, shape (m, 2).
         names: of the interfaces and joints that `ContactRows.interface` counts.
@@ -83,7 +88,8 @@ class Station(Compact):
         position, normal, moving: see `ContactPoints`.
         weights, interface: see `ContactRows`.
         laws: friction.
-        x, y: rows of the velocity of the slave against the master, shape (m, n).
+        axes: rows of the velocity of the slave against the master along x, y (and z), each of
+            shape (m, n).
     """
 
     position: Floats
@@ -92,16 +98,16 @@ class Station(Compact):
     weights: Floats
     interface: Ints
     laws: Laws
-    x: Sparse
-    y: Sparse
+    axes: tuple[Sparse, ...]
 
 
 def contact_rows(
     interfaces: Sequence[Interface],
-    segments: Sequence[Segments],
+    segments: Sequence[Touching],
     bodies: Mapping[str, Dofs],
-    jointed: Mapping[str, RigidDofs],
+    jointed: Mapping[str, AnyRigidDofs],
     n: int,
+    dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact rows of all interfaces and joints for n unknowns, and where they stand.
 
@@ -111,35 +117,39 @@ def contact_rows(
         bodies: unknowns of all.
         jointed: of those bodies that have joints of their own.
         n: unknowns.
+        dimension: of the problem.
     """
     stations = [
         interface_station(interface, own, index, bodies, n)
         for index, (interface, own) in enumerate(zip(interfaces, segments, strict=True))
         if not interface.bonded
     ]
-    return joined(stations, interfaces, jointed, n)
+    return joined(stations, interfaces, jointed, n, dimension)
 
 
 def joined(
     stations: Sequence[Station],
     interfaces: Sequence[Interface],
-    jointed: Mapping[str, RigidDofs],
+    jointed: Mapping[str, AnyRigidDofs],
     n: int,
+    dimension: int = 2,
 ) -> tuple[ContactRows, ContactPoints]:
     """Rows of the stations of interfaces and, numbered after them, of all joints of blocks."""
     stations, names = list(stations), [interface.name for interface in interfaces]
     for name, dofs in jointed.items():
-        if dofs.body.joints.slave.size:
+        if dofs.body.joints.count:
             stations.append(_joints(dofs, len(names), n))
             names += [f"{name}: {joint}" for joint in dofs.body.joint_names]
-    normal = np.concatenate([np.zeros((0, 2)), *(part.normal for part in stations)])
-    x, y = (
-        vstack([csr_matrix((0, n)), *(getattr(part, axis) for part in stations)], format="csr")
-        for axis in ("x", "y")
-    )
+    none = np.zeros((0, dimension))
+    normal = np.concatenate([none, *(part.normal for part in stations)])
+    axes = [
+        vstack([csr_matrix((0, n)), *(part.axes[axis] for part in stations)], format="csr")
+        for axis in range(dimension)
+    ]
 
     def along(direction: Floats) -> Sparse:
-        rows = csr_matrix(x.multiply(direction[:, :1]) + y.multiply(direction[:, 1:]))
+        parts = [own.multiply(part[:, None]) for own, part in zip(axes, direction.T, strict=True)]
+        rows = csr_matrix(sum(parts[1:], parts[0]))
         rows.data[np.abs(rows.data) < _ROUND_OFF] = 0.0
         rows.eliminate_zeros()
         return rows
@@ -149,10 +159,11 @@ def joined(
 
     numbers = [np.zeros(0, dtype=np.int64), *(part.interface for part in stations)]
     tension = every([part.laws.tension for part in stations])
+    first, *second = (along(axis) for axis in tangents(normal))
     rows = ContactRows(
         normal=along(normal),
-        tangential=along(np.stack([-normal[:, 1], normal[:, 0]], axis=1)),
-        tangent_dim=1,
+        tangential=interleaved(first, 1, second[0], 1) if second else first,
+        tangent_dim=1 + len(second),
         weights=every([part.weights for part in stations]),
         coefficient=every([part.laws.coefficient for part in stations]),
         limit=every([part.laws.limit for part in stations]),
@@ -160,16 +171,29 @@ def joined(
         interface=np.concatenate(numbers),
         tension=tension if tension.any() else None,
     )
-    position = np.concatenate([np.zeros((0, 2)), *(part.position for part in stations)])
-    none = np.zeros((0, 2), dtype=np.int64)
-    moving = np.concatenate([none, *(part.moving for part in stations)])
+    position = np.concatenate([none, *(part.position for part in stations)])
+    nothing = np.zeros((0, 2), dtype=np.int64)
+    moving = np.concatenate([nothing, *(part.moving for part in stations)])
     return rows, ContactPoints(position, normal, moving, tuple(names))
 
 
+def tangents(normal: Floats) -> tuple[Floats, ...]:
+    """Unit vectors across normals of shape (m, d), (m, d) each: one in the plane, two in space.
+
+    In the plane the normal turned by +90 degrees; in space one that is normal to an axis, too.
+    """
+    if normal.shape[1] == 2:
+        return (np.stack([-normal[:, 1], normal[:, 0]], axis=1),)
+    axis = np.eye(3)[np.argmin(np.abs(normal), axis=1)]  # of those the one that is least along it
+    first = np.cross(axis, normal)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normal, first)
+
+
 def interface_station(
-    interface: Interface, segments: Segments, index: int, bodies: Mapping[str, Dofs], n: int
+    interface: Interface, segments: Touching, index: int, bodies: Mapping[str, Dofs], n: int
 ) -> Station:
-    """Contact points of the interface with a number, on its segments."""
+    """Contact points of the interface with a number, on its segments or patches."""
     meeting = zip(interface.sides, segments.edges, strict=False)
     sides = [(bodies[name], bodies[name].parts(edges)) for (name, _), edges in meeting]
     count = segments.slave.size
@@ -199,25 +223,58 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
     return Laws(*(np.full(count, value) for value in terms))
 
 
-def _joints(dofs: RigidDofs, first: int, n: int) -> Station:
+def _joints(dofs: AnyRigidDofs, first: int, n: int) -> Station:
     joints = dofs.body.joints
-    nothing = np.full(joints.slave.size, -1)
-    segments = Segments(nothing, nothing, joints.start, joints.end, joints.normal)
-    laws = Laws(joints.coefficient, joints.limit, joints.dilatancy, joints.tension)
-    number = first + np.arange(joints.slave.size)
+    laws = Laws(*dofs.body.joint_terms)
+    number = first + np.arange(joints.count)
     sides = [(dofs, joints.slave), (dofs, joints.master)]
-    return _stations(segments, number, laws, sides, n)
+    return _stations(of_joints(joints), number, laws, sides, n)
 
 
+@singledispatch
 def _stations(
-    segments: Segments,
+    segments: Touching,
     interface: Ints,
     laws: Laws,
     sides: Sequence[tuple[Dofs, Ints]],
     n: int,
 ) -> Station:
-    """Control values of the jump on segments; sides: slave and master, and which parts of them."""
-    stands = controls(segments, sides)
+    """Contact points on what touches.
+
+    Args:
+        segments: k segments, or patches.
+        interface, laws: of each.
+        sides: slave and master, and which part of them each touches.
+        n: unknowns.
+    """
+    raise TypeError(f"nothing touches along {type(segments).__name__}")
+
+
+@_stations.register(Segments)
+def _on_segments(
+    segments: Segments, interface: Ints, laws: Laws, sides: Sequence[tuple[Dofs, Ints]], n: int
+) -> Station:
+    return _standing(controls(segments, sides), interface, laws, sides, n)
+
+
+@_stations.register(Patches)
+def _on_patches(
+    patches: Patches, interface: Ints, laws: Laws, sides: Sequence[tuple[Dofs, Ints]], n: int
+) -> Station:
+    own = patches.patch
+    stands = [Controls(patches.point, patches.normal[:, own], patches.weight)]
+    corners = [(dofs, parts[own]) for dofs, parts in sides]
+    return _standing(stands, interface[own], laws.at(own), corners, n)
+
+
+def _standing(
+    stands: Sequence[Controls],
+    interface: Ints,
+    laws: Laws,
+    sides: Sequence[tuple[Dofs, Ints]],
+    n: int,
+) -> Station:
+    """Control values of the jump; sides: slave and master, and which parts of them."""
     values = jump_rows(stands, sides, n)
     count, copies = interface.size, len(stands)
     position = np.concatenate([stand.place for stand in stands], axis=1)
@@ -244,20 +301,21 @@ def _stations(
         weights=np.bincount(point.ravel(), weights).astype(np.float64),
         interface=interface[at],
         laws=laws.at(at),
-        x=csr_matrix(vstack([rows[0] for rows in values], format="csr")[first]),
-        y=csr_matrix(vstack([rows[1] for rows in values], format="csr")[first]),
+        axes=tuple(
+            csr_matrix(vstack(rows, format="csr")[first]) for rows in zip(*values, strict=True)
+        ),
     )
 
 
 def jump_rows(
     stands: Sequence[Controls], sides: Sequence[tuple[Dofs, Ints]], n: int
 ) -> list[Sequence[Sparse]]:
-    """Rows of u_x and u_y of the slave against the master, of each of `controls`, (k, n) each."""
+    """Rows of u_x, u_y, ... of the slave against the master, of each of `controls`, (k, n) each."""
 
     def jump(points: Floats) -> Sequence[Sparse]:
         own, *others = (dofs.velocity_rows(parts, points, n) for dofs, parts in sides)
         for other in others:
-            own = (csr_matrix(own[0] - other[0]), csr_matrix(own[1] - other[1]))
+            own = tuple(csr_matrix(a - b) for a, b in zip(own, other, strict=True))
         return own
 
     values = [jump(stand.place) for stand in stands]

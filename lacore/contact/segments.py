@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.bodies.any_body import AnyBody
+from lacore.bodies.any_body import PlaneBody
 from lacore.bodies.blocks.corners import loose_corners
+from lacore.bodies.blocks.joints import Joints
 from lacore.bodies.touching import Edges, near_misses, touching
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface
@@ -40,7 +41,15 @@ class Segments(Compact):
         return self.slave, self.master
 
 
-def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Segments:
+def of_joints(joints: Joints) -> Segments:
+    """The segments of joints within an assembly, which knows blocks and no edges of bodies."""
+    nothing = np.full(joints.count, -1)
+    return Segments(nothing, nothing, joints.start, joints.end, joints.normal)
+
+
+def interface_segments(
+    interface: Interface, bodies: Mapping[str, PlaneBody], field: str
+) -> Segments:
     """The segments of an interface; those at nodes of a frame are points.
 
     Raises:
@@ -109,8 +118,8 @@ def interface_segments(interface: Interface, bodies: Mapping[str, AnyBody], fiel
 
 
 def _check_curves(
-    slave: AnyBody,
-    master: AnyBody,
+    slave: PlaneBody,
+    master: PlaneBody,
     segments: Segments,
     allowed: float,
     interface: Interface,
@@ -133,7 +142,7 @@ def _check_curves(
 
 
 def _check_obstacle(
-    body: AnyBody, numbers: Ints, edges: Edges, interface: Interface, field: str
+    body: PlaneBody, numbers: Ints, edges: Edges, interface: Interface, field: str
 ) -> None:
     face = interface.face
     if face is None:

@@ -20,6 +20,7 @@ from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_len
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.path import Path, Snapshot
+from lacore.problem.dimensions import require_plane
 from lacore.program import DissipationGroup
 
 SERIES = "path.pvd"
@@ -64,6 +65,8 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     """
     d, velocity = state.discretisation, state.velocity
     assert state.point is not None
+    mend = "take state.velocity and state.reactions"
+    require_plane(d.problem.dimension, "LimitState.to_vtu", mend)
     numbers = {name: place for place, name in enumerate(d.problem.bodies)}
     parts = [
         _flowing(state, name, groups, numbers[name])

@@ -10,7 +10,6 @@ from dataclasses import replace
 from numbers import Real
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
@@ -18,7 +17,7 @@ from scipy.sparse.linalg import spsolve
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import effective_stress, pore_pressures
-from lacore.bodies.blocks.dofs import RigidDofs
+from lacore.bodies.blocks3d.dofs import AnyRigidDofs
 from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bodies.continuum.volume import judged_means
@@ -27,6 +26,7 @@ from lacore.certificate import Certificate, certify
 from lacore.coupling.freezing import davis
 from lacore.errors import InputError, require_known
 from lacore.limit.conversion import point_in_program
+from lacore.limit.tables.contact_table import Table, column, numbers, reactions_of
 from lacore.program import (
     ContactRows,
     FrozenContact,
@@ -45,9 +45,6 @@ _LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
     "davis": associated_contact,
 }
 """What couplings are judged by that solve another problem; the others by the laws as stated."""
-_READ = ("t_n", "t_t")
-
-Table = pd.DataFrame | Mapping[str, ArrayLike]
 
 
 def program_of(coupling: str, program: KinematicProgram) -> KinematicProgram:
@@ -111,12 +108,8 @@ def checked(
     if velocity is not None:
         point = replace(point, velocity=_velocity(discretisation, point.velocity, velocity))
     if reactions is not None:
-        t_n, t_t = (
-            _column("reactions", reactions, name, discretisation.full.contact.count)
-            for name in _READ
-        )
-        t_n = t_n + discretisation.full.contact.pull
-        point = replace(point, normal_reaction=t_n, tangential_reaction=t_t[:, None])
+        t_n, t_t = reactions_of(discretisation, reactions)
+        point = replace(point, normal_reaction=t_n, tangential_reaction=t_t)
     if hinges is not None:
         point = _with_moments(discretisation, point, hinges)
     found = recomputed(discretisation, point, coupling)
@@ -148,33 +141,22 @@ def check_shapes(discretisation: Discretisation, point: ProgramState) -> None:
         shapes[f"stress[{number}]"] = own, (group.weights.size, group.dim)
         shapes[f"mean_stress[{number}]"] = mean, (group.volumetric.shape[0],)
     for name, (values, shape) in shapes.items():
-        _array(f"point.{name}", values, shape)
-
-
-def _array(field: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """As floats of a shape; NaN may be planted, too."""
-    try:
-        array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(field, type(values).__name__, "no numbers", "give an array") from None
-    if array.shape != shape:
-        raise InputError(field, array.shape, f"the state has shape {shape}", "keep its shape")
-    return array
+        numbers(f"point.{name}", values, shape)
 
 
 def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike]) -> Floats:
     """All unknowns from velocities by body as `LimitState.velocity` shows them."""
     u = stored.copy()
-    rigid: dict[str, RigidDofs | FrameDofs] = {**d.assemblies, **d.frames}
+    rigid: dict[str, AnyRigidDofs | FrameDofs] = {**d.jointed, **d.frames}
     for name, values in given.items():
         require_known("velocity", name, [*d.bodies, *rigid])
         field = f"velocity[{name!r}]"
         if name in d.bodies:
             dofs = d.bodies[name].dofs
-            u[dofs] = _array(field, values, dofs.shape)
+            u[dofs] = numbers(field, values, dofs.shape)
         else:
             part = rigid[name]
-            own = part.unknowns(_array(field, values, part.motion(u).shape))
+            own = part.unknowns(numbers(field, values, part.motion(u).shape))
             u[part.offset : part.offset + own.size] = own  # slides of frames stay
     if d.footings.size:  # their speeds follow from the nodes that they move
         shown = np.setdiff1d(np.arange(u.size), d.footings)
@@ -194,19 +176,19 @@ def _with_stress(
     """
     stresses, means, unlike = list(point.stress), list(point.mean_stress), 0.0
     water = pore_pressures(d.problem, point.load_factor)
-    for name, dofs, numbers in by_body(d.bodies, range(len(stresses))):
+    for name, dofs, own_groups in by_body(d.bodies, range(len(stresses))):
         if name not in given:
             continue
-        total = _array(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4))
+        total = numbers(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4))
         sigma = effective_stress(total, point_values(dofs, water[name]))
-        for number, region in zip(numbers, dofs.body.regions, strict=True):
+        for number, region in zip(own_groups, dofs.body.regions, strict=True):
             form, dim = region.form, region.form.rows.shape[0]
             parts = np.eye(dim + len(form.volumes))
             back = np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
             own = sigma[region.elements].reshape(-1, 4) @ back
             stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
-        judged = judged_means(dofs, [means[number] for number in numbers])
-        kept = continuum_stress(dofs, [stresses[number] for number in numbers], judged)
+        judged = judged_means(dofs, [means[number] for number in own_groups])
+        kept = continuum_stress(dofs, [stresses[number] for number in own_groups], judged)
         largest = float(np.abs(sigma).max(initial=0.0)) or 1.0
         off = float(np.abs(sigma - kept).max(initial=0.0)) / largest
         unlike = float(np.maximum(unlike, off))
@@ -220,27 +202,8 @@ def _with_moments(d: Discretisation, point: ProgramState, hinges: Table) -> Prog
     mine = [n for n, group in enumerate(d.full.groups) if group.name in d.frames]
     frames = [d.frames[d.full.groups[number].name] for number in mine]
     sizes = [dofs.modes.ends[0].size for dofs in frames]
-    moments = np.split(_column("hinges", hinges, "moment", sum(sizes)), np.cumsum(sizes)[:-1])
+    moments = np.split(column("hinges", hinges, "moment", sum(sizes)), np.cumsum(sizes)[:-1])
     stresses = list(point.stress)
     for number, dofs, moment in zip(mine, frames, moments, strict=True):
         stresses[number] = dofs.stress_of(stresses[number][:, 0], moment)[:, None]
     return replace(point, stress=tuple(stresses))
-
-
-def _column(field: str, table: Table, name: str, count: int) -> Floats:
-    """A column of a table, its rows in the order of their index where it has one."""
-    if not isinstance(table, pd.DataFrame | Mapping) or name not in table:
-        raise InputError(
-            field, type(table).__name__, f"has no column {name!r}", f"give a copy of state.{field}"
-        )
-    values = table[name]
-    if isinstance(values, pd.Series):
-        values = values.sort_index()
-        if not values.index.equals(pd.RangeIndex(count)):
-            raise InputError(
-                f"{field}[{name!r}]",
-                len(values),
-                f"its rows are not the {count} of the state",
-                f"give a copy of state.{field}",
-            )
-    return _array(f"{field}[{name!r}]", values, (count,))

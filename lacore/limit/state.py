@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from lacore import views
 from lacore.arrays import Floats
-from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.water import pore_pressures, total_stress
 from lacore.bodies.continuum.nodal import point_values
@@ -20,10 +19,11 @@ from lacore.bodies.continuum.regions import gathering
 from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.coupling.interval import Interval
-from lacore.limit.checking import Table, checked, program_of
-from lacore.limit.held_parts import support_reactions
+from lacore.limit.checking import checked, program_of
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
+from lacore.limit.tables.contact_table import Table, contact_table
+from lacore.limit.tables.held_parts import support_reactions
 from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.showing import Facts, Picture, Shown, counted
@@ -117,11 +117,12 @@ class LimitState(Shown):
 
         Of a continuum at its nodes (`BodyDofs.nodes`), shape (2, nodes), m/s. Of
         rigid blocks u_x, u_y of the centroid, m/s, and the rotation rate, rad/s anticlockwise,
-        shape (3, blocks). Of a frame the same of its nodes, shape (3, nodes).
+        shape (3, blocks); in space u_x, u_y, u_z and the rotation rates about x, y, z, (6, blocks).
+        Of a frame the same of its nodes, shape (3, nodes).
         """
         u = self._point().velocity
         nodal = {name: u[dofs.dofs] for name, dofs in self.discretisation.bodies.items()}
-        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.assemblies.items()}
+        blocks = {name: dofs.motion(u) for name, dofs in self.discretisation.jointed.items()}
         frames = {name: dofs.motion(u) for name, dofs in self.discretisation.frames.items()}
         return nodal | blocks | frames
 
@@ -209,36 +210,12 @@ class LimitState(Shown):
         Along a path `gap` is the distance from the obstacle where the step begins, m; a point that
         the step does not close is open, though it may approach (``u_n < 0``).
         ``t_n > 0`` is compression, of a body with water in its pores that of the skeleton (T64);
-        the tangent is the normal turned by +90 degrees. Pressures oscillate from point to point;
+        the tangent is the normal turned by +90 degrees, and of blocks in space tangential tractions
+        and velocities are vectors, `t_t_x`, `t_t_y`, `t_t_z`, and `length` is `area`, m^2.
+        Pressures oscillate from point to point;
         sums and averages are what to trust.
         """
-        point, rows = self._point(), self.discretisation.full.contact
-        where = self.discretisation.points
-        u_n, u_t = rows.opening(point.velocity), rows.slip(point.velocity)[:, 0]
-        rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
-        names = where.names
-        slave, master = contact_sides(self.discretisation)
-        parting = u_n + rows.lead
-        table = pd.DataFrame(
-            {
-                "interface": np.array(names, dtype=object)[rows.interface],
-                "slave": slave,
-                "master": master,
-                "x": where.position[:, 0],
-                "y": where.position[:, 1],
-                "n_x": where.normal[:, 0],
-                "n_y": where.normal[:, 1],
-                "length": rows.weights,
-                "t_n": point.normal_reaction - rows.pull,
-                "t_t": point.tangential_reaction[:, 0],
-                "u_n": u_n,
-                "u_t": u_t,
-                "state": np.select([parting > rest, np.abs(u_t) > rest], ["open", "slip"], "stick"),
-            }
-        )
-        if where.gap is not None:
-            table.insert(list(table).index("t_n"), "gap", where.gap)
-        return table
+        return contact_table(self.discretisation, self._point())
 
     def certify(
         self,

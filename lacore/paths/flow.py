@@ -20,7 +20,7 @@ from lacore.bodies.continuum.strain_rates import (
 )
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints
-from lacore.contact.segments import Segments
+from lacore.contact.touching import Touching
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.paths.approach import approaching_rows
@@ -125,7 +125,7 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     """
 
     def contact(
-        _: Sequence[Interface], __: Sequence[Segments], unknowns: Unknowns
+        _: Sequence[Interface], __: Sequence[Touching], unknowns: Unknowns
     ) -> tuple[ContactRows, ContactPoints]:
         bodies, n = unknowns.continua, unknowns.n
         return approaching_rows(stage.obstacles, bodies, n, moment.begin, moment.duration)

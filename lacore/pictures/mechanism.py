@@ -30,6 +30,7 @@ from lacore.pictures.contact_segments import SegmentedContact, segmented_contact
 from lacore.pictures.continua import draw_continua
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_foot, draw_frames, draw_moments, turning
+from lacore.problem.dimensions import require_plane
 from lacore.status import Status
 
 _STRETCH = 0.08  # largest displacement drawn, per size of the structure
@@ -66,7 +67,9 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     Raises:
         ValueError: there is no point to show.
     """
-    units = units or Units(fitting(state.discretisation.problem.sizes))
+    problem = state.discretisation.problem
+    require_plane(problem.dimension, "LimitState.plot", "take state.velocity and state.reactions")
+    units = units or Units(fitting(problem.sizes))
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0

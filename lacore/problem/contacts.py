@@ -26,7 +26,7 @@ def check_contacts(problem: "Problem") -> None:
     touched: dict[str, list[Touched]] = {name: [] for name in problem.bodies}
     for index, interface in enumerate(problem.interfaces):
         alone = interface.obstacle is not None
-        sides = zip(interface.sides, problem.segments[index].edges, strict=False)
+        sides = zip(interface.sides, problem.touching[index].edges, strict=False)
         for (name, _), edges in sides:
             field = f"Problem.interfaces[{index}]"
             touched[name].append(Touched(field, interface.name, edges, alone))
@@ -57,7 +57,7 @@ def _check_sharing(problem: "Problem") -> None:
     """No two interfaces on one place: an edge may meet several bodies, each of them once."""
     taken: dict[_Place, dict[_Place, int]] = {}
     for index, (interface, segments) in enumerate(
-        zip(problem.interfaces, problem.segments, strict=True)
+        zip(problem.interfaces, problem.touching, strict=True)
     ):
         sides = zip(interface.sides, segments.edges, strict=False)
         ends = [_places(problem, name, edges, segments.normal) for (name, _), edges in sides]

@@ -14,6 +14,7 @@ from lacore.bodies.continuum.regions import inheriting
 from lacore.conditions.loads import Load
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments
+from lacore.contact.touching import in_plane
 from lacore.errors import InputError
 from lacore.meshes.hanging import with_vertices
 from lacore.meshes.joined import Glued
@@ -76,10 +77,10 @@ def glued(problem: Problem, bonded: bool) -> list[Glued]:
 def _pairs(problem: Problem) -> Iterator[tuple[Interface, Segments]]:
     """Interfaces of two continua."""
     continua = of_kind(problem.bodies, Body)
-    for interface, segments in zip(problem.interfaces, problem.segments, strict=True):
+    for interface, touching in zip(problem.interfaces, problem.touching, strict=True):
         names = [name for name, _ in interface.sides]
         if len(names) == 2 and all(name in continua for name in names):
-            yield interface, segments
+            yield interface, in_plane(touching)
 
 
 def _ends(

@@ -11,10 +11,17 @@ from lacore import views
 from lacore.bodies.any_body import KINDS, AnyBody
 from lacore.conditions.loads import Fix, Load, acts
 from lacore.contact.interfaces import Interface
-from lacore.contact.segments import Segments, interface_segments
+from lacore.contact.segments import Segments
+from lacore.contact.touching import Touching, in_plane, where_touching
 from lacore.errors import InputError, suggest
 from lacore.problem.axisymmetry import check_axisymmetry
 from lacore.problem.contacts import check_contacts
+from lacore.problem.dimensions import (
+    check_interface_dimension,
+    check_load_dimension,
+    check_support_dimension,
+    dimension_of,
+)
 from lacore.problem.wet import check_wet
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
@@ -106,7 +113,7 @@ class Problem(Shown):
                     f"Problem.bodies[{name!r}]",
                     body,
                     "not a Body",
-                    "give a lacore.Body, BlockAssembly or Frame",
+                    "give a lacore.Body, BlockAssembly, Frame or BlockAssembly3D",
                 )
         object.__setattr__(self, "bodies", MappingProxyType(dict(self.bodies)))
         for attribute in ("reference_loads", "supports", "interfaces", "dead_loads"):
@@ -131,6 +138,10 @@ class Problem(Shown):
                 "is zero, so nothing that the load factor could multiply",
                 "give at least one load that is not",
             )
+        dimension = dimension_of(self.bodies)
+        for where, load in self.loads.items():
+            self._body(load.body, where)
+            check_load_dimension(load, where, dimension)
         self._split_frames()
         for where, load in self.loads.items():
             body = self._body(load.body, where)
@@ -141,6 +152,7 @@ class Problem(Shown):
             if not isinstance(support, Fix):
                 raise InputError(where, support, "not a support", "give lacore.Fix")
             body = self._body(support.body, where)
+            check_support_dimension(support, where, dimension)
             with _located(where):
                 body.check_support(support, where)
         for index, interface in enumerate(self.interfaces):
@@ -149,16 +161,36 @@ class Problem(Shown):
                 raise InputError(where, interface, "not an interface", "give lacore.Interface")
             for side, (name, _) in zip(("slave", "master"), interface.sides, strict=False):
                 self._body(name, f"{where}.{side}")
+            check_interface_dimension(interface, where, dimension)
         check_contacts(self)
         check_wet(self.loads, self.interfaces)
         check_axisymmetry(self.bodies, self.loads, self.supports, self.interfaces)
 
+    @property
+    def dimension(self) -> int:
+        """2 of the plane, 3 in space."""
+        return dimension_of(self.bodies)
+
     @cached_property
-    def segments(self) -> tuple[Segments, ...]:
+    def touching(self) -> tuple[Touching, ...]:
         """Where the two sides of each interface touch."""
         return tuple(
-            interface_segments(interface, self.bodies, f"Problem.interfaces[{index}]")
+            where_touching(interface, self.bodies, f"Problem.interfaces[{index}]")
             for index, interface in enumerate(self.interfaces)
+        )
+
+    @property
+    def segments(self) -> tuple[Segments, ...]:
+        """As `touching`, of a problem of the plane."""
+        return tuple(map(in_plane, self.touching))
+
+    @property
+    def bonds(self) -> tuple[tuple[int, Interface, Segments], ...]:
+        """Bonded interfaces, their numbers, and where they touch: there are none in space."""
+        return tuple(
+            (index, interface, in_plane(self.touching[index]))
+            for index, interface in enumerate(self.interfaces)
+            if interface.bonded
         )
 
     @property

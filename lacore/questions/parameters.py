@@ -11,6 +11,7 @@ import numpy as np
 
 from lacore.bodies.any_body import AnyBody, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
@@ -100,7 +101,8 @@ def _criterion(body: Body) -> Iterator[tuple[str, Any, str]]:
 
 
 @_strong.register(BlockAssembly)
-def _joints(body: BlockAssembly) -> Iterator[tuple[str, Any, str]]:
+@_strong.register(BlockAssembly3D)
+def _joints(body: BlockAssembly | BlockAssembly3D) -> Iterator[tuple[str, Any, str]]:
     yield "friction", body.friction, ""
     if body.joint_friction:
         yield "joint_friction", body.joint_friction, ""
@@ -238,7 +240,8 @@ def _along_members(load: Traction, bodies: Mapping[str, AnyBody]) -> str:
 
 @unit_of.register(PointForce)
 def _of_force(load: PointForce, bodies: Mapping[str, AnyBody]) -> str:
-    return "N" if bodies[load.body].axisymmetric else "N/m"
+    own = bodies[load.body]
+    return "N" if own.axisymmetric or own.dimension == 3 else "N/m"
 
 
 @unit_of.register(BodyForce)
@@ -255,8 +258,7 @@ def times(load: Any, factor: float) -> Load:
 @times.register(Traction)
 @times.register(PointForce)
 def _longer(load: Traction | PointForce, factor: float) -> Load:
-    x, y = load.vector
-    return replace(load, vector=(factor * x, factor * y))
+    return replace(load, vector=tuple(factor * own for own in load.vector))
 
 
 @times.register(BodyForce)

@@ -10,6 +10,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.frames.frame import Frame
 from lacore.conditions.loads import Load, PointForce
 from lacore.problem.problem import Problem
@@ -44,12 +45,15 @@ def places(problem: Problem) -> Iterator[Place]:
     inextensible, would lock each other. On meshes forces act at vertices, and supports along edges:
     where these are is a matter of the mesh.
     """
-    blocks = of_kind(problem.bodies, BlockAssembly)
+    blocks: dict[str, BlockAssembly | BlockAssembly3D] = {
+        **of_kind(problem.bodies, BlockAssembly),
+        **of_kind(problem.bodies, BlockAssembly3D),
+    }
     for attribute in ("reference_loads", "dead_loads"):
         for index, load in enumerate(getattr(problem, attribute)):
             if load.body in blocks and load.point is not None:
                 size = float(blocks[load.body].size)
-                for axis, letter in enumerate("xy"):
+                for axis, letter in enumerate("xyz"[: problem.dimension]):
                     name = f"{attribute}[{index}]: {letter} of the force on {load.body}"
                     at = _of_force(attribute, index, axis)
                     yield Place(name, float(load.point[axis]), size, at, load.body)

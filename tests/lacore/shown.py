@@ -145,7 +145,8 @@ def drawn():
     drawing = la.masonry.DrawnBlocks(
         blocks, layers, of, of, LONG, "mm", 1 / 3, float(wide), counts, MANY
     )
-    return [layer, drawing, solid]
+    solids = la.BlockAssembly3D(dict.fromkeys(MANY[:1], solid), la.Tresca(wide))
+    return [layer, drawing, solid, solids]
 
 
 def states():

@@ -76,6 +76,7 @@ class BlockAssembly(Shown):
     friction: float | Friction
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
+    dimension: ClassVar[int] = 2
     pointwise: ClassVar[bool] = False  # it touches others along edges
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False
@@ -161,7 +162,13 @@ class BlockAssembly(Shown):
     @property
     def joint_names(self) -> tuple[str, ...]:
         """``master|slave``, and ``master|slave#2`` where two blocks share a second segment."""
-        return joint_names(self.names, self.joints)
+        return joint_names(self.names, self.joints.master, self.joints.slave)
+
+    @property
+    def joint_terms(self) -> Floats:
+        """Coefficient, limit, dilatancy and tension of the laws of joints, (4, J)."""
+        own = self.joints
+        return np.stack([own.coefficient, own.limit, own.dilatancy, own.tension])
 
     @property
     def isolated(self) -> tuple[str, ...]:
@@ -180,6 +187,10 @@ class BlockAssembly(Shown):
         """Distance up to which coordinates count as one, m."""
         assert self.tolerance is not None  # since it was built
         return self.tolerance
+
+    def blocks_of(self, edges: Ints) -> Ints:
+        """The blocks of outline edges."""
+        return np.asarray(self.edges.block[edges])
 
     def boundary(self, where: Blocks, field: str) -> tuple[Ints, Edges]:
         """Outline edges of a part of the blocks, and their geometry; errors name the `field`."""

@@ -1,14 +1,16 @@
 """Whether blocks touch what holds them: by edges, and each of them something."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from lacore.arrays import Ints
 from lacore.bodies.blocks.corners import resting_corners
 from lacore.bodies.blocks.held import free_motions
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix
+from lacore.conditions.where import Where
 from lacore.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,7 +36,7 @@ def check_contact(
     for own in touched:
         if own.by_obstacle:
             _check_free(body, own)
-    _check_isolated(body, field, supports, touched)
+    check_isolated(body, field, supports, touched, lambda _: "")
 
 
 def _check_corners(body: "BlockAssembly", field: str, supports: Sequence[Fix]) -> None:
@@ -81,20 +83,53 @@ def _check_free(body: "BlockAssembly", touched: Touched) -> None:
         )
 
 
-def _check_isolated(
-    body: "BlockAssembly", field: str, supports: Sequence[Fix], touched: Sequence[Touched]
+class Outlined(Protocol):
+    """An assembly of blocks, in the plane or in space."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its blocks."""
+        ...
+
+    @property
+    def isolated(self) -> tuple[str, ...]:
+        """Names of the blocks that have no joint."""
+        ...
+
+    def outline(self, where: Where, field: str) -> Ints:
+        """Numbers of the edges, or faces, of a part of it."""
+        ...
+
+    def blocks_of(self, edges: Ints) -> Ints:
+        """The blocks of edges, or faces."""
+        ...
+
+
+def check_isolated(
+    body: Outlined,
+    field: str,
+    supports: Sequence[Fix],
+    touched: Sequence[Touched],
+    why: Callable[[str], str],
 ) -> None:
-    """Each block touches something, or a support holds it."""
+    """Raise `InputError` unless each block touches something, or a support holds it.
+
+    Args:
+        body: an assembly.
+        field, supports, touched: see `check_contact`.
+        why: what else there is to say of a block that does not; empty of most.
+    """
     if not body.isolated:
         return
     edges = [np.zeros(0, dtype=np.int64), *(own.edges for own in touched)]
     edges += [body.outline(support.where, "Fix.where") for support in supports]
-    known = {body.names[block] for block in body.edges.block[np.concatenate(edges)]}
+    known = {body.names[block] for block in body.blocks_of(np.concatenate(edges))}
     loose = [block for block in body.isolated if block not in known]
     if loose:
         raise InputError(
             field,
             loose[0],
-            "a block that touches nothing: no joint, no interface, no support",
+            "a block that touches nothing: no joint, no interface, no support"
+            + (f"; {more}" if (more := why(loose[0])) else ""),
             "move it against its neighbours, or give it an interface or a support",
         )

@@ -7,6 +7,7 @@ included, are N/m.
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import fsum
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -20,8 +21,49 @@ from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
 
+class RigidUnknowns(Compact):
+    """What unknowns of rigid blocks have in common, in the plane and in space.
+
+    Attributes:
+        body: the assembly.
+        per_block: unknowns of a block.
+    """
+
+    body: Any
+    per_block: ClassVar[int]
+    degree = 1  # of the velocity along an edge
+    bent = axisymmetric = False
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns."""
+        return self.per_block * len(self.body.names)
+
+    @property
+    def strength(self) -> float:
+        """Shear stress that it can carry, Pa: a rigid block any."""
+        return np.inf
+
+    @property
+    def pieces_of_unknowns(self) -> Ints:
+        """The block of each unknown, shape (count,)."""
+        return np.repeat(np.arange(len(self.body.names)), self.per_block)
+
+    def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
+        """Rigid blocks dissipate nothing."""
+        return ()
+
+    def moving(self, blocks: Ints) -> Ints:
+        """What moves continuously: each block for itself."""
+        return blocks
+
+    def thickness(self, places: Floats) -> Floats:
+        """One metre."""
+        return np.ones_like(places[0])
+
+
 @dataclass(frozen=True, repr=False)
-class RigidDofs(Compact):
+class RigidDofs(RigidUnknowns):
     """Where the velocity of an assembly stands in the vector of all unknowns.
 
     Attributes:
@@ -31,40 +73,16 @@ class RigidDofs(Compact):
 
     body: BlockAssembly
     offset: int
-    degree = 1  # of the velocity along an edge
-    bent = axisymmetric = False
-
-    @property
-    def count(self) -> int:
-        """Number of unknowns."""
-        return 3 * len(self.body.names)
-
-    @property
-    def strength(self) -> float:
-        """Shear stress that it can carry, Pa: a rigid block any."""
-        return np.inf
+    per_block = 3
 
     @property
     def extent(self) -> float:
         """Area, m^2."""
         return fsum(self.body.area)
 
-    @property
-    def pieces_of_unknowns(self) -> Ints:
-        """The block of each unknown, shape (count,)."""
-        return np.repeat(np.arange(len(self.body.names)), 3)
-
-    def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """Rigid blocks dissipate nothing."""
-        return ()
-
     def parts(self, edges: Ints) -> Ints:
         """The blocks of outline edges: what moves as one."""
         return np.asarray(self.body.edges.block[edges])
-
-    def moving(self, blocks: Ints) -> Ints:
-        """What moves continuously: each block for itself."""
-        return blocks
 
     def velocity_rows(self, blocks: Ints, points: Floats, n: int) -> tuple[Sparse, Sparse]:
         """Rows of u_x and u_y of blocks at points of shape (2, k), each of shape (k, n)."""
@@ -80,10 +98,6 @@ class RigidDofs(Compact):
             return matrix
 
         return rows(0, -y), rows(1, x)
-
-    def thickness(self, places: Floats) -> Floats:
-        """One metre."""
-        return np.ones_like(places[0])
 
     def motion(self, velocity: Floats) -> Floats:
         """u_x, u_y of the centroids, m/s, and rotation rates, rad/s, shape (3, blocks)."""

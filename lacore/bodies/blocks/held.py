@@ -24,10 +24,19 @@ def free_motions(body: "BlockAssembly", supports: Iterable[Fix]) -> Sparse:
         edges = body.outline(support.where, "Fix.where")
         for end in (body.edges.start, body.edges.end):
             _hold(body, held, edges, end[:, edges], support.components)
+    return unheld(held)
+
+
+def unheld(held: Floats) -> Sparse:
+    """Basis of the motions of blocks along no direction that is held, shape (blocks k, free).
+
+    Args:
+        held: sums of the products of held directions with themselves, shape (blocks, k, k).
+    """
     values, vectors = np.linalg.eigh(held)
     is_free = values <= _HELD * np.maximum(values.max(axis=1, keepdims=True), 1.0)
     untouched = is_free.all(axis=1)
-    vectors[untouched] = np.eye(3)
+    vectors[untouched] = np.eye(held.shape[1])
     vectors[np.abs(vectors) < _ROUND_OFF] = 0.0
     return csr_matrix(
         block_diag(

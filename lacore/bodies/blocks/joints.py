@@ -81,7 +81,39 @@ def find_joints(
     """
     shared, normal = _joined(edges, tolerance)
     slave, master = edges.block[shared.first], edges.block[shared.second]
+    terms = joint_terms(names, slave, master, friction, joint_friction, field)
+    return Joints(
+        slave,
+        master,
+        shared.first,
+        shared.second,
+        shared.start,
+        shared.end,
+        normal,
+        *terms,
+    )
 
+
+def joint_terms(
+    names: Sequence[str],
+    slave: Ints,
+    master: Ints,
+    friction: Friction,
+    joint_friction: JointFriction,
+    field: str,
+) -> Floats:
+    """Coefficient, limit, dilatancy and tension of joints, shape (4, J).
+
+    Args:
+        names: of blocks.
+        slave, master: of each joint, (J,); the number of the slave is the larger one.
+        friction: of all joints.
+        joint_friction: of single pairs.
+        field: of these, for messages.
+
+    Raises:
+        InputError: a pair that is given twice, unknown, or has no joint; a law that is none.
+    """
     pair = slave * len(names) + master
     order = np.argsort(pair, kind="stable")
     wanted, laws = _by_pair(names, joint_friction, field)
@@ -98,16 +130,7 @@ def find_joints(
     terms[:] = np.reshape(_coefficients(friction), (4, 1))
     if laws:
         terms[:, special] = np.repeat(np.transpose([_coefficients(law) for law in laws]), count, 1)
-    return Joints(
-        slave,
-        master,
-        shared.first,
-        shared.second,
-        shared.start,
-        shared.end,
-        normal,
-        *terms,
-    )
+    return terms
 
 
 def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
@@ -137,11 +160,11 @@ def _joined(edges: BlockEdges, tolerance: float) -> tuple[Shared, Floats]:
     return joined.take(order), normal[:, order]
 
 
-def joint_names(names: Sequence[str], joints: Joints) -> tuple[str, ...]:
-    """``master|slave``, and ``master|slave#2`` where two blocks share a second segment."""
+def joint_names(names: Sequence[str], master: Ints, slave: Ints) -> tuple[str, ...]:
+    """``master|slave``, and ``master|slave#2`` where two blocks share a second place."""
     met: dict[tuple[int, int], int] = {}
     labels = []
-    for pair in zip(joints.master.tolist(), joints.slave.tolist(), strict=True):
+    for pair in zip(master.tolist(), slave.tolist(), strict=True):
         met[pair] = met.get(pair, 0) + 1
         label = f"{names[pair[0]]}|{names[pair[1]]}"
         labels.append(label if met[pair] == 1 else f"{label}#{met[pair]}")

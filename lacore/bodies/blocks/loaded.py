@@ -1,8 +1,8 @@
 """Loads on rigid blocks: which blocks carry them, where, and how much."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import singledispatch
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import shapely
@@ -17,6 +17,30 @@ if TYPE_CHECKING:
     from lacore.bodies.blocks.block_assembly import BlockAssembly
 
 _BENT = 1e-9  # of the largest value: what is linear, up to round-off
+
+
+class Named(Protocol):
+    """What consists of blocks with names."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its blocks."""
+        ...
+
+
+class Placed(Named, Protocol):
+    """Blocks that lie somewhere."""
+
+    @property
+    def centroid(self) -> Floats:
+        """Of each, (d, B), m."""
+        ...
+
+    @property
+    def allowed(self) -> float:
+        """Distance up to which coordinates count as one, m."""
+        ...
+
 
 Carried = tuple[Ints, Floats, Floats]
 """Blocks (k,), points of attack (2, k) in m, forces (2, k) in N/m."""
@@ -44,7 +68,12 @@ def _boundary(load: Traction | Pressure, body: "BlockAssembly") -> Carried:
 
 @carried.register(RigidFooting)
 def _footing(load: RigidFooting, body: "BlockAssembly") -> Carried:
-    raise InputError(
+    raise refuse_footing(load)
+
+
+def refuse_footing(load: RigidFooting) -> InputError:
+    """What is wrong with a footing on blocks."""
+    return InputError(
         "RigidFooting.body", load.body, "its blocks are rigid already", "load the blocks"
     )
 
@@ -52,7 +81,12 @@ def _footing(load: RigidFooting, body: "BlockAssembly") -> Carried:
 @carried.register(PorePressure)
 @carried.register(StandingWater)
 def _water(load: PorePressure | StandingWater, body: "BlockAssembly") -> Carried:
-    raise InputError(
+    raise refuse_water(load)
+
+
+def refuse_water(load: PorePressure | StandingWater) -> InputError:
+    """What is wrong with water on blocks."""
+    return InputError(
         f"{type(load).__name__}.body",
         load.body,
         "rigid blocks, which have no pores, and whose edges are too long for a pressure that is"
@@ -100,11 +134,15 @@ def _triangles(body: "BlockAssembly", blocks: Ints) -> tuple[Floats, Ints]:
 
 @carried.register(PointForce)
 def _point(load: PointForce, body: "BlockAssembly") -> Carried:
-    blocks, points = _loaded_block(body, load)
+    def away(at: Floats) -> Floats:
+        outlines = [shapely.Polygon(ring) for ring in body.polygons.values()]
+        return np.asarray(shapely.distance(outlines, shapely.Point(at)))
+
+    blocks, points = loaded_block(body, load, away)
     return blocks, points, np.reshape(np.asarray(load.vector, dtype=float), (2, 1))
 
 
-def named(body: "BlockAssembly", where: str | tuple[str, ...] | None, field: str) -> Ints:
+def named(body: Named, where: str | tuple[str, ...] | None, field: str) -> Ints:
     """Numbers of blocks from their names; None: of all."""
     if where is None:
         return np.arange(len(body.names))
@@ -120,8 +158,19 @@ def named(body: "BlockAssembly", where: str | tuple[str, ...] | None, field: str
     return np.array([number[name] for name in names], dtype=np.int64)
 
 
-def _loaded_block(body: "BlockAssembly", load: PointForce) -> tuple[Ints, Floats]:
-    """The block that a point force acts on, and where, shapes (1,) and (2, 1)."""
+def loaded_block(
+    body: Placed, load: PointForce, away: Callable[[Floats], Floats]
+) -> tuple[Ints, Floats]:
+    """The block that a point force acts on, and where, shapes (1,) and (d, 1).
+
+    Args:
+        body: the assembly.
+        load: the force.
+        away: distances of a place of shape (d,) from all blocks, m, (B,).
+
+    Raises:
+        InputError: a place on no block, or on several; a name of none.
+    """
     if isinstance(load.at, str):
         block = named(body, load.at, "PointForce.at")
         if load.where not in (None, load.at):
@@ -129,16 +178,15 @@ def _loaded_block(body: "BlockAssembly", load: PointForce) -> tuple[Ints, Floats
                 "PointForce.where", load.where, f"`at` names {load.at!r}", "leave `where` out"
             )
         return block, body.centroid[:, block]
-    away = shapely.distance(
-        [shapely.Polygon(ring) for ring in body.polygons.values()], shapely.Point(load.at)
-    )
-    blocks = np.flatnonzero(away <= body.allowed)
+    at = np.asarray(load.at, dtype=float)
+    distance = away(at)
+    blocks = np.flatnonzero(distance <= body.allowed)
     if load.where is not None:
         blocks = np.intersect1d(blocks, named(body, load.where, "PointForce.where"))
     names = [body.names[block] for block in blocks]
     if len(names) != 1:
         why = f"lies on the blocks {', '.join(names)}" if names else "lies on no block"
-        nearest = body.names[int(np.argmin(away))]
+        nearest = body.names[int(np.argmin(distance))]
         mend = "say by `where` which one carries it" if names else f"the nearest is {nearest!r}"
         raise InputError("PointForce.at", load.at, why, mend)
-    return blocks, np.reshape(np.asarray(load.at, dtype=float), (2, 1))
+    return blocks, at[:, None]

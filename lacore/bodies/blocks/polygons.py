@@ -47,12 +47,17 @@ def read_polygons(blocks: Polygons, field: str) -> dict[str, Floats]:
     return read
 
 
+def block_name(name: object, field: str) -> str:
+    """A name that a block may have; raises `InputError` of any other."""
+    if isinstance(name, str) and name and not any(sign in name for sign in _RESERVED):
+        return name
+    raise InputError(
+        field, name, "not the name of a block", f"give a text without any of {_RESERVED}"
+    )
+
+
 def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
-    if not isinstance(name, str) or not name or any(sign in name for sign in _RESERVED):
-        raise InputError(
-            field, name, "not the name of a block", f"give a text without any of {_RESERVED}"
-        )
-    where = f"{field}[{name!r}]"
+    where = f"{field}[{block_name(name, field)!r}]"
     try:
         points = np.array(vertices, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

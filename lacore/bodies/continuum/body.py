@@ -72,6 +72,7 @@ class Body(Shown):
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
+    dimension: ClassVar[int] = 2
     pointwise: ClassVar[bool] = False  # it touches others along edges
     deforms: ClassVar[bool] = True
 

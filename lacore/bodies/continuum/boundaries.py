@@ -96,7 +96,7 @@ def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
     return start, end, normal * outward
 
 
-def vertex_at(body: "Body", at: tuple[float, float] | str, where: str) -> int:
+def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
     if isinstance(at, str):
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")

@@ -73,6 +73,7 @@ class Frame(Shown):
     releases: Sequence[tuple[str, str]] = ()
     tolerance: float | None = None
     sections: Section | Mapping[str, Section] | None = None
+    dimension: ClassVar[int] = 2
     pointwise: ClassVar[bool] = True  # it touches others in single nodes
     deforms: ClassVar[bool] = False
     axisymmetric: ClassVar[bool] = False

@@ -7,12 +7,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lacore.arrays import Floats
-from lacore.bodies.any_body import AnyBody
+from lacore.bodies.any_body import AnyBody, plane
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.touching import Edges
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
-from lacore.contact.segments import interface_segments
+from lacore.contact.touching import in_plane, where_touching
 from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction
 from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
@@ -43,7 +43,7 @@ def draw_support(sheet: Sheet, support: Fix, body: AnyBody, gid: str) -> None:
     """Hatches where all is held, rollers where the boundary may slide, squares where not."""
     names = _HOLDS | _AROUND_AXIS if has_axis([body]) else _HOLDS
     text = names[support.components]
-    edges = body.boundary(support.where, "Fix.where")[1]
+    edges = plane(body).boundary(support.where, "Fix.where")[1]
     if body.pointwise:
         _draw_held_nodes(sheet, support, edges, text, gid)
     elif support.components == "xy":
@@ -195,7 +195,7 @@ def draw_interface(
     gid: str,
 ) -> None:
     """Contact, coloured by its friction, and the obstacle, hatched."""
-    segments = interface_segments(interface, bodies, "Interface")
+    segments = in_plane(where_touching(interface, bodies, "Interface"))
     edges = Edges(segments.start, segments.end, -segments.normal)
     if any(bodies[name].pointwise for name, _ in interface.sides):
         tangent = np.stack([-edges.normal[1], edges.normal[0]])

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.tri import Triangulation
 
 from lacore.arrays import Floats
-from lacore.bodies.any_body import AnyBody
+from lacore.bodies.any_body import AnyBody, plane
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.loaded import carried
 from lacore.bodies.continuum.body import Body
@@ -86,7 +86,7 @@ def _point_force(
     _draw_single(sheet, place, along, block is not None, length, text, colour, gid)
 
 
-def _place(body: AnyBody, at: tuple[float, float] | str) -> tuple[Floats, shapely.Polygon | None]:
+def _place(body: AnyBody, at: tuple[float, ...] | str) -> tuple[Floats, shapely.Polygon | None]:
     """Where a force acts, and the block in the middle of which that is."""
     return _named_place(body, at) if isinstance(at, str) else (np.array(at, dtype=float), None)
 
@@ -197,7 +197,7 @@ def _crossings(sheet: Sheet, way: tuple[Floats, Floats]) -> int:
 def _footing(
     load: RigidFooting, body: AnyBody, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
-    edges = body.boundary(load.where, "RigidFooting.where")[1]
+    edges = plane(body).boundary(load.where, "RigidFooting.where")[1]
     low = _BAR[0] if load.rough else _ROLL
     high = low + _BAR[1] - _BAR[0]
     corners = sheet.band(edges, low if not load.rough else 0.0, high)
@@ -288,7 +288,7 @@ def _standing(
     load: StandingWater, body: Body, sheet: Sheet, colour: str, live: bool, gid: str
 ) -> None:
     """Arrows as long as the pressure is large, and the water that they come from."""
-    edges = body.boundary(load.where, "StandingWater.where")[1]
+    edges = plane(body).boundary(load.where, "StandingWater.where")[1]
     places, normals = spaced(edges, _SPACING * sheet.point)
     sizes = load.at(places, "StandingWater")
     largest = float(sizes.max())
@@ -325,7 +325,7 @@ def _between(places: Floats) -> Floats:
 @singledispatch
 def _loaded(body: AnyBody, load: Traction | Pressure) -> tuple[Edges, str]:
     """What a load is spread over, and its unit; of a member the side that the load comes from."""
-    return body.boundary(load.where, "where")[1], "Pa"
+    return plane(body).boundary(load.where, "where")[1], "Pa"
 
 
 @_loaded.register

@@ -18,6 +18,7 @@ from lacore.pictures.sketch.conditions import (
 )
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
+from lacore.problem.dimensions import require_plane
 from lacore.problem.problem import Problem
 
 _POINTS = 72.0  # an inch
@@ -39,6 +40,7 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
         problem: any.
         units: that sizes are told in; m, and a prefix that fits most forces, if None.
     """
+    require_plane(problem.dimension, "Problem.plot", "print the problem, which says what it is")
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     extent = np.maximum(extent, _FLAT * np.linalg.norm(extent))

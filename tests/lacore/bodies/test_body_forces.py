@@ -205,7 +205,7 @@ def test_blocks_take_a_value_each_as_loads_of_their_own():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: la.BodyForce("clay", 3.0), "not a plane vector"),
+        (lambda: la.BodyForce("clay", 3.0), "not a vector"),
         (lambda: la.BodyForce("clay", (0, "heavy")), "neither a number nor a function"),
         (lambda: la.BodyForce("clay", (0, [1.0, np.nan])), "of element 1"),
         (lambda: la.BodyForce("clay", (0, la.Field(WEIGHT, steepest=1.0))), "has to be linear"),

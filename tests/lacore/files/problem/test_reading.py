@@ -43,7 +43,7 @@ def test_a_file_states_the_problem_that_python_would(tmp_path):
         ('kind = "continuum"', "", 3, r"bodies.clay: missing; add kind"),
         ("[bodies.clay]", "[body.clay]", 3, r"body: unknown key; did you mean 'bodies'\?"),
         ('"left"', '"lft"', 11, r"supports\[0\].where = 'lft': no such boundary; did you mean 'l"),
-        ('= "x"', '= "z"', 12, r"supports\[0\].components = 'z': unknown name"),
+        ('= "x"', '= "z"', 12, r"supports\[0\].components = 'z': of the plane there is no"),
         ('"clay"\nwhere = "bottom"', '"cly"\nwhere = "bottom"', 15, r"\[1\].body = 'cly': no such"),
         ("{ x = 3 }", "{ x = 4 }", 20, r"supports\[2\].where: an empty boundary"),
         ("{ x = 3 }", "3", 20, r"supports\[2\].where = 3: not a text; write it in quotes"),

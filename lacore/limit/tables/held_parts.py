@@ -8,16 +8,21 @@ from lacore.bodies.any_body import RigidParts
 from lacore.bodies.continuum.regions import gathering
 from lacore.state import ProgramState, out_of_balance
 
+_COLUMNS = {
+    2: ("x", "y", "force_x", "force_y", "moment"),
+    3: (*"xyz", *(f"{kind}_{axis}" for kind in ("force", "moment") for axis in "xyz")),
+}
+
 
 def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd.DataFrame:
-    """Table of forces, N/m, and moments, N: see `LimitState.support_reactions`.
+    """Table of forces, N/m, and moments, N, in space N and N m: see `LimitState.support_reactions`.
 
     Args:
         discretisation: of the problem.
         point: in SI units.
     """
     d = discretisation
-    rigid: dict[str, RigidParts] = {**d.assemblies, **d.frames}
+    rigid: dict[str, RigidParts] = {**d.assemblies, **d.frames, **d.solids}
     force = without_bonds(d.problem, rigid, out_of_balance(d.full, point))
     after = point.stress[gathering.region_count(d.bodies) :]
     for jump, stress in zip(d.jumps.values(), after, strict=False):
@@ -43,8 +48,6 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
             force[part.offset : part.offset + part.count],
             [support for support in supports if support.body == name],
         )
-        columns = dict(
-            zip(("x", "y", "force_x", "force_y", "moment"), (*place, *exerted), strict=True)
-        )
+        columns = dict(zip(_COLUMNS[len(place)], (*place, *exerted), strict=True))
         frames.append(pd.DataFrame({"body": name, **columns}))
     return pd.concat(frames, ignore_index=True)

@@ -1,0 +1,41 @@
+"""What touches along an interface or in joints: segments in the plane, patches in space."""
+
+from collections.abc import Mapping
+from functools import singledispatch
+
+from lacore.bodies.any_body import AnyBody, of_kind
+from lacore.bodies.blocks.joints import Joints
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.joints import Joints3D
+from lacore.contact import patches, segments
+from lacore.contact.interfaces import Interface
+
+Touching = segments.Segments | patches.Patches
+
+
+def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Touching:
+    """Where the sides of an interface touch.
+
+    Raises:
+        InputError: nowhere, or not as contact can be.
+    """
+    if solid := of_kind(bodies, BlockAssembly3D):
+        return patches.interface_patches(interface, solid, field)
+    plane = {name: body for name, body in bodies.items() if not isinstance(body, BlockAssembly3D)}
+    return segments.interface_segments(interface, plane, field)
+
+
+def in_plane(touching: Touching) -> segments.Segments:
+    """What touches in a problem of the plane."""
+    assert isinstance(touching, segments.Segments)
+    return touching
+
+
+@singledispatch
+def of_joints(joints: Joints | Joints3D) -> Touching:
+    """Where the blocks of an assembly touch each other."""
+    raise TypeError(f"no joints: {type(joints).__name__}")
+
+
+of_joints.register(Joints, segments.of_joints)
+of_joints.register(Joints3D, patches.of_joints)

@@ -1,0 +1,1 @@
+"""What a state shows as tables: contact points, forces of supports."""

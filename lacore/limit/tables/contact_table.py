@@ -1,0 +1,108 @@
+"""Contact points of a state as a table, and back."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from lacore.arrays import Floats
+from lacore.assembly.contact_sides import contact_sides
+from lacore.assembly.discretisation import Discretisation
+from lacore.contact.rows import ContactPoints, tangents
+from lacore.errors import InputError
+from lacore.state import ProgramState
+
+_MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
+_SIZE = {2: "length", 3: "area"}
+
+Table = pd.DataFrame | Mapping[str, ArrayLike]
+
+
+def contact_table(discretisation: Discretisation, point: ProgramState) -> pd.DataFrame:
+    """Contact points, see `LimitState.reactions`; `point` in SI units."""
+    rows, where = discretisation.full.contact, discretisation.points
+    u_n, slip = rows.opening(point.velocity), rows.slip(point.velocity)
+    rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
+    slave, master = contact_sides(discretisation)
+    states = [u_n + rows.lead > rest, np.linalg.norm(slip, axis=1) > rest]
+    dimension = where.position.shape[1]
+    table = pd.DataFrame(
+        {
+            "interface": np.array(where.names, dtype=object)[rows.interface],
+            "slave": slave,
+            "master": master,
+            **_named(where.position, ""),
+            **_named(where.normal, "n_"),
+            _SIZE[dimension]: rows.weights,
+            "t_n": point.normal_reaction - rows.pull,
+            **_along(where, point.tangential_reaction, "t_t"),
+            "u_n": u_n,
+            **_along(where, slip, "u_t"),
+            "state": np.select(states, ["open", "slip"], "stick"),
+        }
+    )
+    if where.gap is not None:
+        table.insert(list(table).index("t_n"), "gap", where.gap)
+    return table
+
+
+def reactions_of(discretisation: Discretisation, table: Table) -> tuple[Floats, Floats]:
+    """Normal and tangential reactions, (m,) and (m, tangent_dim), Pa, from such a table."""
+    rows, where = discretisation.full.contact, discretisation.points
+    t_n = column("reactions", table, "t_n", rows.count)
+    if rows.tangent_dim == 1:
+        return t_n + rows.pull, column("reactions", table, "t_t", rows.count)[:, None]
+    vector = np.stack(
+        [column("reactions", table, f"t_t_{axis}", rows.count) for axis in "xyz"], axis=1
+    )
+    along = [np.sum(vector * tangent, axis=1) for tangent in tangents(where.normal)]
+    return t_n + rows.pull, np.stack(along, axis=1)
+
+
+def column(field: str, table: Table, name: str, count: int) -> Floats:
+    """A column of a table, its rows in the order of their index where it has one.
+
+    Raises:
+        InputError: no such column, or of other rows; it names the `field` of the state.
+    """
+    if not isinstance(table, pd.DataFrame | Mapping) or name not in table:
+        raise InputError(
+            field, type(table).__name__, f"has no column {name!r}", f"give a copy of state.{field}"
+        )
+    values = table[name]
+    if isinstance(values, pd.Series):
+        values = values.sort_index()
+        if not values.index.equals(pd.RangeIndex(count)):
+            raise InputError(
+                f"{field}[{name!r}]",
+                len(values),
+                f"its rows are not the {count} of the state",
+                f"give a copy of state.{field}",
+            )
+    return numbers(f"{field}[{name!r}]", values, (count,))
+
+
+def numbers(field: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """As floats of a shape; NaN may be planted, too."""
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(field, type(values).__name__, "no numbers", "give an array") from None
+    if array.shape != shape:
+        raise InputError(field, array.shape, f"the state has shape {shape}", "keep its shape")
+    return array
+
+
+def _named(vectors: Floats, prefix: str) -> dict[str, Floats]:
+    """Vectors (m, d) as columns."""
+    return {f"{prefix}{axis}": own for axis, own in zip("xyz", vectors.T, strict=False)}
+
+
+def _along(where: ContactPoints, parts: Floats, name: str) -> dict[str, Floats]:
+    """Tangential vectors, (m, tangent_dim): one number in the plane, along x, y, z in space."""
+    if parts.shape[1] == 1:
+        return {name: parts[:, 0]}
+    along = tangents(where.normal)
+    vector = sum(own[:, None] * axis for own, axis in zip(parts.T, along, strict=True))
+    return _named(np.asarray(vector), f"{name}_")
