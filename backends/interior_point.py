@@ -15,6 +15,7 @@ import scipy
 
 from backends._embedding.arrays import Translation
 from backends._embedding.follow import follow
+from backends._embedding.loops import best_loops
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
 from backends._goal import Goal
@@ -39,6 +40,7 @@ STATUS_MAP = {
 }
 
 fast_solver()  # loads its library, which is no part of the time of the first solve
+best_loops()
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class InteriorPoint:
 
     def version(self) -> str:
         """The solver and its version."""
-        return f"{symmetric_solver().name}, SciPy {scipy.__version__}"
+        return f"{symmetric_solver().name}, {best_loops().name}, SciPy {scipy.__version__}"
 
     def prepare(self, program: KinematicProgram, options: InteriorPointOptions) -> PreparedSolver:
         """What the pattern of the matrix depends on is kept between solves."""
@@ -92,14 +94,15 @@ class InteriorPointSolver:
     def __init__(self, program: KinematicProgram, options: InteriorPointOptions) -> None:
         self._program, self._options = program, options
         self._solver = symmetric_solver(refined=False)
+        self._loops = best_loops()
         self._known: tuple[Translation, Stiffness] | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve from a cold start; the pattern is that of the last where rows are the same."""
         begin = time.perf_counter()
-        own, options = Translation(self._program, contact), self._options
+        own, options = Translation(self._program, contact, self._loops), self._options
         if self._known is None or not self._known[0].alike(contact):
-            self._known = own, Stiffness(own.conic.kinds)
+            self._known = own, Stiffness(own.conic.kinds, self._loops)
         system = System(own.conic, self._known[1], self._solver)
         goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
         with np.errstate(all="ignore"):  # a step that overflows is refused

@@ -265,6 +265,7 @@ def test_the_start_knows_the_standard_library_only():
 
 HEAVY = (
     *("matplotlib", "pandas", "scipy", "skfem", "shapely", "meshio", "pypardiso", "PIL", "ezdxf"),
+    "numba",
     *("cvxpy", "casadi", "clarabel", "highspy", "dask", "distributed"),
     *("playwright", "jinja2", "rich", "IPython"),
 )

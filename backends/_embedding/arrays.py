@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
+from backends._embedding.loops import Loops
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.numerics.interleaving import interleaved
 from lacore.program import FrozenContact, KinematicProgram
@@ -26,23 +27,23 @@ class Rows:
     Attributes:
         matrix: shape (m dim, n).
         dim: components of a point.
-        across: transposed, shape (n, m dim).
         norms: squared norm of the rows of a point, their mean, shape (m,).
+        loops: over points.
     """
 
     matrix: Sparse
     dim: int
-    across: Sparse
     norms: Floats
+    loops: Loops
 
     @classmethod
-    def of(cls, matrix: Sparse, dim: int, weights: Floats) -> "Rows":
+    def of(cls, matrix: Sparse, dim: int, weights: Floats, loops: Loops) -> "Rows":
         """Rows times the weights of their points, shape (m,)."""
         data = matrix.data * np.repeat(np.repeat(weights, dim), np.diff(matrix.indptr))
         own = csr_matrix((data, matrix.indices, matrix.indptr), matrix.shape)
         squares = np.asarray(own.multiply(own).sum(axis=1)).reshape(-1, dim).mean(axis=1)
         largest = float(squares.max(initial=0.0)) or 1.0
-        return cls(own, dim, csr_matrix(own.T), np.maximum(squares, 1e-12 * largest))
+        return cls(own, dim, np.maximum(squares, 1e-12 * largest), loops)
 
     @property
     def count(self) -> int:
@@ -51,11 +52,16 @@ class Rows:
 
     def at(self, velocity: Floats) -> Floats:
         """Components of all points, shape (dim, m)."""
-        return np.ascontiguousarray((self.matrix @ velocity).reshape(-1, self.dim).T)
+        return self.loops.rates(self.matrix, self.dim, velocity)
 
     def force(self, parts: Floats) -> Floats:
         """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
-        return np.asarray(self.across @ np.ascontiguousarray(parts.T).ravel())
+        return self.loops.forces(self.matrix, parts)
+
+    def both(self, velocity: Floats, parts: Floats, force: Floats, found: Floats) -> None:
+        """`at` into `found`, of shape (dim, m), and `force` added to a force."""
+        if self.count:
+            self.loops.both(self.matrix, velocity, parts, force, found)
 
 
 @dataclass(frozen=True)
@@ -130,7 +136,7 @@ class Multipliers:
 class Translation:
     """A program at a frozen contact as arrays, and states of what is found of them."""
 
-    def __init__(self, program: KinematicProgram, contact: FrozenContact) -> None:
+    def __init__(self, program: KinematicProgram, contact: FrozenContact, loops: Loops) -> None:
         points, dim = program.contact, program.contact.tangent_dim
         self._program, self._contact = program, contact
         self._rubs = np.isfinite(contact.bound) & (contact.bound > 0)
@@ -144,7 +150,7 @@ class Translation:
 
         costly = [
             Costly(
-                Rows.of(_picked(group.rows, group.dim, own), group.dim, group.weights[own]),
+                Rows.of(_picked(group.rows, group.dim, own), group.dim, group.weights[own], loops),
                 group.bound[own],
                 group.rise[own] / group.weights[own],
                 group.weights[own],
@@ -153,11 +159,11 @@ class Translation:
         ]
         rubs, plain, dilates = self._rubs, ~self._dilates, self._dilates
         weights, none = points.weights, np.zeros(int(rubs.sum()))
-        rubbing = Rows.of(slip(rubs), dim, weights[rubs])
+        rubbing = Rows.of(slip(rubs), dim, weights[rubs], loops)
         costly.append(Costly(rubbing, contact.bound[rubs], none, weights[rubs]))
 
         shift = weights * contact.shift
-        lifting = Rows.of(csr_matrix(points.normal[plain]), 1, weights[plain])
+        lifting = Rows.of(csr_matrix(points.normal[plain]), 1, weights[plain], loops)
         steep = np.repeat(contact.dilatancy[dilates], dim)
         sliding = slip(dilates).multiply(steep[:, None])
         leading = interleaved(csr_matrix(points.normal[dilates]), 1, csr_matrix(sliding), dim)
@@ -165,20 +171,20 @@ class Translation:
         lead[0] = shift[dilates]
         free = [
             Free(lifting, shift[plain][None]),
-            Free(Rows.of(csr_matrix(leading), 1 + dim, weights[dilates]), lead),
+            Free(Rows.of(csr_matrix(leading), 1 + dim, weights[dilates], loops), lead),
         ]
         volumes = [
-            Rows.of(csr_matrix(group.volumetric[own]), 1, group.volume_weights[own]).matrix
+            Rows.of(csr_matrix(group.volumetric[own]), 1, group.volume_weights[own], loops).matrix
             for group, own in zip(program.groups, self._changes, strict=True)
         ]
         sticks = self._sticks
-        stuck = Rows.of(slip(sticks), dim, weights[sticks]).matrix
+        stuck = Rows.of(slip(sticks), dim, weights[sticks], loops).matrix
         equal = csr_matrix(vstack([*volumes, stuck]))
         self._ends = np.cumsum([part.shape[0] for part in volumes])
         self.conic = Conic(
             tuple(costly),
             tuple(free),
-            Rows.of(equal, 1, np.ones(equal.shape[0])),
+            Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
             np.zeros(equal.shape[0]),
             program.reference_load,
             program.dead_load,

@@ -49,17 +49,6 @@ def quotient(x: Floats, y: Floats) -> Floats:
     return found
 
 
-def farthest(x: Floats, change: Floats) -> float:
-    """Largest share of a change that stays in all cones, x inside; inf where all of it does."""
-    size = np.sqrt(determinant(x))
-    unit, rate = x / size, change / size
-    along = unit[0] * rate[0] - inner(unit[1:], rate[1:])
-    share = (along + rate[0]) / (unit[0] + 1)
-    across = lengths(rate[1:] - share * unit[1:])
-    fastest = float(np.max(across - along, initial=0.0))
-    return 1 / fastest if fastest > 0 else np.inf
-
-
 def clipped(x: Floats, least: float, most: float) -> Floats:
     """What moves the eigenvalues ``x_0 -+ ||x_1||`` of points into an interval, no further."""
     length = lengths(x[1:])

@@ -47,7 +47,7 @@ class Directions:
         count = len(conic.costly)
         self._costly, self._free = self._scalings[:count], self._scalings[count:]
         self._soft = [
-            Soft.of(scaling, one.rise)
+            Soft.of(scaling, one.rise, one.rows.loops)
             for scaling, one in zip(self._costly, conic.costly, strict=True)
         ]
         # Of the t: 1 + a, what tau does to it, and what stresses do.
@@ -119,11 +119,15 @@ class Directions:
         right.data[-2:] = -share * left.load, gap
         return _Reduced(right, tuple(leads), slacks, kappa)
 
-    def _roughly(self, given: _Reduced) -> Step:
-        """The step by a single solve."""
-        system = self._system
-        x = system.solve(given.right, system.once(given.right), ROUGH, FEW)
-        return self._step(given, x)
+    def _roughly(self, given: _Reduced, known: "Directed | None" = None) -> "Directed":
+        """The step by a single solve, of what it is beside one that is known."""
+        system, right = self._system, given.right
+        if known is None:
+            start = system.once(right)
+        else:
+            start = known.x.plus(system.once(right.plus(known.given.right, -1.0)))
+        x = system.solve(right, start, ROUGH, FEW)
+        return Directed(self._step(given, x), given, x)
 
     def _step(self, given: _Reduced, x: Vector) -> Step:
         """All of a step of which the solution of the equations is known."""
@@ -141,39 +145,39 @@ class Directions:
         kappa = (given.kappa - at.kappa * x.tau) / at.tau
         return Step(conic, x.force, leads, x.costly, x.equal, slacks, x.free, x.load, x.tau, kappa)
 
-    def to_edges(self) -> Step:
+    def to_edges(self) -> "Directed":
         """The predictor: to the edges of all cones."""
         at = self._place.at
         aims = [-scaling.middle for scaling in self._scalings]
         return self._roughly(self._reduced(1.0, aims, -at.tau * at.kappa))
 
-    def to_centre(self, mu: float, share: float, ahead: Step) -> tuple[Step, "Aim"]:
+    def to_centre(self, mu: float, share: float, ahead: "Directed") -> tuple["Directed", "Aim"]:
         """Towards ``s o z = mu e``, corrected by what the predictor leaves of its own aim."""
-        at = self._place.at
-        slacks, multipliers = ahead.cones
+        at, step = self._place.at, ahead.step
+        slacks, multipliers = step.cones
         wanted = []
         for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True):
             more = -product(scaling.by(ds), scaling.times(dz))
             more -= product(scaling.middle, scaling.middle)
             more[0] += mu
             wanted.append(more)
-        kappa = mu - at.tau * at.kappa - ahead.tau * ahead.kappa
+        kappa = mu - at.tau * at.kappa - step.tau * step.kappa
         aim = Aim(share, tuple(wanted), kappa)
-        return self.towards(aim), aim
+        return self.towards(aim, ahead), aim
 
-    def towards(self, aim: "Aim") -> Step:
-        """The step to an aim, by a single solve."""
-        return self._roughly(self._given(aim))
+    def towards(self, aim: "Aim", known: "Directed") -> "Directed":
+        """The step to an aim, by a single solve, from another one."""
+        return self._roughly(self._given(aim), known)
 
-    def exactly(self, aim: "Aim", tolerance: float) -> Step:
-        """The step to an aim, refined.
+    def exactly(self, known: "Directed", tolerance: float) -> Step:
+        """A step refined.
 
         In units of the scaling, forces on stiff contact are small: those of a few points that are
         held in all directions may be left far out of balance, and are asked for themselves.
         """
-        given, system = self._given(aim), self._system
+        given, system = known.given, self._system
         right = given.right
-        x = system.solve(right, system.once(right), EXACT, MOST)
+        x = system.solve(right, known.x, EXACT, MOST)
         left = system.left(right, x)
         allowed = _BALANCED * max(_largest(right.force), tolerance * self._loads())
         for _ in range(_AGAIN):
@@ -210,6 +214,15 @@ class Directions:
             for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True)
         ]
         return found, (at.tau + share * step.tau) * (at.kappa + share * step.kappa)
+
+
+@dataclass(frozen=True)
+class Directed:
+    """A step, and the solution of the equations that it is made of."""
+
+    step: Step
+    given: _Reduced
+    x: Vector
 
 
 @dataclass(frozen=True)

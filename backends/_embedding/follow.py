@@ -17,7 +17,7 @@ from lacore.numerics.linear_algebra import SingularError
 
 _AWAY = 0.97  # of the way to the boundary of the cones
 _CORRECTORS = 2  # of Gondzio
-_FURTHER = 0.1  # how much longer a step they aim at
+_FURTHER = 0.3  # how much longer a step they aim at
 _GAIN = 0.1  # share of that which they must gain
 _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
 _SHORTEST = 1e-5  # step that leads nowhere
@@ -65,25 +65,25 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
 def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, float]:
     """The step and its share."""
     ahead = directions.to_edges()
-    alpha = min(1.0, place.farthest(ahead))
+    alpha = min(1.0, place.farthest(ahead.step))
     sigma = (1 - alpha) ** 4
     mu = sigma * place.mu
-    step, aim = directions.to_centre(mu, 1 - sigma, ahead)
-    share = min(1.0, _AWAY * place.farthest(step))
+    found, aim = directions.to_centre(mu, 1 - sigma, ahead)
+    share = min(1.0, _AWAY * place.farthest(found.step))
     for _ in range(_CORRECTORS):
         if share >= 0.9:
             break
         target = min(1.0, share + _FURTHER)
-        products, kappa = directions.products(step, target)
+        products, kappa = directions.products(found.step, target)
         more = [clipped(x, _BAND[0] * mu, _BAND[1] * mu) for x in products]
         extra = min(max(kappa, _BAND[0] * mu), _BAND[1] * mu) - kappa
         further = aim.more(more, max(extra, -_BAND[1] * mu))
-        other = directions.towards(further)
-        longer = min(1.0, _AWAY * place.farthest(other))
+        other = directions.towards(further, found)
+        longer = min(1.0, _AWAY * place.farthest(other.step))
         if longer < share + _GAIN * _FURTHER:
             break
-        step, share, aim = other, longer, further
-    step = directions.exactly(aim, goal.tolerance)
+        found, share, aim = other, longer, further
+    step = directions.exactly(found, goal.tolerance)
     return step, min(1.0, _AWAY * place.farthest(step))
 
 

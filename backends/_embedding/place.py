@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from backends._embedding.arrays import Conic, Multipliers
-from backends._embedding.cones import farthest, inner, inside
+from backends._embedding.cones import inner, inside
 from lacore.arrays import Floats
 
 
@@ -141,7 +141,7 @@ class Place:
     def force(self) -> Floats:
         """Of all multipliers, without those of the loads, shape (n,)."""
         conic, at = self.conic, self.at
-        force = conic.equal.across @ at.equal
+        force = conic.equal.force(at.equal[None])
         for one, z in zip(conic.costly, at.stresses, strict=True):
             force = force + one.rows.force(z)
         for kind, r in zip(conic.free, at.pressures, strict=True):
@@ -154,7 +154,7 @@ class Place:
         conic, at = self.conic, self.at
         return Left(
             self.force + at.load * conic.load + at.tau * conic.dead,
-            conic.equal.matrix @ at.velocity - at.tau * conic.given,
+            conic.equal.at(at.velocity)[0] - at.tau * conic.given,
             tuple(
                 kind.rows.at(at.velocity) + at.tau * kind.offset - x
                 for kind, x in zip(conic.free, at.slacks, strict=True)
@@ -168,7 +168,7 @@ class Place:
         at = self.at
         slacks, multipliers = step.cones
         shares = [
-            farthest(x, change)
+            self.conic.equal.loops.farthest(x, change)
             for x, change in zip(
                 [*self.slacks, *self.multipliers], [*slacks, *multipliers], strict=True
             )

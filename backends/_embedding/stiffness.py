@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from backends._embedding.arrays import Rows
+from backends._embedding.loops import Loops
 from lacore.arrays import Floats, Ints, Sparse
 
 
@@ -30,22 +31,22 @@ class _Bucket:
 
 
 class Stiffness:
-    """K of kinds of rows, always with the same pattern, whatever zeros the blocks hold."""
+    """K of kinds of rows, always with the same pattern, whatever zeros the blocks hold.
 
-    def __init__(self, kinds: Sequence[Rows]) -> None:
-        self._n = n = kinds[0].matrix.shape[1]
-        self._buckets = [_buckets(rows) for rows in kinds]
-        self._elements: list[Ints] = []
-        self._sums = [[self._known(bucket.columns) for bucket in own] for own in self._buckets]
-        pattern = _touching(self._elements, n)
-        self._indices, self._starts = pattern.indices, pattern.indptr
-        rows = np.repeat(np.arange(n, dtype=np.int64), np.diff(pattern.indptr))
-        keys = rows * n + pattern.indices
-        self.diagonal = np.searchsorted(keys, np.arange(n, dtype=np.int64) * (n + 1))
-        places = [
-            _found(keys, (own[:, :, None] * n + own[:, None, :]).ravel()) for own in self._elements
+    Attributes:
+        diagonal: where in its data the diagonal is, shape (n,).
+    """
+
+    def __init__(self, kinds: Sequence[Rows], loops: Loops) -> None:
+        self._n, self._loops = kinds[0].matrix.shape[1], loops
+        self._buckets = [
+            (kind, bucket) for kind, rows in enumerate(kinds) for bucket in _buckets(rows)
         ]
-        self._places = np.concatenate([np.zeros(0, dtype=np.int64), *places])
+        self._elements: list[Ints] = []
+        numbers = [self._known(bucket.columns) for _, bucket in self._buckets]
+        self._starts, self._indices, places = loops.pattern(self._elements, self._n)
+        self._places = [places[number] for number in numbers]
+        self.diagonal = self._starts[:-1]
 
     def _known(self, columns: Ints) -> int:
         """Which of the elements have these unknowns: strain and volume are of the same."""
@@ -55,48 +56,16 @@ class Stiffness:
         self._elements.append(columns)
         return len(self._elements) - 1
 
-    def matrix(self, blocks: Sequence[Floats]) -> Sparse:
-        """K for blocks of shape (dim, dim, m) each, symmetric."""
-        sums: list[Floats | None] = [None] * len(self._elements)
-        for own, numbers, block in zip(self._buckets, self._sums, blocks, strict=True):
-            for bucket, number in zip(own, numbers, strict=True):
-                known, more = sums[number], _summed(bucket, block)
-                sums[number] = more if known is None else known + more
-        every = np.concatenate([np.zeros(0), *(one.ravel() for one in sums if one is not None)])
-        data = np.bincount(self._places, weights=every, minlength=self._indices.size)
+    def upper(self, blocks: Sequence[Floats]) -> Sparse:
+        """The upper triangle of K for symmetric blocks of shape (dim, dim, m) of each kind."""
+        data = self._loops.assembled(
+            self._indices.size,
+            [bucket.rows for _, bucket in self._buckets],
+            [bucket.points for _, bucket in self._buckets],
+            self._places,
+            [blocks[kind] for kind, _ in self._buckets],
+        )
         return csr_matrix((data, self._indices, self._starts), (self._n, self._n))
-
-
-def _found(keys: Ints, wanted: Ints) -> Ints:
-    """Where keys are, which ascend; in their order, as leaps through memory take longer."""
-    order, places = np.argsort(wanted), np.empty_like(wanted)
-    places[order] = np.searchsorted(keys, wanted[order])
-    return places
-
-
-def _touching(elements: Sequence[Ints], n: int) -> Sparse:
-    """Which unknowns meet in an element, and each itself; sorted."""
-    columns = np.concatenate([np.arange(n), *(own.ravel() for own in elements)])
-    sizes = [np.ones(n, dtype=np.int64), *(np.full(len(own), own.shape[1]) for own in elements)]
-    starts = np.concatenate([[0], np.cumsum(np.concatenate(sizes))])
-    inside = csr_matrix((np.ones(columns.size, dtype=bool), columns, starts), (starts.size - 1, n))
-    pattern = csr_matrix(inside.T @ inside)
-    pattern.sort_indices()
-    return pattern
-
-
-def _summed(bucket: _Bucket, block: Floats) -> Floats:
-    """``sum R^T M R`` of each element, shape (e, c, c)."""
-    rows = bucket.rows
-    elements, count, dim, width = rows.shape
-    own = block[:, :, bucket.points][..., None]
-    times = np.empty_like(rows)
-    for i in range(dim):
-        times[:, :, i] = own[i, 0] * rows[:, :, 0]
-        for j in range(1, dim):
-            times[:, :, i] += own[i, j] * rows[:, :, j]
-    flat = (elements, count * dim, width)
-    return np.asarray(rows.reshape(flat).transpose(0, 2, 1) @ times.reshape(flat))
 
 
 def _buckets(rows: Rows) -> list[_Bucket]:

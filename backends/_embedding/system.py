@@ -15,6 +15,7 @@ import numpy as np
 
 from backends._embedding.arrays import Conic
 from backends._embedding.cones import Scaling, inner
+from backends._embedding.loops import Loops
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.vectors import Layout, Vector
 from lacore.arrays import Floats
@@ -34,15 +35,16 @@ class Soft:
     rank: Floats
     w: Floats
     size: Floats  # w.w
+    loops: Loops
 
     @classmethod
-    def of(cls, scaling: Scaling, rise: Floats) -> "Soft":
+    def of(cls, scaling: Scaling, rise: Floats, loops: Loops) -> "Soft":
         """That of a scaling, the t eliminated."""
         w = scaling.w[1:]
         size = inner(w, w)
         raised = scaling.square * rise
         rank = 2 * (1 - raised) / (1 + (1 + 2 * size) * raised)
-        return cls(scaling.square, rank, w, size)
+        return cls(scaling.square, rank, w, size, loops)
 
     @property
     def along(self) -> Floats:
@@ -51,7 +53,7 @@ class Soft:
 
     def times(self, z: Floats) -> Floats:
         """``C z``."""
-        return self.square * (z + self.rank * inner(self.w, z) * self.w)
+        return self.loops.stretched(self.square, self.rank, self.w, z)
 
     def flow(self, rate: Floats) -> Floats:
         """The z that makes up for rates along w, of cones that flow freely."""
@@ -99,11 +101,11 @@ class System:
 
     def _take(self, blocks: Sequence[Floats]) -> Floats:
         """Factorise; the diagonal."""
-        matrix = self._stiffness.matrix(blocks)
+        matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
         floor = np.finfo(float).tiny + _SHIFT**2 * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
-        self._solver.factorise(matrix)
+        self._solver.factorise_upper(matrix)
         return np.asarray(np.maximum(diagonal, floor))
 
     def factorise(
@@ -120,7 +122,7 @@ class System:
         stiff = [
             own.inverse(least * one.rows.norms) for one, own in zip(conic.costly, soft, strict=True)
         ]
-        self._first, self._second = [first for first, _ in stiff], [second for _, second in stiff]
+        self._first, self._less = [first for first, _ in stiff], [-second for _, second in stiff]
         self._steep = [
             Steep.of(scaling, least * kind.rows.norms)
             for kind, scaling in zip(conic.free, scalings, strict=True)
@@ -147,7 +149,7 @@ class System:
             part[:] = -rate
         for part, kind in zip(by_tau.free, conic.free, strict=True):
             part[:] = -kind.offset
-        by_load, by_tau = self._inner(by_load), self._inner(by_tau)
+        by_load, by_tau = self._inner(by_load, by_tau)
         self._columns = by_load, by_tau
         work = float(conic.load @ by_load.force)
         self._small = np.array(
@@ -172,7 +174,7 @@ class System:
 
     def once(self, right: Vector) -> Vector:
         """The solution with the small compliances."""
-        x = self._inner(right)
+        (x,) = self._inner(right)
         by_load, by_tau = self._columns
         rest = np.array([right.load - self._conic.load @ x.force, right.tau - self._gap(x)])
         load, tau = np.linalg.solve(self._small, rest)
@@ -181,18 +183,28 @@ class System:
         x.data[-2:] = load, tau
         return x
 
-    def _inner(self, right: Vector) -> Vector:
-        """That without lambda and tau."""
-        conic, x = self._conic, self.layout.zeros()
-        force = conic.equal.across @ (self._held * right.equal)
+    def _inner(self, *rights: Vector) -> list[Vector]:
+        """Those without lambda and tau, of several right-hand sides in one go."""
+        forces = np.column_stack([self._pulled(right) for right in rights])
+        found = self._solver.solve(forces)
+        return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
+
+    def _pulled(self, right: Vector) -> Floats:
+        """Forces of a right-hand side on velocities alone."""
+        conic = self._conic
+        force = conic.equal.force((self._held * right.equal)[None])
         force -= right.force
         for number, one in enumerate(conic.costly):
             force += one.rows.force(self._stiff(number, right.costly[number]))
         for kind, steep, part in zip(conic.free, self._steep, right.free, strict=True):
             force += kind.rows.force(steep.times(part))
-        u = self._solver.solve(force)
+        return np.asarray(force)
+
+    def _moved(self, right: Vector, u: Floats) -> Vector:
+        """The solution with such velocities."""
+        conic, x = self._conic, self.layout.zeros()
         x.force[:] = u
-        x.equal[:] = self._held * (right.equal - conic.equal.matrix @ u)
+        x.equal[:] = self._held * (right.equal - conic.equal.at(u)[0])
         for number, one in enumerate(conic.costly):
             x.costly[number][:] = self._stiff(number, right.costly[number] - one.rows.at(u))
         for number, kind in enumerate(conic.free):
@@ -200,26 +212,27 @@ class System:
         return x
 
     def _stiff(self, number: int, a: Floats) -> Floats:
-        first, second, w = self._first[number], self._second[number], self._soft[number].w
-        return np.asarray(first * (a - second * inner(w, a) * w))
+        own, first, less = self._soft[number], self._first[number], self._less[number]
+        return own.loops.stretched(first, less, own.w, a)
 
     def times(self, x: Vector) -> Vector:
         """The left-hand sides."""
         conic, border, out = self._conic, self._border, self.layout.zeros()
-        force = conic.equal.across @ x.equal
-        force += x.load * conic.load
-        force += x.tau * conic.dead
+        u, force = x.force, out.force
+        force[:] = x.load * conic.load + x.tau * conic.dead
         parts = zip(conic.costly, self._soft, border.rates, x.costly, out.costly, strict=True)
         for one, own, rate, z, part in parts:
-            force += one.rows.force(z)
-            part[:] = one.rows.at(x.force) + own.times(z) + x.tau * rate
+            one.rows.both(u, z, force, part)
+            part += own.times(z)
+            part += x.tau * rate
         for kind, scaling, r, part in zip(
             conic.free, self._scalings, x.free, out.free, strict=True
         ):
-            force += kind.rows.force(r)
-            part[:] = kind.rows.at(x.force) + scaling.twice(r) + x.tau * kind.offset
-        out.force[:] = force
-        out.equal[:] = conic.equal.matrix @ x.force - x.tau * conic.given
+            kind.rows.both(u, r, force, part)
+            part += scaling.twice(r)
+            part += x.tau * kind.offset
+        conic.equal.both(u, x.equal[None], force, out.equal[None])
+        out.equal[:] -= x.tau * conic.given
         out.data[-2] = float(conic.load @ x.force) - x.tau
         out.data[-1] = self._gap(x) - x.load + border.tau * x.tau
         return out
@@ -235,34 +248,33 @@ class System:
         directions, which plain refinement takes back slowly.
         """
         x, left = start, self.left(right, start)
-        size = self._size(left)
+        first = size = self._size(left)
         goal = exactness * self._size(right)
-        basis, solutions = [Vector(self.layout, left.data / size)], []
+        weights = self._weights
+        basis, solutions, images = [weights * left.data / size], [], []
         small = np.zeros((most + 1, most))
         best: Floats = np.zeros(0)
         for k in range(most):
             if size <= goal:
                 break
-            solutions.append(self.once(basis[k]))
-            image = self.times(solutions[k]).data
+            solutions.append(self.once(Vector(self.layout, basis[k] / weights)))
+            images.append(self.times(solutions[k]).data)
+            image = weights * images[k]
             for i, known in enumerate(basis):
-                small[i, k] = self._dot(image, known.data)
-                image = image - small[i, k] * known.data
-            small[k + 1, k] = np.sqrt(self._dot(image, image))
+                small[i, k] = image @ known
+                image -= small[i, k] * known
+            small[k + 1, k] = np.linalg.norm(image)
             wanted = np.zeros(k + 2)
-            wanted[0] = self._size(left)
+            wanted[0] = first
             found = np.linalg.lstsq(small[: k + 2, : k + 1], wanted, rcond=None)[0]
             best = np.asarray(found, dtype=float)
             size = float(np.linalg.norm(small[: k + 2, : k + 1] @ best - wanted))
             if small[k + 1, k] <= 1e-14 * abs(small[: k + 1, k]).max():
                 break
-            basis.append(Vector(self.layout, image / small[k + 1, k]))
-        for share, solution in zip(best, solutions, strict=True):
-            x = x.plus(solution, float(share))
-        return self._along(x, self.left(right, x) if solutions else left)
-
-    def _dot(self, x: Floats, y: Floats) -> float:
-        return float((self._weights * x) @ (self._weights * y))
+            basis.append(image / small[k + 1, k])
+        for share, solution, image in zip(best, solutions, images, strict=True):
+            x, left = x.plus(solution, share), Vector(self.layout, left.data - share * image)
+        return self._along(x, left)
 
     def _size(self, x: Vector) -> float:
         return float(np.linalg.norm(self._weights * x.data))

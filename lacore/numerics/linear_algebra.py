@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import csc_array, csr_matrix, vstack
+from scipy.sparse import csc_array, csr_matrix, triu, vstack
 from scipy.sparse.linalg import splu
 
 from lacore.arrays import Floats, Ints, Sparse
@@ -71,8 +71,11 @@ class SymmetricSolver(Protocol):
     def factorise(self, matrix: Sparse) -> None:
         """Take a matrix with sorted indices; raises `SingularError`."""
 
+    def factorise_upper(self, matrix: Sparse) -> None:
+        """Take the upper triangle of one, with all of its diagonal; raises `SingularError`."""
+
     def solve(self, right: Floats) -> Floats:
-        """Solution for the matrix taken last, shape (n,)."""
+        """Solution for the matrix taken last, shape (n,); or several, shape (n, k)."""
 
     def close(self) -> None:
         """Give the factors back."""
@@ -98,6 +101,12 @@ class SuperLU:
             )
         except RuntimeError as error:
             raise SingularError(f"SuperLU: {error}") from error
+
+    def factorise_upper(self, matrix: Sparse) -> None:
+        """See `SymmetricSolver`."""
+        full = csr_matrix(matrix + triu(matrix, 1).T)
+        full.sort_indices()
+        self.factorise(full)
 
     def solve(self, right: Floats) -> Floats:
         """See `SymmetricSolver`."""

@@ -1,13 +1,12 @@
 """Intel MKL PARDISO, of the extra ``fast``: ImportError where that is not installed."""
 
+import ctypes
 from copy import copy
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pypardiso
-from pypardiso.pardiso_wrapper import PyPardisoError
-from scipy.sparse import csr_array
 
 from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
@@ -30,45 +29,79 @@ class Pardiso:
         self._solver.iparm[0] = 0 if refined else _OWN_SETTINGS
         self._pattern: tuple[Any, Any] | None = None
         self._upper: Any = None  # which entries of the matrix are in its upper triangle
-        self._matrix: Any = None
 
     def factorise(self, matrix: Sparse) -> None:
         """See `SymmetricSolver`."""
-        if self._pattern is None or not (
-            np.array_equal(self._pattern[0], matrix.indptr)
-            and np.array_equal(self._pattern[1], matrix.indices)
-        ):
-            self._analyse(matrix)
-        self._matrix.data[:] = matrix.data[self._upper]
-        self._call(_FACTORISE, np.zeros(matrix.shape[0]))
+        if not self._knows(matrix):
+            row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+            self._upper = np.flatnonzero(matrix.indices >= row)
+            starts = np.searchsorted(self._upper, matrix.indptr)
+            self._analyse(matrix, starts, matrix.indices[self._upper])
+        self._factorise(matrix.data[self._upper])
+
+    def factorise_upper(self, matrix: Sparse) -> None:
+        """See `SymmetricSolver`."""
+        if not self._knows(matrix):
+            self._upper = slice(None)
+            self._analyse(matrix, matrix.indptr, matrix.indices)
+        self._factorise(matrix.data)
 
     def solve(self, right: Floats) -> Floats:
         """See `SymmetricSolver`."""
-        return np.asarray(self._call(_SOLVE, np.array(right)))
+        return self._call(_SOLVE, np.asfortranarray(right, dtype=float))
 
     def close(self) -> None:
         """See `SymmetricSolver`."""
         self._solver.free_memory(everything=True)
         self._pattern = None
 
-    def _analyse(self, matrix: Sparse) -> None:
-        self._solver.free_memory(everything=True)
-        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-        self._upper = np.flatnonzero(matrix.indices >= row)
-        starts = np.searchsorted(self._upper, matrix.indptr)
-        self._matrix = csr_array(
-            (matrix.data[self._upper], matrix.indices[self._upper], starts), shape=matrix.shape
+    def _knows(self, matrix: Sparse) -> bool:
+        """Whether it has the pattern of the last."""
+        return self._pattern is not None and (
+            np.array_equal(self._pattern[0], matrix.indptr)
+            and np.array_equal(self._pattern[1], matrix.indices)
         )
+
+    def _analyse(self, matrix: Sparse, starts: Any, columns: Any) -> None:
+        """Take the pattern of a matrix, its upper triangle as that counts from one."""
+        self._solver.free_memory(everything=True)
+        self._starts = np.asarray(starts, dtype=np.int32) + np.int32(1)
+        self._columns = np.asarray(columns, dtype=np.int32) + np.int32(1)
+        self._data = np.zeros(self._columns.size)
         self._call(_ANALYSE, np.zeros(matrix.shape[0]))
         self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
 
-    def _call(self, phase: int, right: Floats) -> Any:
-        # Its public methods analyse anew with every matrix, which takes ten factorisations.
-        self._solver.set_phase(phase)
-        try:
-            return self._solver._call_pardiso(self._matrix, right)
-        except PyPardisoError as error:
-            raise SingularError(f"PARDISO: {error}") from error
+    def _factorise(self, data: Floats) -> None:
+        self._data = np.ascontiguousarray(data)
+        self._call(_FACTORISE, np.zeros(self._starts.size - 1))
+
+    def _call(self, phase: int, right: Floats) -> Floats:
+        # The methods of pypardiso analyse anew with every matrix, which takes ten factorisations,
+        # and turn the pattern into 32 bits with every solution.
+        own, found = self._solver, np.zeros_like(right)
+        doubles, integers = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int32)
+        number, error = ctypes.c_int32, ctypes.c_int32(0)
+        own._mkl_pardiso(
+            own.pt.ctypes.data_as(ctypes.POINTER(own._pt_type[0])),
+            ctypes.byref(number(1)),
+            ctypes.byref(number(1)),
+            ctypes.byref(number(own.mtype)),
+            ctypes.byref(number(phase)),
+            ctypes.byref(number(self._starts.size - 1)),
+            self._data.ctypes.data_as(doubles),
+            self._starts.ctypes.data_as(integers),
+            self._columns.ctypes.data_as(integers),
+            own.perm.ctypes.data_as(integers),
+            ctypes.byref(number(1 if right.ndim == 1 else right.shape[1])),
+            own.iparm.ctypes.data_as(integers),
+            ctypes.byref(number(0)),
+            right.ctypes.data_as(doubles),
+            found.ctypes.data_as(doubles),
+            ctypes.byref(error),
+        )
+        if error.value != 0:
+            raise SingularError(f"PARDISO: error {error.value}")
+        return found
 
 
 @cache

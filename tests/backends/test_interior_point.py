@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from backends import interior_point
 from backends._embedding import follow as way
+from backends._embedding import plain
 from backends._embedding.follow import Found, judged, residuals
 from backends._embedding.place import Place
 from backends.auto import AutoOptions, AutoSolver
@@ -132,6 +133,14 @@ def test_nodal_forces_that_add_up_are_not_called_balanced():
 def test_without_pardiso_the_answer_is_the_same(smooth, monkeypatch):
     own = answer("interior_point", *smooth)
     monkeypatch.setattr(interior_point, "symmetric_solver", lambda refined: SuperLU())
+    other = answer("interior_point", *smooth)
+    assert other.status is Status.SOLVED
+    assert other.point.load_factor == pytest.approx(own.point.load_factor, rel=BAR)
+
+
+def test_without_numba_the_answer_is_the_same(smooth, monkeypatch):
+    own = answer("interior_point", *smooth)
+    monkeypatch.setattr(interior_point, "best_loops", lambda: plain)
     other = answer("interior_point", *smooth)
     assert other.status is Status.SOLVED
     assert other.point.load_factor == pytest.approx(own.point.load_factor, rel=BAR)

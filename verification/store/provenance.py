@@ -19,7 +19,8 @@ from lacore.inner.preparing import JUDGE
 from verification.runs.run import FUZZ, Run, canonical
 
 PACKAGES = (
-    *("lacore", "numpy", "scipy", "scikit-fem", "pypardiso", "shapely", "pandas", "matplotlib"),
+    *("lacore", "numpy", "scipy", "scikit-fem", "pypardiso", "numba", "shapely", "pandas"),
+    "matplotlib",
 )
 """What all numbers are made with; what a backend computes with it says itself."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

@@ -1,0 +1,53 @@
+"""What is done point by point and element by element: compiled where numba is installed."""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Protocol
+
+from backends._embedding import plain
+from backends._embedding.plain import Indices
+from lacore.arrays import Floats, Ints, Sparse
+
+
+class Loops(Protocol):
+    """See `backends._embedding.plain`, whose functions these are."""
+
+    @property
+    def name(self) -> str:
+        """Of the library."""
+
+    def pattern(
+        self, elements: Sequence[Ints], n: int
+    ) -> tuple[Indices, Indices, list[Indices]]: ...
+
+    def assembled(
+        self,
+        size: int,
+        rows: Sequence[Floats],
+        points: Sequence[Ints],
+        places: Sequence[Indices],
+        blocks: Sequence[Floats],
+    ) -> Floats: ...
+
+    def rates(self, matrix: Sparse, dim: int, velocity: Floats) -> Floats: ...
+
+    def forces(self, matrix: Sparse, parts: Floats) -> Floats: ...
+
+    def both(
+        self, matrix: Sparse, velocity: Floats, parts: Floats, force: Floats, found: Floats
+    ) -> None: ...
+
+    def stretched(self, scale: Floats, share: Floats, w: Floats, z: Floats) -> Floats: ...
+
+    def farthest(self, x: Floats, change: Floats) -> float: ...
+
+
+@cache
+def best_loops() -> Loops:
+    """Those of numba where it is installed, else those of NumPy."""
+    try:
+        # Here: numba takes a third of a second to load, and only this backend has a use for it.
+        from backends._embedding import compiled
+    except ImportError:  # an extra
+        return plain
+    return compiled

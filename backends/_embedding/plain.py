@@ -1,0 +1,125 @@
+"""Loops over points and elements in NumPy: what `backends._embedding.compiled` does, anywhere."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from lacore.arrays import Floats, Ints, Sparse
+
+name = "NumPy"
+Indices = npt.NDArray[np.int32]  # of matrices, as PARDISO takes them
+
+
+def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[Indices]]:
+    """The upper triangle of a matrix in which unknowns of an element meet, and each itself.
+
+    Args:
+        elements: unknowns of as many elements each, shape (e, c), ascending.
+        n: number of unknowns.
+
+    Returns:
+        Starts and columns of its rows, shape (n + 1,) and (nonzero,), and where the upper triangles
+        of the elements are, row after row, shape (e, c (c + 1)/2) each.
+    """
+    # Row and column of each entry as one number; their order is that of a sparse matrix.
+    keys = [np.arange(n, dtype=np.int64) * (n + 1)]
+    for own in elements:
+        row, column = np.triu_indices(own.shape[1])
+        keys.append((own[:, row] * n + own[:, column]).ravel())
+    every = np.concatenate(keys)
+    order = np.argsort(every)
+    ascending = every[order]
+    new = np.append(True, ascending[1:] > ascending[:-1])
+    places = np.empty(every.size, dtype=np.int32)
+    places[order] = np.cumsum(new) - 1
+    row, column = np.divmod(ascending[new], n)
+    starts = np.searchsorted(row, np.arange(n + 1)).astype(np.int32)
+    ends = np.cumsum([key.size for key in keys])
+    parts = np.split(places, ends[:-1])[1:]
+    shaped = [part.reshape(len(own), -1) for part, own in zip(parts, elements, strict=True)]
+    return starts, column.astype(np.int32), shaped
+
+
+def assembled(
+    size: int,
+    rows: Sequence[Floats],
+    points: Sequence[Ints],
+    places: Sequence[Indices],
+    blocks: Sequence[Floats],
+) -> Floats:
+    """``sum R^T M R`` of elements, scattered, shape (size,).
+
+    Args:
+        size: of the result.
+        rows: R of as many elements each, shape (e, k, dim, c): k points of each.
+        points: their numbers, shape (e, k) each.
+        places: where the upper triangles go, shape (e, c (c + 1)/2) each.
+        blocks: M of all points, shape (dim, dim, m) each.
+    """
+    sums: dict[int, Floats] = {}
+    for own, which, place, block in zip(rows, points, places, blocks, strict=True):
+        more = _summed(own, which, block)
+        known = sums.get(id(place))
+        sums[id(place)] = more if known is None else known + more
+    where = {id(place): place for place in places}
+    weights = [_triangles(sums[key]) for key in where]
+    data = np.bincount(
+        np.concatenate([np.zeros(0, dtype=np.int32), *(place.ravel() for place in where.values())]),
+        weights=np.concatenate([np.zeros(0), *weights]),
+        minlength=size,
+    )
+    return np.asarray(data, dtype=float)
+
+
+def rates(matrix: Sparse, dim: int, velocity: Floats) -> Floats:
+    """``matrix u`` of points with `dim` rows each, shape (dim, m)."""
+    return np.ascontiguousarray((matrix @ velocity).reshape(-1, dim).T)
+
+
+def forces(matrix: Sparse, parts: Floats) -> Floats:
+    """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
+    return np.asarray(matrix.T @ np.ascontiguousarray(parts.T).ravel())
+
+
+def both(matrix: Sparse, velocity: Floats, parts: Floats, force: Floats, found: Floats) -> None:
+    """Both in one go: rates into `found`, of shape (dim, m), and forces added to `force`."""
+    found[:] = rates(matrix, parts.shape[0], velocity)
+    force += forces(matrix, parts)
+
+
+def stretched(scale: Floats, share: Floats, w: Floats, z: Floats) -> Floats:
+    """``scale (1 + share w w^T) z`` by point, w and z of shape (d, m)."""
+    return np.asarray(scale * (z + share * np.einsum("dm,dm->m", w, z) * w))
+
+
+def farthest(x: Floats, change: Floats) -> float:
+    """Largest share of a change that stays in all cones, x inside; inf where all of it does."""
+    length = np.sqrt(np.einsum("cm,cm->m", x[1:], x[1:]))
+    size = np.sqrt((x[0] - length) * (x[0] + length))
+    unit, rate = x / size, change / size
+    along = unit[0] * rate[0] - np.einsum("cm,cm->m", unit[1:], rate[1:])
+    share = (along + rate[0]) / (unit[0] + 1)
+    rest = rate[1:] - share * unit[1:]
+    fastest = float(np.max(np.sqrt(np.einsum("cm,cm->m", rest, rest)) - along, initial=0.0))
+    return 1 / fastest if fastest > 0 else np.inf
+
+
+def _summed(rows: Floats, points: Ints, block: Floats) -> Floats:
+    """``sum R^T M R`` of each element, shape (e, c, c)."""
+    elements, count, dim, width = rows.shape
+    own = block[:, :, points][..., None]
+    times = np.empty_like(rows)
+    for i in range(dim):
+        times[:, :, i] = own[i, 0] * rows[:, :, 0]
+        for j in range(1, dim):
+            times[:, :, i] += own[i, j] * rows[:, :, j]
+    flat = (elements, count * dim, width)
+    return np.asarray(rows.reshape(flat).transpose(0, 2, 1) @ times.reshape(flat))
+
+
+def _triangles(sums: Floats) -> Floats:
+    """Upper triangles of matrices of shape (e, c, c), one after the other."""
+    width = sums.shape[1]
+    row, column = np.triu_indices(width)
+    return np.asarray(np.take(sums.reshape(-1, width * width), row * width + column, 1).ravel())
