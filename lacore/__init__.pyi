@@ -11,6 +11,7 @@ from .backend import find_backend as find_backend
 from .bodies.blocks import masonry as masonry
 from .bodies.blocks.block_assembly import BlockAssembly as BlockAssembly
 from .bodies.blocks.block_assembly import RigidBlock as RigidBlock
+from .bodies.blocks3d import masonry3d as masonry3d
 from .bodies.blocks3d.block_assembly import BlockAssembly3D as BlockAssembly3D
 from .bodies.blocks3d.polyhedron import Polyhedron as Polyhedron
 from .bodies.continuum.body import Body as Body

@@ -319,7 +319,7 @@ from types import ModuleType
 found = {name: getattr(la, name) for name in la.__all__}
 print(sorted(name for name, value in found.items() if isinstance(value, ModuleType)))
 """
-    assert printed_by(code) == "['hardening', 'masonry', 'meshes', 'sections']"
+    assert printed_by(code) == "['hardening', 'masonry', 'masonry3d', 'meshes', 'sections']"
 
 
 def loaded_of(code, banned):

@@ -42,7 +42,7 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     """
     if not (is_number(merge) and 0 <= merge < 1):
         raise InputError("merge", merge, "not a share of the size", "give 1e-9, or 0 for none")
-    file = _load(Path(fspath(path)))
+    file = loaded(Path(fspath(path)))
     shown = fspath(path)
     lines, triangles, groups = _cells(file, shown)
     points = _plane(np.asarray(file.points, dtype=float), triangles, shown)
@@ -75,7 +75,7 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     return named if surface is None else _restricted(named, surface)
 
 
-def _load(path: Path) -> Any:
+def loaded(path: Path) -> Any:
     """The file as meshio reads it."""
     import meshio  # here: it imports the readers of forty formats
 

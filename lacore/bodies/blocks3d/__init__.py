@@ -1,1 +1,5 @@
 """Assemblies of rigid blocks in space: polyhedra, the joints between them, their unknowns."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

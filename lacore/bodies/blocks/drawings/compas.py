@@ -41,17 +41,7 @@ def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
     Raises:
         InputError: no assembly, blocks that are not plane.
     """
-    nodes = _nodes(content)
-    if nodes is None:
-        raise InputError(
-            "path",
-            path,
-            "neither GeoJSON (no `type`) nor an assembly of compas (no graph with nodes)",
-            "write it by compas.json_dump(assembly, path)",
-        )
-    meshes = [(key, _layer(node), _mesh(node, path, key)) for key, node in nodes.items()]
-    if not meshes:
-        raise InputError("path", path, "an assembly without blocks", "add blocks, and write it")
+    meshes = meshes_of(path, content)
     across, up = _plane(path, [points for _, _, (points, _) in meshes])
     strokes = []
     for key, layer, (points, faces) in meshes:
@@ -66,6 +56,22 @@ def read_compas(path: str, content: Any, layers: Set[str]) -> Drawing:
         ring = shapely.get_coordinates(shapely.get_exterior_ring(outline))[:-1]
         strokes.append(Stroke(layer, key, ring, closed=True))
     return Drawing(tuple(strokes), tuple({layer for _, layer, _ in meshes}), None, {})
+
+
+def meshes_of(path: str, content: Any) -> list[tuple[str, str, tuple[Floats, list[list[int]]]]]:
+    """Key, layer, and mesh of each block: vertices (k, 3), and faces as their numbers."""
+    nodes = _nodes(content)
+    if nodes is None:
+        raise InputError(
+            "path",
+            path,
+            "neither GeoJSON (no `type`) nor an assembly of compas (no graph with nodes)",
+            "write it by compas.json_dump(assembly, path)",
+        )
+    meshes = [(key, _layer(node), _mesh(node, path, key)) for key, node in nodes.items()]
+    if not meshes:
+        raise InputError("path", path, "an assembly without blocks", "add blocks, and write it")
+    return meshes
 
 
 def _nodes(content: Any) -> dict[str, Any] | None:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence, Set
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -128,16 +129,21 @@ def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | Non
     if ending not in (".json", ".geojson"):
         mend = "give a .dxf, .geojson or .json; of a DWG its DXF"
         raise InputError("path", path, "a format that is not known", mend)
+    content = json_of(path)
+    if isinstance(content, dict) and isinstance(content.get("type"), str):
+        return read_geojson(path, content, wanted)
+    return read_compas(path, content, wanted)
+
+
+def json_of(path: str) -> Any:
+    """What a file of JSON holds."""
     try:
-        content = json.loads(file.read_text(encoding="utf-8"))
+        return json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         why = f"cannot be read ({error.strerror or error})"
         raise InputError("path", path, why, "see whether you may read it") from error
     except (ValueError, RecursionError) as error:
         raise InputError("path", path, f"no JSON ({error})", "write it anew") from None
-    if isinstance(content, dict) and isinstance(content.get("type"), str):
-        return read_geojson(path, content, wanted)
-    return read_compas(path, content, wanted)
 
 
 def _size(strokes: Sequence[Stroke]) -> float:

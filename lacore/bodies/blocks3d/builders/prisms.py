@@ -1,0 +1,53 @@
+"""Prisms across the plane of x and z, and what is drawn in that plane made as deep as wanted."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.errors import require_count, require_positive
+from lacore.materials.friction import Friction
+
+
+def prism(outline: npt.ArrayLike, low: float, high: float) -> Polyhedron:
+    """The prism over a polygon of (x, z), m, between two planes of y, m."""
+    flat = np.asarray(outline, dtype=np.float64)
+    count = len(flat)
+    near, far = (np.insert(flat, 1, y, axis=1) for y in (low, high))
+    sides = [(n, (n + 1) % count, (n + 1) % count + count, n + count) for n in range(count)]
+    return Polyhedron(np.concatenate([near, far]), [range(count), range(count, 2 * count), *sides])
+
+
+def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssembly3D:
+    """A plane assembly made deep: its x and y become x and z, y runs from 0 to the depth (T78).
+
+    Blocks keep their names; of several slices they are ``NAME/1``, ``NAME/2``, ..., and a law of
+    `joint_friction` holds in all of them.
+
+    Args:
+        plane: as `lacore.masonry` makes it, say.
+        depth: along y, m.
+        slices: equal ones, one behind the other.
+    """
+    require_positive("extruded.depth", depth)
+    require_count("extruded.slices", slices)
+    ends = np.linspace(0.0, depth, slices + 1)
+    blocks = {
+        _named(name, k, slices): prism(outline, ends[k], ends[k + 1])
+        for name, outline in plane.polygons.items()
+        for k in range(slices)
+    }
+    laws: Mapping[tuple[str, str], float | Friction] = {
+        (_named(one, k, slices), _named(other, k, slices)): law
+        for (one, other), law in (plane.joint_friction or {}).items()
+        for k in range(slices)
+    }
+    friction = plane.friction
+    return BlockAssembly3D(blocks, friction, laws)
+
+
+def _named(name: str, slice_: int, slices: int) -> str:
+    return name if slices == 1 else f"{name}/{slice_ + 1}"
