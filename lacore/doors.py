@@ -31,6 +31,9 @@ views.picture.makers |= {
 views.animation.makers |= {
     "lacore.paths.path:Path": "lacore.pictures.animation:animate_path",
 }
+views.scene.makers |= {
+    "lacore.limit.state:LimitState": "lacore.pictures.space.interactive:write_scene",
+}
 views.files.makers |= {
     "lacore.limit.state:LimitState": "lacore.files.vtu:write_state",
     "lacore.paths.path:Path": "lacore.files.vtu:write_path",

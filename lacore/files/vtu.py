@@ -18,9 +18,9 @@ from lacore.bodies.continuum.plasticity import plasticity
 from lacore.bodies.continuum.regions.gathering import by_body, gathered, region_numbers
 from lacore.bodies.continuum.strain_rates import equivalent_rate, strain_per_length
 from lacore.errors import InputError
+from lacore.files.solids import write_solids
 from lacore.limit.state import LimitState
 from lacore.paths.path import Path, Snapshot
-from lacore.problem.dimensions import require_plane
 from lacore.program import DissipationGroup
 
 SERIES = "path.pvd"
@@ -54,7 +54,7 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     `yield_stress` (Pa) and `stress` (Pa, xx yy zz xy yz xz: symmetric tensors of ParaView; of
     axisymmetric bodies rr zz tt rz), where there is water in pores also
     `effective_stress` and `pore_pressure` (Pa). Blocks are polygons, members lines,
-    and have NaN there.
+    and have NaN there. Of blocks in space see `lacore.files.solids.write_solids`.
 
     Returns:
         the file.
@@ -65,8 +65,12 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
     """
     d, velocity = state.discretisation, state.velocity
     assert state.point is not None
-    mend = "take state.velocity and state.reactions"
-    require_plane(d.problem.dimension, "LimitState.to_vtu", mend)
+    file = File(os.fspath(place))
+    if d.solids:
+        _require_vtu(file)
+        with _said("path", file):
+            write_solids(state, file)
+        return file
     numbers = {name: place for place, name in enumerate(d.problem.bodies)}
     parts = [
         _flowing(state, name, groups, numbers[name])
@@ -78,7 +82,6 @@ def write_state(state: LimitState, place: str | os.PathLike[str]) -> File:
         cells, moves = frame.body.pieces.nodes, {"velocity": _spatial(velocity[name][:2])}
         body = {"body": np.full(len(cells), numbers[name])}
         parts.append(_Part("line", cells, frame.body.position, moves, body))
-    file = File(os.fspath(place))
     _write(file, parts)
     return file
 
@@ -224,8 +227,7 @@ def _spatial(vectors: Floats) -> Floats:
 def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:
     import meshio  # here: it imports the writers of forty formats
 
-    if place.suffix.lower() != ".vtu":
-        raise InputError("path", str(place), "not the name of a VTU file", "let it end in .vtu")
+    _require_vtu(place)
     parts = list(parts)
     first = np.cumsum([0, *(part.points.shape[1] for part in parts)])
     points = np.concatenate([_spatial(part.points) for part in parts], axis=1).T
@@ -241,6 +243,11 @@ def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:
     mesh = meshio.Mesh(points, cells, point_data=at_points, cell_data=at_cells)
     with _said("path", place):
         mesh.write(place, file_format="vtu")
+
+
+def _require_vtu(place: File) -> None:
+    if place.suffix.lower() != ".vtu":
+        raise InputError("path", str(place), "not the name of a VTU file", "let it end in .vtu")
 
 
 def _values(part: _Part, name: str, shape: tuple[int, ...]) -> Any:

@@ -342,3 +342,7 @@ class LimitState(Shown):
     def to_vtu(self, path: str | PathLike[str]) -> None:
         """A file for ParaView: see `lacore.files.vtu.write_state`."""
         views.files(self, path)
+
+    def to_html(self, path: str | PathLike[str]) -> None:
+        """A scene that one can turn: see `lacore.pictures.space.interactive.write_scene`."""
+        views.scene(self, path)

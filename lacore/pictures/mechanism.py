@@ -30,7 +30,7 @@ from lacore.pictures.contact_segments import SegmentedContact, segmented_contact
 from lacore.pictures.continua import draw_continua
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_foot, draw_frames, draw_moments, turning
-from lacore.problem.dimensions import require_plane
+from lacore.pictures.space.mechanism import plot_in_space
 from lacore.status import Status
 
 _STRETCH = 0.08  # largest displacement drawn, per size of the structure
@@ -56,7 +56,8 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     With rigid blocks or frames a second picture shows what they carry: the forces in joints as
     lines of thrust, the moments of members, the reactions of feet, and the live loads. Below,
     for each interface of a continuum, means over its edges of reactions and velocities: point
-    values of reactions oscillate and mean nothing. Of a state of a path the planes are drawn that
+    values of reactions oscillate and mean nothing. Blocks in space are drawn in three pictures, see
+    `lacore.pictures.space.mechanism.plot_in_space`. Of a state of a path the planes are drawn that
     bodies touch or are near to, and of contact the edges that touch, or come to do so within the
     step. The mechanism is drawn larger than the step: what approaches may be drawn behind a plane.
 
@@ -67,9 +68,9 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     Raises:
         ValueError: there is no point to show.
     """
-    problem = state.discretisation.problem
-    require_plane(problem.dimension, "LimitState.plot", "take state.velocity and state.reactions")
-    units = units or Units(fitting(problem.sizes))
+    units = units or Units(fitting(state.discretisation.problem.sizes))
+    if state.discretisation.solids:
+        return plot_in_space(state, units, _title(state))
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0
@@ -216,7 +217,7 @@ def _spin(state: LimitState) -> float:
 
 def _blocks(state: LimitState) -> int:
     """Number of rigid blocks."""
-    return sum(len(dofs.body.names) for dofs in state.discretisation.assemblies.values())
+    return sum(len(dofs.body.names) for dofs in state.discretisation.jointed.values())
 
 
 def _rigid_parts(state: LimitState) -> int:

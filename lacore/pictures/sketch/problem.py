@@ -18,7 +18,7 @@ from lacore.pictures.sketch.conditions import (
 )
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
-from lacore.problem.dimensions import require_plane
+from lacore.pictures.space.problem import sketch_in_space
 from lacore.problem.problem import Problem
 
 _POINTS = 72.0  # an inch
@@ -40,14 +40,15 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
         problem: any.
         units: that sizes are told in; m, and a prefix that fits most forces, if None.
     """
-    require_plane(problem.dimension, "Problem.plot", "print the problem, which says what it is")
+    units = units or Units(fitting(problem.sizes))
+    if problem.dimension == 3:
+        return sketch_in_space(problem, units)
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     extent = np.maximum(extent, _FLAT * np.linalg.norm(extent))
     point = float(max(extent[0] / _PAGE, extent[1] / _TALLEST) / _POINTS)
     figure = Figure(layout="constrained")
     figure.set_facecolor("white")
-    units = units or Units(fitting(problem.sizes))
     sheet = Sheet(figure.add_subplot(), point, units)
     for name, body in problem.bodies.items():
         draw_body(body, sheet, name, problem)

@@ -1,0 +1,1 @@
+"""Pictures of blocks in space."""

@@ -1,0 +1,221 @@
+"""Blocks in space as pictures need them: polygons, edges, and how they move."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.limit.state import LimitState
+from lacore.showing import Compact
+
+_TINY = np.finfo(float).tiny
+_SAME = 1e-6  # of the size of the structure, and of unit normals
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Blocks(Compact):
+    """All blocks in space, those of each assembly one after the other.
+
+    Attributes:
+        first: number of the first block of each assembly, by name.
+        points: vertices, (3, n), m; `block`: theirs, (n,).
+        faces: vertex numbers of polygons that cover all surfaces, counterclockwise from outside.
+        whole: which of them are a plane face: others are parts of one with holes, (p,).
+        edges: vertex numbers of the ends of edges between plane faces, (2, e).
+        centroid: (3, B), m. `radius`: (B,), m.
+    """
+
+    first: dict[str, int]
+    points: Floats
+    block: Ints
+    faces: list[Ints]
+    whole: Bools
+    edges: Ints
+    centroid: Floats
+    radius: Floats
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box, m."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=1)))
+
+
+def blocks_of(assemblies: Iterable[tuple[str, BlockAssembly3D]]) -> Blocks:
+    """The blocks of assemblies, by name."""
+    named = list(assemblies)
+    solids = [own for _, body in named for own in body.polyhedra.values()]
+    sizes = np.cumsum([0, *(len(body.names) for _, body in named)])
+    shift = np.cumsum([0, *(len(own.vertices) for own in solids)])
+    covers = [_cover(own) for own in solids]
+    return Blocks(
+        first={name: int(at) for (name, _), at in zip(named, sizes[:-1], strict=True)},
+        points=np.concatenate([own.vertices for own in solids]).T,
+        block=np.repeat(np.arange(len(solids)), np.diff(shift)),
+        faces=[
+            face + at
+            for (faces, _), at in zip(covers, shift[:-1].tolist(), strict=True)
+            for face in faces
+        ],
+        whole=np.concatenate([whole for _, whole in covers]),
+        edges=np.concatenate(
+            [own.edges + at for own, at in zip(solids, shift[:-1].tolist(), strict=True)], axis=1
+        ),
+        centroid=np.concatenate([body.centroid for _, body in named], axis=1),
+        radius=np.concatenate([body.radius for _, body in named]),
+    )
+
+
+def _cover(solid: Polyhedron) -> tuple[list[Ints], Bools]:
+    """Polygons that cover a surface: plane faces, of those with holes the parts."""
+    holed = np.bincount(solid.ring_face) > 1
+    rings = zip(solid.rings, solid.ring_face, strict=True)
+    whole = [ring for ring, face in rings if not holed[face]]
+    parts = [
+        np.array(own) for own, face in zip(solid.faces, solid.plane, strict=True) if holed[face]
+    ]
+    return [*whole, *parts], np.arange(len(whole) + len(parts)) < len(whole)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Compact):
+    """Velocities of blocks.
+
+    Attributes:
+        blocks: whose.
+        rate: of the centroids, m/s, and of rotation, rad/s, (6, B).
+        held: whether supports leave them no velocity, (B,).
+    """
+
+    blocks: Blocks
+    rate: Floats
+    held: Bools
+
+    def at(self, points: Floats, block: Ints) -> Floats:
+        """Velocities of blocks at points (3, k), m/s; 0 of block -1."""
+        arm = points - self.blocks.centroid[:, block]
+        velocity = self.rate[:3, block] + np.cross(self.rate[3:, block], arm, axis=0)
+        return np.where(block >= 0, velocity, 0.0)
+
+    @property
+    def vertices(self) -> Floats:
+        """Velocities of the vertices, (3, n), m/s."""
+        return self.at(self.blocks.points, self.blocks.block)
+
+
+STRETCH = 0.08  # largest displacement drawn, per size of the structure
+TURN = 0.3  # largest rotation drawn, rad: blocks grow by half its square
+
+
+def stretch_of(motion: "Motion") -> float:
+    """Time for which velocities are drawn, s."""
+    fastest = float(np.linalg.norm(motion.vertices, axis=0).max())
+    spin = float(np.linalg.norm(motion.rate[3:], axis=0).max())
+    return min(STRETCH * motion.blocks.size / max(fastest, _TINY), TURN / max(spin, _TINY))
+
+
+def motion_of(state: LimitState) -> Motion:
+    """What the mechanism of a state does to blocks in space."""
+    d = state.discretisation
+    rate = np.concatenate([state.velocity[name] for name in d.solids], axis=1)
+    held = []
+    for dofs in d.solids.values():
+        basis = d.free_basis[dofs.offset : dofs.offset + dofs.count]
+        largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 6)
+        held.append(~np.any(largest > 0, axis=1))
+    blocks = blocks_of((name, dofs.body) for name, dofs in d.solids.items())
+    return Motion(blocks, rate, np.concatenate(held))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Touches(Compact):
+    """Plane polygons in which two blocks touch, or a block and an obstacle.
+
+    Attributes:
+        corners: contact points of each, in order around it, (3, c) each, m.
+        slave, master: block numbers, (k,); an obstacle is -1.
+        normal: from the master into the slave, (3, k).
+        force: on the slave, N, (3, k). `centre`: of pressure, m, (3, k).
+        kind: ``stick``, ``slip`` or ``open``, (k,): what most of its points do.
+    """
+
+    corners: list[Floats]
+    slave: Ints
+    master: Ints
+    normal: Floats
+    force: Floats
+    centre: Floats
+    kind: np.ndarray
+
+
+def touches_of(state: LimitState, motion: Motion, rest: float) -> Touches:
+    """Contact of a state, polygon by polygon.
+
+    Args:
+        state: a state with a point.
+        motion: of its blocks.
+        rest: m/s: what the eye would not see as slip or opening.
+    """
+    d, table = state.discretisation, state.reactions
+    sides = _sides(state, motion.blocks)
+    position, normal = d.points.position.T, d.points.normal.T
+    number = d.full.contact.interface
+    size = motion.blocks.size
+    level = np.round(np.sum(normal * position, axis=0) / (_SAME * size))
+    key = np.column_stack([number, sides.T, np.round(normal.T / _SAME), level]) + 0.0
+    _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    group, count = group.ravel(), first.size
+
+    def total(values: Floats) -> Floats:
+        return np.stack([np.bincount(group, row, count) for row in values]).astype(np.float64)
+
+    area, t_n = table["area"].to_numpy(), table["t_n"].to_numpy()
+    t_t = table[["t_t_x", "t_t_y", "t_t_z"]].to_numpy().T
+    force = total(area * (t_n * normal + t_t))
+    pressed = total((area * np.maximum(t_n, 0.0))[None])[0]
+    weight = np.where(pressed[group] > 0, area * np.maximum(t_n, 0.0), area)
+    centre = total(weight * position) / total(weight[None])
+
+    slip = table[["u_t_x", "u_t_y", "u_t_z"]].to_numpy()
+    opening = total((area * table["u_n"].to_numpy())[None])[0] / total(area[None])[0]
+    sliding = total((area * np.linalg.norm(slip, axis=1))[None])[0] / total(area[None])[0]
+    kind = np.select([opening > rest, sliding > rest], ["open", "slip"], "stick")
+    corners = _around(position, normal[:, first], group)
+    slave, master = sides[:, first]
+    return Touches(corners, slave, master, normal[:, first], force, centre, kind)
+
+
+def _sides(state: LimitState, blocks: Blocks) -> Ints:
+    """Block numbers of slave and master at all contact points, (2, m); -1 of an obstacle."""
+    d = state.discretisation
+    number, moving = d.full.contact.interface, d.points.moving
+    shift = np.full((2, len(d.points.names)), -1)
+    for index, interface in enumerate(d.problem.interfaces):
+        for side, (name, _) in enumerate(interface.sides):
+            shift[side, index] = blocks.first[name]
+    first = len(d.problem.interfaces)
+    sides = np.where(shift[:, number] >= 0, shift[:, number] + moving.T, -1)
+    for name, dofs in d.solids.items():
+        joints = dofs.body.joints
+        own = np.flatnonzero((number >= first) & (number < first + joints.count))
+        both = np.stack([joints.slave, joints.master])[:, number[own] - first]
+        sides[:, own] = both + blocks.first[name]
+        first += joints.count
+    return np.asarray(sides)
+
+
+def _around(position: Floats, normal: Floats, group: Ints) -> list[Floats]:
+    """Points of each group in order around its normal, (3, c) each."""
+    count = normal.shape[1]
+    number = np.bincount(group, minlength=count)
+    middle = np.stack([np.bincount(group, row, count) for row in position]) / number
+    axis = np.eye(3)[np.argmin(np.abs(normal), axis=0)].T
+    one = np.cross(axis, normal, axis=0)
+    two = np.cross(normal, one, axis=0)
+    own = position - middle[:, group]
+    angle = np.arctan2(np.sum(own * two[:, group], axis=0), np.sum(own * one[:, group], axis=0))
+    order = np.lexsort((angle, group))
+    ends = np.flatnonzero(np.diff(group[order])) + 1
+    return [position[:, own] for own in np.split(order, ends)]
