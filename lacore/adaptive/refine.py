@@ -15,7 +15,7 @@ from lacore.adaptive.asking import TIGHTEST, Asked, Bound, Solver, processors
 from lacore.adaptive.bracket import Bracket, Ending, Step, crossing, proven, width
 from lacore.adaptive.marking import lower_shares, shared_shares, upper_shares
 from lacore.adaptive.starts import starts
-from lacore.adaptive.track import RECENT, Track, growth, next_round, order
+from lacore.adaptive.track import RECENT, Track, growths, order
 from lacore.adaptive.whole import continua, mesh_of, of_all, on_mesh
 from lacore.arrays import Floats
 from lacore.backend import find_backend, read_options
@@ -32,7 +32,9 @@ from lacore.problem.problem import Problem
 from lacore.status import Status
 
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
-_PRESSED = 1e-5  # of soils: what flows as it cannot is worst in the least element (T45)
+# Of soils: what flows as it cannot is worst in the least element (T45), and multipliers of lower
+# bounds mark the next mesh.
+_PRESSED = {"lower": 1e-4, "upper": 1e-5}
 _LOOSEST = 2e-5
 _LOST = 0.25  # of the next width, what a bound may lose of what its solver found
 _SETTLED = 0.25  # of the target width, what both ends may have left to gain
@@ -61,8 +63,8 @@ def bracket(
     refinement still gains is small.
 
     Meshes are refined by the shares of their elements in the error: a shared one by those in the
-    gap and in the error of the lower bound, separate ones each by its own, the one that gains more
-    per element first. All bounds on the way are proven too (projection, T26c), and the best counts.
+    gap and in the error of the lower bound, separate ones each by its own, the one that leaves more
+    to gain by more. All bounds on the way are proven too (projection, T26c), and the best counts.
     Elements at corners that a lower bound cannot state are split first.
 
     Args:
@@ -119,7 +121,8 @@ def bracket(
     run.seen.append((sum(track.elements for track in tracks), run.width))
     while (ending := run.ending(tracks)) is None:
         open_ = [number for number, track in enumerate(tracks) if run.closed(track) is None]
-        finer = {number: run.refined(tracks[number]) for number in next_round(open_, tracks)}
+        planned = zip(open_, run.growths(tracks, open_), strict=True)
+        finer = {n: run.refined(tracks[n], times) for n, times in planned if times > 1}
         moves = {number: own for number, own in finer.items() if own is not None}
         for number in finer.keys() - moves.keys():
             tracks[number] = replace(tracks[number], too_fine=True)
@@ -199,16 +202,25 @@ class _Run:
             return bool(crossing(lower, upper))
         return False
 
-    @property
-    def growth(self) -> float:
-        """Of the next meshes, by the rate at which the width fell so far."""
-        return growth(self.width / self.target, order(self.seen))
+    def growths(self, tracks: Sequence[Track], open_: Sequence[int]) -> list[float]:
+        """Of the next meshes of those that are open, by the rate at which the width fell so far."""
+        rests = np.array([track.rest for track in tracks])
+        apart = 0.0
+        if np.all(np.isfinite(rests)) and rests.sum() > 0 and np.isfinite(self.width):
+            going = rests[list(open_)].sum()
+            # Two problems, whose load factors differ however fine the meshes are.
+            whole = self.upper - self.lower if self.coulomb else rests.sum()
+            apart = float(np.clip(1 - going / whole, 0.0, 1.0))
+        going_on = [tracks[number] for number in open_]
+        return growths(going_on, self.width / self.target, order(self.seen), apart)
 
     def solved(self, moves: Sequence[tuple[Track, Problem]]) -> list[Track]:
         """The tracks on new meshes; what these prove is kept."""
         begin = time.perf_counter()
         before = {kind: proven(bound, np.nan) for kind, bound in self.best.items()}
-        asked = [self._asked(kind, new) for track, new in moves for kind in track.kinds]
+        times = [mesh_of(new).nelements / track.elements for track, new in moves]
+        ahead = self.width / max(times, default=1.0) if self.rows else np.inf
+        asked = [self._asked(kind, new, ahead) for track, new in moves for kind in track.kinds]
         last: dict[str, Bound] = {}
         with closing(self.solver.answers(asked)) as answers:
             for question, answer in zip(asked, answers, strict=True):
@@ -223,12 +235,12 @@ class _Run:
         seconds = time.perf_counter() - begin
         return [track.moved(new, last, gained, seconds) for track, new in moves]
 
-    def _asked(self, kind: str, problem: Problem) -> Asked:
-        """By what its mesh will about prove: it decides how close the solver comes."""
-        width = max(self.width / self.growth if self.rows else np.inf, self.target)
+    def _asked(self, kind: str, problem: Problem, ahead: float) -> Asked:
+        """By the width that it will about prove, which decides how close the solver comes."""
+        width = max(ahead, self.target)
         affordable = _LOST * width * self.size
         width = self.target if self.coulomb else width  # which may stay wide
-        loose = width * (_PRESSED if self.pressed else _LOOSE) * self.sharper.get(kind, 1.0)
+        loose = width * (_PRESSED[kind] if self.pressed else _LOOSE) * self.sharper.get(kind, 1.0)
         tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
         return Asked(kind, problem, tolerance, affordable)
 
@@ -301,7 +313,7 @@ class _Run:
             return Ending.NO_BOUND
         if track.too_fine:
             return Ending.MAX_ELEMENTS
-        rests = track.rests[-RECENT:]
+        rests = track.rests
         small = self.target * self.size
         if self.coulomb and len(rests) == RECENT and max(rests) <= _SETTLED * small:
             return Ending.SETTLED
@@ -322,9 +334,9 @@ class _Run:
             told.append(f"{kinds} {bounds} stopped at {track.elements} elements: {why}")
         return ", ".join(told)
 
-    def refined(self, track: Track) -> Problem | None:
-        """The problem on the next mesh, if that may be."""
-        finer = grown(track.mesh, self.shares(track), self.growth, self.max_elements)
+    def refined(self, track: Track, times: float) -> Problem | None:
+        """The problem on the next mesh, of so many times its elements, if that may be."""
+        finer = grown(track.mesh, self.shares(track), times, self.max_elements)
         return None if finer is None else on_mesh(track.problem, finer)
 
     def shares(self, track: Track) -> Floats:

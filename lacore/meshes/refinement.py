@@ -6,13 +6,15 @@ from skfem import MeshTri
 from lacore.arrays import Bools, Floats, Ints
 
 _THETA = 0.2  # Doerfler's part of all shares at a time; 0.1 to 0.3 differ little
+_BEYOND = 1.02  # of the elements that are asked for: more than that are too many
 
 
 def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | None:
-    """The mesh refined until it has `growth` times as many elements, at most `most`.
+    """The mesh refined until it has about `growth` times as many elements, at most `most`.
 
     Several times on end, by what shares are expected to become: where velocities jump, an error
-    falls as the size of elements does. So a solve pays for more than one refinement.
+    falls as the size of elements does. So a solve pays for more than one refinement. The last time
+    only so many elements are divided as are asked for.
 
     Args:
         mesh: straight triangles.
@@ -24,8 +26,15 @@ def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | 
         None where that is less than a tenth more.
     """
     finer, left = mesh, np.maximum(shares, 0.0)
-    while finer.nelements < growth * mesh.nelements:
-        next_, parents = bisected(finer, doerfler(left, _THETA))
+    asked = min(growth * mesh.nelements, most)
+    while finer.nelements < asked / _BEYOND:
+        marked = doerfler(left, _THETA)
+        next_, parents = bisected(finer, marked)
+        if next_.nelements > _BEYOND * asked:
+            part = (asked - finer.nelements) / (next_.nelements - finer.nelements)
+            largest = np.argsort(-left[marked], kind="stable")
+            fewer = largest[: max(int(part * marked.size), 1)]
+            next_, parents = bisected(finer, marked[fewer])
         if next_.nelements > most:
             break
         parts = np.bincount(parents, minlength=finer.nelements)[parents]

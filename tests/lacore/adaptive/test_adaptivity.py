@@ -394,7 +394,8 @@ def test_growth_is_kept_to():
     mesh, rng = la.meshes.rectangle((0, 1), (0, 1), 8, 8), np.random.default_rng(5)
     shares = rng.random(mesh.nelements) ** 8
     finer = grown(mesh, shares, 2.0, 10_000)
-    assert 2 * mesh.nelements <= finer.nelements < 2.6 * mesh.nelements
+    # A fiftieth is let pass, and one element divides some of its neighbours.
+    assert 1.9 * mesh.nelements <= finer.nelements <= 2.1 * mesh.nelements
     most = int(1.5 * mesh.nelements)
     assert mesh.nelements < grown(mesh, shares, 2.0, most).nelements <= most
     assert grown(mesh, shares, 2.0, mesh.nelements + 2) is None
