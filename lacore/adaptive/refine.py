@@ -34,7 +34,7 @@ from lacore.status import Status
 _LOOSE = 1e-3  # tolerance of solvers per width: costs a lower bound 20 times as much
 # Of soils: what flows as it cannot is worst in the least element (T45), and multipliers of lower
 # bounds mark the next mesh.
-_PRESSED = {"lower": 1e-4, "upper": 1e-5}
+_PRESSED = {"lower": 1e-4, "upper": 3e-6}
 _LOOSEST = 2e-5
 _LOST = 0.25  # of the next width, what a bound may lose of what its solver found
 _SETTLED = 0.25  # of the target width, what both ends may have left to gain
