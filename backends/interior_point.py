@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from backends._embedding.arrays import Translation
+from backends._embedding.dilating import as_moved, dilates
 from backends._embedding.follow import follow
 from backends._embedding.loops import best_loops
 from backends._embedding.stiffness import Stiffness
@@ -64,13 +65,18 @@ class InteriorPointOptions:
 
 
 class InteriorPoint:
-    """The exact program by a method that knows what it solves; no soils."""
+    """The exact program by a method that knows what it solves."""
 
     name: ClassVar[str] = "interior_point"
     title: ClassVar[str] = "Interior point of its own, exact program, factorised on velocities"
     source: ClassVar[str] = "Andersen, Roos & Terlaky, Math. Program. 95, 2003"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        regularised=False, hardening=True, paths=True, on_demand=True, packages=("scipy",)
+        regularised=False,
+        hardening=True,
+        surfaces=True,
+        paths=True,
+        on_demand=True,
+        packages=("scipy",),
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = InteriorPointOptions
@@ -118,7 +124,10 @@ class InteriorPointSolver:
         )
         if status is not Status.SOLVED or answer.point is None:
             return answer
-        name, left = certify(self._program, answer.point, contact).worst
+        judged = self._program, answer.point
+        if dilates(self._program):
+            judged = as_moved(*judged)
+        name, left = certify(*judged, contact).worst
         if left <= _LEFT * options.tolerance:
             return answer
         return replace(

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from backends._embedding.loops import Loops
+from backends._embedding.pressed import pressed
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.numerics.interleaving import interleaved
 from lacore.program import FrozenContact, KinematicProgram
@@ -87,10 +88,12 @@ class Free:
     Attributes:
         rows: G, lead first.
         offset: g, shape (dim, m).
+        pressed: their leads dissipate.
     """
 
     rows: Rows
     offset: Floats
+    pressed: bool = False
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,9 @@ class Conic:
         costly, free: cones, each kind of one dimension.
         equal: E.
         given: e, of all rows of E.
-        load, dead: F0 and Fd, shape (n,).
+        load, dead: F0 and Fd, less what u itself costs, shape (n,).
+        weight: sum of the nodal forces of Fd alone.
+        typical: a strength.
     """
 
     costly: tuple[Costly, ...]
@@ -110,6 +115,8 @@ class Conic:
     given: Floats
     load: Floats
     dead: Floats
+    weight: float
+    typical: float
 
     @property
     def kinds(self) -> list[Rows]:
@@ -140,93 +147,163 @@ class Translation:
         points, dim = program.contact, program.contact.tangent_dim
         self._program, self._contact = program, contact
         self._rubs = np.isfinite(contact.bound) & (contact.bound > 0)
-        self._sticks = np.isinf(contact.bound)
-        self._dilates = contact.dilatancy > 0
-        self._carries = [(g.bound > 0) | (g.rise > 0) for g in program.groups]
-        self._changes = [_filled(group.volumetric) for group in program.groups]
+        # Where no opening is possible a cone would have no inside: slip that dilates is none.
+        self._shut = shut = ~_filled(points.normal)
+        self._held = shut & (contact.dilatancy > 0) & (contact.shift == 0)
+        self._sticks = np.isinf(contact.bound) | self._held
+        self._dilates = (contact.dilatancy > 0) & ~self._held
+        self._plain = (contact.dilatancy == 0) & ~(shut & (contact.shift >= 0))
+        plain = [group for group in program.groups if group.surfaces is None]
+        soils = [group for group in program.groups if group.surfaces is not None]
+        self._carries = [
+            (g.rise > 0) | ((g.bound > 0) & (g.surfaces is None)) for g in program.groups
+        ]
+        self._changes = [_filled(group.volumetric) for group in plain]
+        self._pressed = [pressed(group) for group in soils]
+        starts = program.n + np.cumsum([0, *(one.sizes.size for one in self._pressed)])
+        columns = int(starts[-1])
+
+        def rows(matrix: Sparse, dim: int, weights: Floats) -> Rows:
+            return Rows.of(_wide(csr_matrix(matrix), columns), dim, weights, loops)
 
         def slip(mask: Bools) -> Sparse:
             return csr_matrix(points.tangential[np.repeat(mask, dim)])
 
         costly = [
             Costly(
-                Rows.of(_picked(group.rows, group.dim, own), group.dim, group.weights[own], loops),
-                group.bound[own],
+                rows(_picked(group.rows, group.dim, own), group.dim, group.weights[own]),
+                group.bound[own] if group.surfaces is None else np.zeros(int(own.sum())),
                 group.rise[own] / group.weights[own],
                 group.weights[own],
             )
             for group, own in zip(program.groups, self._carries, strict=True)
         ]
-        rubs, plain, dilates = self._rubs, ~self._dilates, self._dilates
+        rubs, steady, dilates = self._rubs, self._plain, self._dilates
         weights, none = points.weights, np.zeros(int(rubs.sum()))
-        rubbing = Rows.of(slip(rubs), dim, weights[rubs], loops)
+        rubbing = rows(slip(rubs), dim, weights[rubs])
         costly.append(Costly(rubbing, contact.bound[rubs], none, weights[rubs]))
 
         shift = weights * contact.shift
-        lifting = Rows.of(csr_matrix(points.normal[plain]), 1, weights[plain], loops)
+        lifting = rows(points.normal[steady], 1, weights[steady])
         steep = np.repeat(contact.dilatancy[dilates], dim)
         sliding = slip(dilates).multiply(steep[:, None])
         leading = interleaved(csr_matrix(points.normal[dilates]), 1, csr_matrix(sliding), dim)
-        lead = np.zeros((1 + dim, int(dilates.sum())))
-        lead[0] = shift[dilates]
         free = [
-            Free(lifting, shift[plain][None]),
-            Free(Rows.of(csr_matrix(leading), 1 + dim, weights[dilates], loops), lead),
+            Free(lifting, shift[steady][None]),
+            Free(rows(leading, 1 + dim, weights[dilates]), _led(shift[dilates], dim)),
         ]
         volumes = [
-            Rows.of(csr_matrix(group.volumetric[own]), 1, group.volume_weights[own], loops).matrix
-            for group, own in zip(program.groups, self._changes, strict=True)
+            rows(group.volumetric[own], 1, group.volume_weights[own]).matrix
+            for group, own in zip(plain, self._changes, strict=True)
         ]
+        given = [np.zeros(part.shape[0]) for part in volumes]
+        dead = np.zeros(columns)
+        dead[: program.n] = program.dead_load
+        for group, one, first in zip(soils, self._pressed, starts, strict=False):
+            lead = _beside(one.lead.velocity, one.lead.own, columns, int(first))
+            both = interleaved(lead, 1, _wide(group.rows, columns), group.dim)
+            offset = _led(group.weights * one.lead.offset, group.dim)
+            free.append(Free(rows(both, 1 + group.dim, group.weights), offset, True))
+            held = _beside(one.held.velocity, one.held.own, columns, int(first))
+            volumes.append(rows(held, 1, one.held.weights).matrix)
+            given.append(one.held.weights * one.held.given)
+            dead[: program.n] -= one.cost_by_velocity
+            dead[first : first + one.cost.size] -= one.cost
+        sizes = np.concatenate([np.zeros(0), *(one.sizes for one in self._pressed)])
+        own = np.arange(sizes.size)
+        flowing = csr_matrix((sizes, (own, program.n + own)), (sizes.size, columns))
+        of_own = np.concatenate([np.zeros(0), *(one.weights for one in self._pressed)])
+        free.append(Free(rows(flowing, 1, of_own), np.zeros((1, sizes.size))))
         sticks = self._sticks
-        stuck = Rows.of(slip(sticks), dim, weights[sticks], loops).matrix
+        stuck = rows(slip(sticks), dim, weights[sticks]).matrix
         equal = csr_matrix(vstack([*volumes, stuck]))
         self._ends = np.cumsum([part.shape[0] for part in volumes])
+        load = np.zeros(columns)
+        load[: program.n] = program.reference_load
         self.conic = Conic(
             tuple(costly),
             tuple(free),
             Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
-            np.zeros(equal.shape[0]),
-            program.reference_load,
-            program.dead_load,
+            np.concatenate([*given, np.zeros(stuck.shape[0])]),
+            load,
+            dead,
+            float(np.abs(program.dead_load).sum()),
+            _typical([one.cost for one in costly]),
         )
 
     def alike(self, contact: FrozenContact) -> bool:
         """Whether another frozen contact comes to the same rows."""
         return (
             np.array_equal(self._rubs, np.isfinite(contact.bound) & (contact.bound > 0))
-            and np.array_equal(self._sticks, np.isinf(contact.bound))
+            and np.array_equal(np.isinf(self._contact.bound), np.isinf(contact.bound))
             and np.array_equal(self._contact.dilatancy, contact.dilatancy)
+            and np.array_equal(
+                np.sign(self._contact.shift[self._shut]), np.sign(contact.shift[self._shut])
+            )
         )
 
     def state(self, velocity: Floats, found: Multipliers) -> ProgramState:
         """Velocity and multipliers in the signs of `ProgramState`."""
         program, dim = self._program, self._program.contact.tangent_dim
         *strained, rubbed = found.costly
-        lifted, led = found.free
+        lifted, led, *pressing, _ = found.free
         *volumes, stuck = np.split(found.equal, self._ends)
+        plain, of_soils = volumes[: len(self._changes)], volumes[len(self._changes) :]
+        changing = iter(zip(self._changes, plain, strict=True))
+        soils = iter(zip(self._pressed, pressing, of_soils, strict=True))
         stresses, means = [], []
-        kinds = zip(program.groups, self._carries, self._changes, strained, volumes, strict=True)
-        for group, carries, changes, strain, volume in kinds:
+        for group, carries, strain in zip(program.groups, self._carries, strained, strict=True):
             stress = np.zeros((group.weights.size, group.dim))
             stress[carries] = -strain.T
-            mean = np.zeros(group.volumetric.shape[0])
-            mean[changes] = -volume
+            if group.surfaces is None:
+                changes, volume = next(changing)
+                mean = np.zeros(group.volumetric.shape[0])
+                mean[changes] = -volume
+            else:
+                one, cone, held = next(soils)
+                stress -= cone[1:].T
+                mean = one.mean(cone[0], held)
             stresses.append(stress)
             means.append(mean)
         normal = np.zeros(program.contact.count)
         tangential = np.zeros((normal.size, dim))
-        normal[~self._dilates], normal[self._dilates] = lifted[0], led[0]
-        tangential[self._rubs] = rubbed.T
+        normal[self._plain], normal[self._dilates] = lifted[0], led[0]
         tangential[self._sticks] = stuck.reshape(-1, dim)
+        sliding, held = self._contact.dilatancy, self._held
+        normal[held] = np.linalg.norm(tangential[held], axis=1) / sliding[held]
+        tangential[self._rubs] += rubbed.T
         tangential[self._dilates] += (self._contact.dilatancy[self._dilates] * led[1:]).T
         return ProgramState(
-            velocity=velocity,
+            velocity=velocity[: program.n],
             load_factor=found.load,
             stress=tuple(stresses),
             mean_stress=tuple(means),
             normal_reaction=normal,
             tangential_reaction=tangential,
         )
+
+
+def _wide(rows: Sparse, columns: int) -> Sparse:
+    """The rows with empty columns appended."""
+    return csr_matrix((rows.data, rows.indices, rows.indptr), (rows.shape[0], columns))
+
+
+def _beside(rows: Sparse, own: Sparse, columns: int, first: int) -> Sparse:
+    """Rows on velocities, and on unknowns of their own from column `first` on."""
+    shifted = csr_matrix((own.data, own.indices + first, own.indptr), (own.shape[0], columns))
+    return csr_matrix(_wide(rows, columns) + shifted)
+
+
+def _led(lead: Floats, dim: int) -> Floats:
+    """Offsets of cones whose lead has one, shape (1 + dim, m)."""
+    offset = np.zeros((1 + dim, lead.size))
+    offset[0] = lead
+    return offset
+
+
+def _typical(strengths: Sequence[Floats]) -> float:
+    every = np.concatenate([np.zeros(0), *strengths])
+    return float(np.median(every)) if every.size and np.median(every) > 0 else 1.0
 
 
 def _picked(rows: Sparse, dim: int, own: Bools) -> Sparse:

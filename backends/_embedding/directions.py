@@ -76,11 +76,19 @@ class Directions:
         Across its direction a flowing cone has t/c; along it none resists.
         """
         conic, place = self._place.conic, self._place
+        count = len(conic.costly)
         softness = power = 0.0
         for one, scaling, lead in zip(conic.costly, self._costly, place.at.leads, strict=True):
             share = one.cost * lead
             softness += float(np.sum(share * scaling.square / one.rows.norms))
             power += float(share.sum())
+        for kind, scaling, s, z in zip(
+            conic.free, self._free, place.slacks[count:], place.multipliers[count:], strict=True
+        ):
+            if kind.pressed:
+                share = s[0] * z[0]
+                softness += float(np.sum(share * scaling.square / kind.rows.norms))
+                power += float(share.sum())
         if softness > 0:
             return softness / power
         for kind, scaling, own in zip(
@@ -193,7 +201,7 @@ class Directions:
     def _loads(self) -> float:
         """Sum of all nodal loads, times tau."""
         conic, at = self._place.conic, self._place.at
-        loads = abs(at.load) * np.abs(conic.load).sum() + at.tau * np.abs(conic.dead).sum()
+        loads = abs(at.load) * np.abs(conic.load).sum() + at.tau * conic.weight
         return float(loads)
 
     def _given(self, aim: "Aim") -> _Reduced:

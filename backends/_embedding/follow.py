@@ -132,7 +132,7 @@ def residuals(place: Place, power: float) -> tuple[float, float, float]:
     gap = abs(place.cost - place.bound) / at.tau / turned
     lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau**2 / turned
     loads = abs(at.load) / at.tau * float(np.abs(conic.load).sum())
-    loads += float(np.abs(conic.dead).sum())
+    loads += conic.weight
     force = float(np.abs(left.force).max(initial=0.0)) / at.tau / max(loads, 1e-300)
     fastest = float(np.abs(at.velocity).max(initial=0.0))
     slow = _missed(place) / max(fastest, 1e-300)

@@ -6,6 +6,7 @@ from backends._embedding.arrays import Conic
 from backends._embedding.cones import lengths
 from backends._embedding.place import Step
 from backends._embedding.system import System
+from lacore.arrays import Floats
 
 _BULK = 1e2  # stiffness of rows that hold exactly, per that of their body
 _AWAY = 1.1  # of the length of a strain rate: the t
@@ -16,7 +17,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
 
     Without dead loads and contact stress zero is in equilibrium, and stays near it.
     """
-    typical = _typical([one.cost for one in conic.costly])
+    typical = conic.typical
     costly = [one.cost / one.weights for one in conic.costly]
     free = [typical / np.sqrt(kind.rows.norms) for kind in conic.free]
     equal = _BULK * typical / np.sqrt(conic.equal.norms)
@@ -29,7 +30,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     power = power if power > 0 else 1.0
     mu = power / (conic.degree + 1)
     leads = tuple(
-        2 * mu / np.maximum(one.cost, typical * 1e-6) + _AWAY * size
+        _lead(np.maximum(one.cost, typical * 1e-6), one.rise, mu) + _AWAY * size
         for one, size in zip(conic.costly, sizes, strict=True)
     )
     slacks, pressures = [], []
@@ -55,6 +56,6 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     return step, power
 
 
-def _typical(costs: list[np.ndarray]) -> float:
-    every = np.concatenate([np.zeros(0), *costs])
-    return float(np.median(every)) if every.size and np.median(every) > 0 else 1.0
+def _lead(cost: Floats, rise: Floats, mu: float) -> Floats:
+    """The t of ``c t + h t^2 = 2 mu``."""
+    return np.asarray(4 * mu / (cost + np.sqrt(cost**2 + 8 * mu * rise)))

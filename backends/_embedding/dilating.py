@@ -1,0 +1,66 @@
+"""Flow that dilates besides (T52, S-step) as an unknown that moves at a given speed.
+
+Certificates know laws, which have no such dilation. Of the same velocities and one more unknown,
+whose speed is known and whose rows are the dilation, they know all.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_matrix, hstack
+
+from lacore.arrays import Floats, Sparse
+from lacore.dissipation import DissipationGroup
+from lacore.program import KinematicProgram
+from lacore.state import ProgramState
+
+
+def dilates(program: KinematicProgram) -> bool:
+    """Whether a group has flow that dilates besides."""
+    groups = program.groups
+    return any(g.surfaces is not None and g.surfaces.dilation is not None for g in groups)
+
+
+def as_moved(
+    program: KinematicProgram, state: ProgramState
+) -> tuple[KinematicProgram, ProgramState]:
+    """A program without dilation, in which one unknown more moves as it says, and its state."""
+    u = state.velocity
+    speed = float(np.abs(u).max(initial=0.0)) or 1.0  # no faster than all others
+    groups, force = [], 0.0
+    for group, mean in zip(program.groups, state.mean_stress, strict=True):
+        besides = np.zeros(group.volumetric.shape[0])
+        if group.surfaces is not None:
+            besides = -group.surfaces.besides / speed
+        force += float(group.volume_weights @ (mean * besides))
+        groups.append(_with(group, besides))
+    contact = program.contact
+    rows = replace(
+        contact,
+        normal=_wide(contact.normal, np.zeros(contact.normal.shape[0])),
+        tangential=_wide(contact.tangential, np.zeros(contact.tangential.shape[0])),
+    )
+    moved = replace(
+        program,
+        groups=tuple(groups),
+        contact=rows,
+        reference_load=np.append(program.reference_load, 0.0),
+        dead_load=np.append(program.dead_load, force),  # what moves it is in balance
+        parts=np.append(program.part, program.part.max(initial=-1) + 1),
+    )
+    return moved, replace(state, velocity=np.append(u, speed))
+
+
+def _with(group: DissipationGroup, besides: Floats) -> DissipationGroup:
+    surfaces = None if group.surfaces is None else replace(group.surfaces, dilation=None)
+    none = np.zeros(group.rows.shape[0])
+    return replace(
+        group,
+        rows=_wide(group.rows, none),
+        volumetric=_wide(group.volumetric, besides),
+        surfaces=surfaces,
+    )
+
+
+def _wide(rows: Sparse, more: Floats) -> Sparse:
+    return csr_matrix(hstack([rows, csr_matrix(more[:, None])]))
