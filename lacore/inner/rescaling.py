@@ -32,6 +32,7 @@ _SPREAD = 1e2  # ratio of forces that solvers see as they are; its digits are le
 _WIDE = 1e4  # ratio of loads from which units of parts are taken at once
 _CLAIMS = (Status.LOCKED, Status.UNSAFE)
 _TRIES = 4  # each gains the digits that the one before has
+_GAIN = 0.5  # of the residual: what units that are kept leave
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,7 @@ class RescalingSolver:
     def __init__(self, program: KinematicProgram, prepare: Prepare, good: float = GOOD) -> None:
         self._program, self._prepare, self._good = program, prepare, good
         self._units: PartUnits | None = None
+        self._refused: list[PartUnits] = []  # that gained nothing
         loads = own_loads(program, 1.0)
         least = float(loads[loads > 0].min(initial=np.inf))
         if loads.max() > _WIDE * least:
@@ -190,7 +192,11 @@ class RescalingSolver:
         return self._prepare(self._program if units is None else units.program(self._program))
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does; again in better units while they gain."""
+        """As the backend does; again in better units while they gain.
+
+        Units that gain nothing are left again, and no others like them are tried: tall walls of
+        thousands of blocks are solved best as they are, though none of them is to a digit more.
+        """
         best = self._asked(contact)
         if self._units is not None and best.point is None and best.status not in _CLAIMS:
             self._renew(None)
@@ -203,8 +209,10 @@ class RescalingSolver:
             better = PartUnits.of(self._program, forces, best.point.velocity)
             known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
             # Speeds of pressed soil are local ones, and have units of their own.
-            if known.suit(better, speeds=not self._program.presses):
+            speeds = not self._program.presses
+            if any(units.suit(better, speeds=speeds) for units in (known, *self._refused)):
                 break
+            before = self._units
             self._renew(better)
             answer = self._asked(contact)
             found = largest_residual(self._program, answer, contact)
@@ -214,13 +222,26 @@ class RescalingSolver:
                 iterations=best.iterations + answer.iterations,
                 solve_time=best.solve_time + answer.solve_time,
             )
+            if not found <= _GAIN * residual:
+                self._refused.append(better)
+                self._renew(before)
             if not found < residual:
                 break
             residual = found
-        if self._units is not None and best.point is not None and residual > self._good:
-            point = cleaned(self._program, best.point, contact)
-            if largest_residual(self._program, replace(best, point=point), contact) < residual:
-                return replace(best, point=point)
+        return self._cleaned(best, contact, residual)
+
+    def _cleaned(
+        self, best: InnerSolution, contact: FrozenContact, residual: float
+    ) -> InnerSolution:
+        """With a velocity that is possible, where it is its penetration that is left."""
+        tried = self._units is not None or self._refused
+        if not tried or best.point is None or residual <= self._good:
+            return best
+        if certify(self._program, best.point, contact).penetration < residual:
+            return best  # of what else is left no velocity beside it takes much
+        point = cleaned(self._program, best.point, contact)
+        if largest_residual(self._program, replace(best, point=point), contact) < residual:
+            return replace(best, point=point)
         return best
 
     def _renew(self, units: PartUnits | None) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import lacore as la
 from lacore.certificate import certify
-from lacore.inner.rescaling import PartUnits
+from lacore.inner.rescaling import PartUnits, RescalingSolver
 from lacore.part_forces import part_forces
 from lacore.program import dimensionless
 from tests.lacore.random_weights import random_assembly
@@ -152,3 +152,38 @@ def test_above_the_associated_load_nothing_is_solved(monkeypatch):
     state = la.solve(problem)
     assert state.status is la.Status.NOT_CERTIFIED
     assert "associated law has a mechanism at a lower load factor" in state.message
+
+
+class Blurred:
+    """HiGHS, its velocities off by a millionth, whatever the units."""
+
+    asked = 0
+
+    def __init__(self, program):
+        backend = la.find_backend("highs")
+        self._solver = backend.prepare(program, backend.Options())
+
+    def solve(self, contact):
+        Blurred.asked += 1
+        answer = self._solver.solve(contact)
+        velocity = answer.point.velocity * (1 + 1e-6)
+        return replace(answer, point=replace(answer.point, velocity=velocity))
+
+    def close(self):
+        self._solver.close()
+
+
+def test_units_that_gain_nothing_are_left_again():
+    """They are tried once, not at each solve of a loop: what they leave is no less."""
+    discretisation = la.discretise(stone_on_a_wall(0.1))
+    program = dimensionless(discretisation.program, discretisation.natural)
+    contact = la.program.associated_contact(program.contact)
+    solver = RescalingSolver(program, Blurred, good=1e-9)
+    asked = []
+    for _ in range(3):
+        Blurred.asked = 0
+        point = solver.solve(contact).point
+        asked.append(Blurred.asked)
+    solver.close()
+    assert asked == [2, 1, 1]
+    assert certify(program, point, contact).holds(1e-5)
