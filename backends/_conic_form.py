@@ -3,8 +3,9 @@
 ``minimise x.P x/2 + q.x  subject to  A x + z = b, z in cones`` with x = (U, t, tau, y): one t a
 plasticity cone, one tau a friction cone. Rows are multiplied by their integration weight, so that
 costs are stress bounds and duals are stresses. Hardening (T29) is a quadratic cost of the t. Where
-strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39), and
-a modulus beside surfaces a quadratic cost of the velocity.
+strength depends on pressure the t of a cone is a sum of multipliers, one of each surface (T39), a
+modulus beside surfaces a quadratic cost of the velocity, and rows of small points are in units of
+their own (`backends._surface_rows`).
 
 A dilatant point of one row is two half-spaces, ``u_n - d u_t >= 0`` and ``u_n + d u_t >= 0``: on
 walls of rigid blocks a fifth faster than its cone. With ``|v| <= t`` it is the other way round: as
@@ -23,8 +24,9 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
+from backends._surface_rows import Leads, point_units, stress_besides, volumetric_gain
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, interleaved
+from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -155,13 +157,21 @@ class ConicForm:
             return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
 
         groups = list(zip(program.groups, self._voluminous, strict=True))
-        self._gained = [_gain(group) for group in program.groups]
+        self._gained = [volumetric_gain(group) for group in program.groups]
+        self._units = [
+            point_units(g) if penalty is None else np.ones(g.weights.size) for g in program.groups
+        ]
         volumes = [
-            _Law(g.volumetric[own], 1, gain[own] * g.volume_weights[own], stiff.bulk)
-            for (g, own), gain in zip(groups, self._gained, strict=True)
+            _Law(
+                g.volumetric[own],
+                1,
+                (gain * np.repeat(g.weights / unit, g.volumes))[own],
+                stiff.bulk,
+            )
+            for (g, own), gain, unit in zip(groups, self._gained, self._units, strict=True)
         ]
         strains = [
-            _Law(g.rows, g.dim, g.weights, stiff.eta)
+            _Law(g.rows, g.dim, g.weights / unit, stiff.eta)
             if penalty is None or g.surfaces is not None or not own.any()
             else _Law(
                 interleaved(g.rows, g.dim, g.volumetric * g.volumetric_factor, 1),
@@ -169,7 +179,7 @@ class ConicForm:
                 g.weights,
                 stiff.eta,
             )
-            for g, own in groups
+            for (g, own), unit in zip(groups, self._units, strict=True)
         ]
         equal = [*volumes, slip(pattern.stick)]
         unilateral = [opening(~self._dilatant), opening(self._dilatant), slip(self._dilatant)]
@@ -177,8 +187,8 @@ class ConicForm:
         laws = [*equal, *unilateral, *normed]
 
         leads = [
-            *(_Leads.of(group) for group in program.groups),
-            _Leads.plain(int(pattern.friction.sum())),
+            *(Leads.of(group) for group in program.groups),
+            Leads.plain(int(pattern.friction.sum())),
         ]
         norms = program.n + np.cumsum([0, *(lead.shares.shape[1] for lead in leads)])
         first = int(norms[-1])
@@ -248,8 +258,10 @@ class ConicForm:
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
         bounds = [
-            group.bound if group.surfaces is None else group.surfaces.strength.ravel()
-            for group in self._program.groups
+            group.bound
+            if group.surfaces is None
+            else (group.surfaces.strength * unit[:, None]).ravel()
+            for group, unit in zip(self._program.groups, self._units, strict=True)
         ]
         given = [-self._program.dead_load, *bounds, contact.bound[self._pattern.friction]]
         q = np.zeros(self.matrix.shape[1])
@@ -262,10 +274,11 @@ class ConicForm:
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
         volumes = np.split(b, self._ends)[1:]
-        every = zip(self._program.groups, self._voluminous, self._gained, volumes, strict=False)
-        for group, own, gain, part in every:
+        of_groups = (self._voluminous, self._gained, self._units, volumes)
+        for group, own, gain, unit, part in zip(self._program.groups, *of_groups, strict=False):
             if group.surfaces is not None:
-                part[:] = (gain * group.volume_weights * group.surfaces.besides)[own]
+                weights = gain * np.repeat(group.weights / unit, group.volumes)
+                part[:] = (weights * group.surfaces.besides)[own]
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
@@ -288,15 +301,14 @@ class ConicForm:
         tangential[pattern.stick] -= stick.reshape(-1, dim)
         tangential[pattern.friction] += rubbed[:, 1:]
         stresses, mean_stresses = [], []
-        for group, own, gain, mean, strain in zip(
-            program.groups, self._voluminous, self._gained, means, strains, strict=True
-        ):
-            shear = -strain[:, 1:]
-            stresses.append(shear[:, : group.dim] + _besides(group, x[: program.n]))
+        of_groups = (self._voluminous, self._gained, self._units, means, strains)
+        for group, own, gain, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
+            shear = -strain[:, 1:] / unit[:, None]
+            stresses.append(shear[:, : group.dim] + stress_besides(group, x[: program.n]))
             # Softened, theta is a row of the norm too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
             total = np.repeat(softened, group.volumes)
-            total[own] += gain[own] * mean
+            total[own] += (gain / np.repeat(unit, group.volumes))[own] * mean
             mean_stresses.append(total)
         return ProgramState(
             velocity=x[: program.n],
@@ -316,61 +328,6 @@ class ConicForm:
         own = np.flatnonzero(curvature)
         rest = (self.matrix.T @ z + self.cost(contact))[own]
         return float(np.sum(rest**2 / curvature[own])) / 2
-
-
-@dataclass(frozen=True)
-class _Leads:
-    """What bounds the norms of a law: sums of unknowns of its own, whose costs are strengths.
-
-    Attributes:
-        shares: of the unknowns in each bound, shape (m, own).
-        slopes: and in each volumetric row (T39), shape (m L, own); None: the unknowns are the
-            bounds, and in no other row.
-    """
-
-    shares: Sparse
-    slopes: Sparse | None
-
-    @classmethod
-    def plain(cls, count: int) -> "_Leads":
-        """One unknown for each norm."""
-        return cls(csr_matrix(identity(count)), None)
-
-    @classmethod
-    def of(cls, group: DissipationGroup) -> "_Leads":
-        """Those of a group: multipliers of surfaces, times weights."""
-        surfaces, m = group.surfaces, group.weights.size
-        if surfaces is None:
-            return cls.plain(m)
-        own = np.arange(m * surfaces.count)
-        point, row = own // surfaces.count, np.arange(m * surfaces.volumes)
-        shares = csr_matrix((np.tile(surfaces.normed, m), (point, own)), (m, own.size))
-        shares.eliminate_zeros()
-        at = np.broadcast_to(own.reshape(m, -1, 1), surfaces.slope.shape)
-        rows = np.broadcast_to(row.reshape(m, 1, -1), surfaces.slope.shape)
-        entries = (surfaces.slope.ravel(), (rows.ravel(), at.ravel()))
-        slopes = csr_matrix(entries, (row.size, own.size))
-        slopes.eliminate_zeros()
-        return cls(shares, slopes)
-
-
-def _gain(group: DissipationGroup) -> Floats:
-    """What volumetric rows are multiplied by, so that slopes in them are of order one, (m L,).
-
-    Where friction is slight mean stresses are as large as its apex is far away, and what a solver
-    leaves of a row counts as often.
-    """
-    if group.surfaces is None:
-        return np.ones(group.volumetric.shape[0])
-    steepest = np.abs(group.surfaces.slope).max(axis=1).ravel()
-    return np.asarray(1 / np.where(steepest > 0, steepest, 1.0))
-
-
-def _besides(group: DissipationGroup, velocity: Floats) -> Floats:
-    """Stresses of hardening that are not among the duals, shape (m, dim) or none, Pa."""
-    if group.surfaces is None or group.modulus is None:
-        return np.zeros((1, group.dim))
-    return group.modulus[:, None] * group.cone_vectors(velocity)
 
 
 def _placed(rows: Sparse, columns: int, first: int) -> Sparse:

@@ -1,11 +1,13 @@
 """Clarabel on programs solved by hand: value, velocity and every dual with its sign (T35)."""
 
+from dataclasses import replace
+
 import clarabel
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 
 import lacore as la
 from backends import clarabel_socp
@@ -16,6 +18,7 @@ from lacore.program import ContactRows, DissipationGroup, FrozenContact, Kinemat
 from lacore.regularization import Penalties
 from lacore.status import Status
 from tests.backends.hand_made import CONIC, LINEAR, check_answer, random_linear_program
+from verification.conformance.soil_programs import SOIL
 
 # The default tolerance is 1e-9 on scaled residuals; numbers here are of order one to ten.
 BAR = 1e-7
@@ -413,3 +416,37 @@ def test_weights_do_not_touch_the_stress():
     }
     assert point[1e-4].stress[0] == pytest.approx(point[1.0].stress[0], abs=1e-5)
     assert point[1e-4].load_factor * 1e4 == pytest.approx(point[1.0].load_factor, rel=1e-4)
+
+
+def shared_out(stated, shares, dilation):
+    """A program of one point of soil, as points that have shares of its weight."""
+    (one,) = stated.groups
+    many = np.zeros(len(shares), dtype=int)
+    surfaces = replace(one.surfaces.at(many), dilation=np.full(many.size * one.volumes, dilation))
+    points = replace(
+        one,
+        rows=csr_matrix(vstack([one.rows] * many.size)),
+        volumetric=csr_matrix(vstack([one.volumetric] * many.size)),
+        weights=one.weights[many] * shares,
+        bound=one.bound[many],
+        modulus=None if one.modulus is None else one.modulus[many],
+        surfaces=surfaces,
+    )
+    return replace(stated, groups=(points,))
+
+
+@pytest.mark.parametrize("dilation", [0.0, 0.1])
+@pytest.mark.parametrize("known", SOIL, ids=lambda known: known.name)
+def test_points_of_soil_may_be_of_any_size(known, dilation):
+    """Rows of small ones are in units of their own: what answers mean is not touched by it."""
+    held = known.contact
+    whole = solve(shared_out(known.program, [1.0], dilation), held)
+    parts = shared_out(known.program, [0.9, 0.09, 0.01 - 1e-6, 1e-6], dilation)
+    answer = solve(parts, held)
+    assert answer.status is whole.status is Status.SOLVED
+    assert answer.point.load_factor == pytest.approx(whole.point.load_factor, abs=BAR)
+    assert answer.point.velocity == pytest.approx(whole.point.velocity, abs=BAR)
+    certificate = certify(parts, answer.point, held)
+    assert certificate.equilibrium < BAR
+    if known.program.groups[0].modulus is None:  # which raises strengths
+        assert certificate.yield_violation < BAR
