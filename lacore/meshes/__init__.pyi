@@ -10,6 +10,7 @@ from .outline import remeshed as remeshed
 from .patches import Patch as Patch
 from .patches import patches as patches
 from .reading import read as read
+from .solid.box import box as box
 from .structured import fan as fan
 from .structured import graded as graded
 from .structured import quadrilaterals as quadrilaterals

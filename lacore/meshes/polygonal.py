@@ -28,11 +28,16 @@ def labelled(mesh: Any, geometry: str) -> Any:
     return mesh
 
 
+def label_of(mesh: Any) -> str | None:
+    """What the maker of a mesh says that its outline is; None where nobody does."""
+    label: str | None = getattr(mesh, _LABEL, None)
+    return label
+
+
 def geometry_of(mesh: Any) -> str:
     """``exact`` or ``approximated``, by the label of a mesh or else by the shape of its outline."""
-    label: str | None = getattr(mesh, _LABEL, None)
     polygon = not is_curved(mesh) and looks_curved(mesh)
-    return label or ("approximated" if polygon else "exact")
+    return label_of(mesh) or ("approximated" if polygon else "exact")
 
 
 def looks_curved(mesh: Any) -> bool:

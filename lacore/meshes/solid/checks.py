@@ -1,0 +1,207 @@
+"""Tetrahedra that cannot be right, or that solvers cannot work on, are refused with place."""
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from skfem import MeshTet
+
+from lacore.arrays import Floats, Ints
+from lacore.errors import InputError, require_range
+from lacore.meshes.checks import SLIVER
+
+_FLAT = 1e-10  # volume over the cubed longest edge; below it gradients lose all their digits
+_ON = 1e-6  # of a face: nearer to it a vertex lies on the face; files write 6 digits at least
+_EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]).T
+_WITHIN = 1e-9  # barycentric coordinate above which a place is in an element, not on its face
+
+
+def signed_volumes(mesh: MeshTet) -> Floats:
+    """Volumes of tetrahedra, shape (elements,), m^3; the sign is that of their orientation."""
+    a, b, c, d = mesh.p[:, mesh.t].transpose(1, 2, 0)
+    return np.asarray(np.sum(np.cross(b - a, c - a) * (d - a), axis=1) / 6)
+
+
+def shapes(mesh: MeshTet) -> Floats:
+    """Shape of tetrahedra, (elements,): 1 of a regular one, 0 of one without volume.
+
+    ``6 sqrt(2) volume / l^3``, l the root of the mean of squared edges.
+
+    Source: Parthasarathy, Graichen & Hathaway, A comparison of tetrahedron quality measures, Finite
+        Elem. Anal. Des. 15, 1994.
+    """
+    edges = mesh.p[:, mesh.t[_EDGES[0]]] - mesh.p[:, mesh.t[_EDGES[1]]]
+    length = np.sqrt(np.sum(edges**2, axis=0).mean(axis=0))
+    volume = np.abs(signed_volumes(mesh))
+    return np.asarray(6 * np.sqrt(2) * volume / np.where(length > 0, length, 1.0) ** 3)
+
+
+def check_tetrahedra(mesh: MeshTet, field: str) -> None:
+    """Refuse what is no conforming cutting of one connected body into tetrahedra.
+
+    Raises:
+        InputError: vertices that are not finite or not used, elements without volume, slivers,
+            inverted or overlapping elements, hanging nodes, parts.
+    """
+    if not np.all(np.isfinite(mesh.p)):
+        raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
+    require_range(field, mesh.p, np.ptp(mesh.p, axis=1))
+    unused = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.t)
+    if unused.size:
+        raise InputError(
+            field,
+            unused[:5].tolist(),
+            f"vertices that no element uses, the first at {_at(mesh.p[:, unused[0]])}",
+            "remove them (mesh.remove_unused_nodes())",
+        )
+    _check_shapes(mesh, field)
+    _check_facets(mesh, field)
+    _check_hanging(mesh, field)
+    _check_overlaps(mesh, field)
+    _check_connected(mesh, field)
+
+
+def _check_shapes(mesh: MeshTet, field: str) -> None:
+    edges = mesh.p[:, mesh.t[_EDGES[0]]] - mesh.p[:, mesh.t[_EDGES[1]]]
+    longest = np.linalg.norm(edges, axis=0).max(axis=0)
+    flat = np.flatnonzero(~(np.abs(signed_volumes(mesh)) > _FLAT * longest**3))
+    if flat.size:
+        raise InputError(
+            field,
+            flat[:5].tolist(),
+            f"elements without volume, the first at {_centre(mesh, flat[0])}",
+            "remove or move their vertices",
+        )
+    shape = shapes(mesh)
+    slivers = np.flatnonzero(shape < SLIVER)
+    if slivers.size:
+        worst = slivers[np.argmin(shape[slivers])]
+        raise InputError(
+            field,
+            slivers[:5].tolist(),
+            f"slivers, the worst of shape {shape[worst]:.1e} at {_centre(mesh, worst)}, where"
+            f" {SLIVER:.0e} is the least",
+            "move or merge their vertices, or mesh anew",
+        )
+
+
+def _check_facets(mesh: MeshTet, field: str) -> None:
+    crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
+    if crowded.size:
+        raise InputError(
+            field,
+            None,
+            f"a face with more than two elements, around {_face(mesh, crowded[0])}: they overlap",
+            "remove the elements that lie on top of others",
+        )
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    a, b, c = mesh.p[:, mesh.facets[:, inner]].transpose(1, 2, 0)
+    normal = np.cross(b - a, c - a)
+    side = [
+        np.sum(normal * (mesh.p[:, mesh.t[:, own]].mean(axis=1).T - a), axis=1)
+        for own in mesh.f2t[:, inner]
+    ]
+    folded = inner[np.sign(side[0]) == np.sign(side[1])]
+    if folded.size:
+        raise InputError(
+            field,
+            np.unique(mesh.f2t[:, folded[:5]]).tolist(),
+            "inverted elements (they lie on top of a neighbour), the first at the face around"
+            f" {_face(mesh, folded[0])}",
+            "move the vertices so that elements do not overlap",
+        )
+
+
+def _check_hanging(mesh: MeshTet, field: str) -> None:
+    """No vertex in a face, or on an edge, of an element that does not have it; both on the skin."""
+    facets = mesh.boundary_facets()
+    corner = mesh.p[:, mesh.facets[:, facets]]
+    vertices = np.unique(mesh.facets[:, facets])
+    size = np.linalg.norm(np.ptp(corner, axis=1), axis=0)
+    near, face = _in_boxes(mesh.p[:, vertices], corner, _ON * size)
+    own = np.any(mesh.facets[:, facets[face]] == vertices[near], axis=0)
+    near, face = near[~own], face[~own]
+    a, b, c = corner[:, :, face].transpose(1, 2, 0)
+    place = mesh.p[:, vertices[near]].T
+    normal = np.cross(b - a, c - a)
+    squared = np.sum(normal**2, axis=1)
+    off = np.abs(np.sum(normal * (place - a), axis=1)) / np.sqrt(squared)
+    shares = [
+        np.sum(normal * np.cross(two - one, place - one), axis=1) / squared
+        for one, two in ((a, b), (b, c), (c, a))
+    ]
+    inside = (off <= _ON * size[face]) & (np.min(shares, axis=0) >= -_ON)
+    if inside.any():
+        first = np.flatnonzero(inside)[0]
+        raise InputError(
+            field,
+            np.unique(vertices[near[inside]])[:5].tolist(),
+            f"hanging nodes, the first at {_at(place[first])} in the face around"
+            f" {_face(mesh, facets[face[first]])}",
+            "split the element with that face there",
+        )
+
+
+def _check_overlaps(mesh: MeshTet, field: str) -> None:
+    """No vertex, and no centre of an element, within an element that is not its own.
+
+    Of elements that do not fold over a neighbour, on faces of two elements at most: those that
+    overlap without it are of parts of the skin that cut each other.
+    """
+    corner = mesh.p[:, mesh.t]
+    middle = corner.mean(axis=1)
+    places = np.concatenate([mesh.p, middle], axis=1)
+    near, element = _in_boxes(places, corner, np.zeros(mesh.nelements))
+    own = np.any(mesh.t[:, element] == near, axis=0)
+    own |= near == mesh.p.shape[1] + element
+    near, element = near[~own], element[~own]
+    origin = corner[:, 0, element]
+    sides = (corner[:, 1:, element] - origin[:, None]).transpose(2, 0, 1)
+    away = (places[:, near] - origin).T
+    shares = np.linalg.solve(sides, away[:, :, None])[:, :, 0]
+    least = np.minimum(shares.min(axis=1, initial=1.0), 1 - shares.sum(axis=1))
+    inside = np.flatnonzero(least > _WITHIN)
+    if inside.size:
+        first = inside[0]
+        raise InputError(
+            field,
+            element[inside[:5]].tolist(),
+            f"elements that overlap at {_at(places[:, near[first]])}",
+            "move or remove elements until each place is in one",
+        )
+
+
+def _in_boxes(places: Floats, corner: Floats, room: Floats) -> tuple[Ints, Ints]:
+    """Pairs of places (3, n) and of elements, corners (3, a, e), whose boxes they lie in."""
+    low, high = corner.min(axis=1) - room, corner.max(axis=1) + room
+    tree = shapely.STRtree(shapely.points(places[:2].T))
+    element, near = tree.query(shapely.box(low[0], low[1], high[0], high[1]))
+    level = places[2, near]
+    kept = (level >= low[2, element]) & (level <= high[2, element])
+    return near[kept], element[kept]
+
+
+def _check_connected(mesh: MeshTet, field: str) -> None:
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    links = coo_matrix((np.ones(inner.shape[1]), inner), shape=(mesh.nelements,) * 2)
+    parts, part = connected_components(links, directed=False)
+    if parts > 1:
+        places = [_centre(mesh, np.flatnonzero(part == number)[0]) for number in range(2)]
+        raise InputError(
+            field,
+            int(parts),
+            f"disconnected parts (joined by no face), with elements at {places[0]} and {places[1]}",
+            "make each part a Body of its own, or merge coincident vertices",
+        )
+
+
+def _at(place: Floats) -> str:
+    return f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
+
+
+def _centre(mesh: MeshTet, element: int) -> str:
+    return _at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
+
+
+def _face(mesh: MeshTet, facet: int) -> str:
+    return _at(mesh.p[:, mesh.facets[:, facet]].mean(axis=1))

@@ -1,0 +1,86 @@
+"""Boxes of tetrahedra, and meshes of them that cannot be right."""
+
+import numpy as np
+import pytest
+from skfem import MeshTet
+
+import lacore as la
+from lacore.meshes.solid.checks import check_tetrahedra, shapes, signed_volumes
+from lacore.meshes.solid.roundness import looks_round, solid_geometry_of
+
+SIDES = ("left", "right", "front", "back", "bottom", "top")
+
+
+@pytest.mark.parametrize(("crossed", "cell"), [(False, 6), (True, 24)])
+def test_a_box_is_filled_once_and_its_sides_have_names(crossed, cell):
+    mesh = la.meshes.box((0, 2), (-1, 1), (0, 3), 2, 3, 1, crossed, grade_z=None)
+    assert mesh.nelements == 6 * cell
+    assert np.abs(signed_volumes(mesh)).sum() == pytest.approx(12.0)
+    check_tetrahedra(mesh, "mesh")
+    named = np.concatenate([mesh.boundaries[name] for name in SIDES])
+    np.testing.assert_array_equal(np.sort(named), np.sort(mesh.boundary_facets()))
+    for name, (axis, at) in zip(
+        SIDES, [(0, 0), (0, 2), (1, -1), (1, 1), (2, 0), (2, 3)], strict=True
+    ):
+        assert np.all(mesh.p[axis][mesh.facets[:, mesh.boundaries[name]]] == at)
+
+
+def test_cells_are_cut_along_the_planes_of_symmetry_of_a_square():
+    """All of each element of a grid of cubes lies on one side of x = y (T89)."""
+    mesh = la.meshes.box((0, 2), (0, 2), (0, 1), 3, 3, 2, grade_x=(1.0, 3.0), grade_y=(1.0, 3.0))
+    away = (mesh.p[0] - mesh.p[1])[mesh.t]
+    assert np.all((away >= 0).all(axis=0) | (away <= 0).all(axis=0))
+
+
+def test_shapes_are_one_of_a_regular_tetrahedron_and_do_not_know_size():
+    corner = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]).T
+    for scale in (1e-3, 1.0, 1e3):
+        mesh = MeshTet(np.ascontiguousarray(scale * corner), np.array([[0], [1], [2], [3]]))
+        np.testing.assert_allclose(shapes(mesh), 1.0, rtol=1e-12)
+
+
+def _mesh(points, elements):
+    return MeshTet(*map(np.ascontiguousarray, (np.array(points, float).T, np.array(elements).T)))
+
+
+UNIT = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+TWO = [*UNIT, (1, 1, 1)]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "match"),
+    [
+        (_mesh([*UNIT, (9, 9, 9)], [(0, 1, 2, 3)]), "no element uses"),
+        (_mesh([*UNIT[:3], (1, 1, 0)], [(0, 1, 2, 3)]), "without volume"),
+        (_mesh([*UNIT[:3], (1, 1, 1e-8)], [(0, 1, 2, 3)]), "slivers"),
+        (_mesh([*UNIT, (0.2, 0.2, 0.2)], [(0, 1, 2, 3), (1, 2, 3, 4)]), "inverted"),
+        (_mesh([*TWO, (2, 2, 3)], [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)]), "more than two"),
+        (_mesh([*UNIT, *(np.array(UNIT) + 5)], [(0, 1, 2, 3), (4, 5, 6, 7)]), "disconnected"),
+        (_mesh([*UNIT, *(np.array(UNIT) + 0.1)], [(0, 1, 2, 3), (4, 5, 6, 7)]), "overlap"),
+        (
+            _mesh(
+                [*UNIT, (0.5, 0.5, 0), (1, 1, -1)],
+                [(0, 1, 2, 3), (0, 1, 4, 5), (0, 2, 4, 5)],
+            ),
+            "hanging",
+        ),
+        (_mesh([*UNIT[:3], (0, 0, np.nan)], [(0, 1, 2, 3)]), "not finite"),
+    ],
+)
+def test_what_cannot_be_right_is_refused_with_its_place(mesh, match):
+    with pytest.raises(la.InputError, match=match):
+        check_tetrahedra(mesh, "Body.mesh")
+
+
+def test_a_ball_looks_round_and_a_box_does_not():
+    ball, box = MeshTet.init_ball(), la.meshes.box((0, 1), (0, 1), (0, 1), 2, 2, 2)
+    assert looks_round(ball)
+    assert solid_geometry_of(ball) == "approximated"
+    assert not looks_round(box)
+    assert solid_geometry_of(box) == "exact"
+
+
+def test_a_body_of_a_ball_proves_nothing_of_the_ball():
+    ball = la.Body(MeshTet.init_ball(), la.VonMises(shear_strength=1.0), kinematics="3d")
+    assert ball.geometry == "approximated"
+    assert "tetrahedra" in ball.contents
