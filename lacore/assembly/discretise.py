@@ -18,7 +18,10 @@ from lacore.assembly.slips import slips
 from lacore.assembly.span_nodes import spanned
 from lacore.assembly.sticking import yielding
 from lacore.assembly.unknowns import Unknowns
-from lacore.bodies.continuum.jumps import jumps, movable
+from lacore.bodies.continuum.jumps import Jumps, jumps, movable
+from lacore.bodies.continuum.slip import Slip
+from lacore.bodies.continuum.solid.face_jumps import face_jumps
+from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.contact.touching import Touching
@@ -38,9 +41,8 @@ def touching(
     interfaces: Sequence[Interface], segments: Sequence[Touching], unknowns: Unknowns
 ) -> tuple[ContactRows, ContactPoints]:
     """Contact where bodies touch: see `lacore.contact.rows.contact_rows`."""
-    dimension = 3 if unknowns.solids else 2
     return contact_rows(
-        interfaces, segments, unknowns.dofs, unknowns.jointed, unknowns.n, dimension
+        interfaces, segments, unknowns.dofs, unknowns.jointed, unknowns.n, unknowns.dimension
     )
 
 
@@ -50,6 +52,16 @@ def held_in_members(unknowns: Unknowns) -> Floats:
     for own in unknowns.frames.values():
         force[own.offset : own.offset + own.count] = own.held
     return force
+
+
+def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -> list[Jumps]:
+    """Those of a continuum, in the plane on edges, in space on faces."""
+    own, footings = unknowns.continua[name], tuple(unknowns.footings)
+    if own.body.dimension == 2:
+        return jumps(name, own, unknowns.n, slip)
+    asked = face_conditions(own.body, problem.supports, footings, name)
+    speeds = np.array(list(unknowns.footings.values()), dtype=np.int64)
+    return face_jumps(name, own, held_faces(own, asked, footings), speeds, unknowns.n)
 
 
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
@@ -74,7 +86,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         part.group.name.removesuffix(": jumps"): part
         for name, own in continua.items()
         if own.space.jumps or name in slipping
-        for part in jumps(name, own, n, slipping.get(name))
+        for part in _jumps(problem, unknowns, name, slipping.get(name))
     }
     jumping, seaming = (
         {name: part for name, part in found.items() if part.group.weights.size}

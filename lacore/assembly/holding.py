@@ -12,6 +12,7 @@ from lacore.assembly.ordering import column_order
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.continuum.held import footing_of, support_of
 from lacore.bodies.continuum.slip import Slip
+from lacore.bodies.continuum.solid.holding import solid_free_basis
 from lacore.conditions.elimination import free_basis, held, join
 from lacore.problem.problem import Problem
 
@@ -35,6 +36,20 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     Raises:
         InputError: a footing that cannot move, a polygon held in place of an arc.
     """
+    rigid = rigid_basis(problem, unknowns.rigid, unknowns.n)
+    if unknowns.continua and unknowns.dimension == 3:
+        footings = tuple(unknowns.footings)
+        deforming, nodes = solid_free_basis(unknowns.continua, problem.supports, footings)
+    else:
+        deforming, nodes = _in_plane(problem, unknowns, slipping, tied)
+    basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
+    return Held(csr_matrix(basis[:, column_order(basis, unknowns.jointed)]), nodes)
+
+
+def _in_plane(
+    problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], tied: Ties
+) -> tuple[Sparse, Bools]:
+    """Of continua of the plane and footings: a basis, and which nodes something acts on."""
     bodies, node_dofs = unknowns.continua, unknowns.node_dofs
     asked = [
         *(
@@ -59,7 +74,4 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     conditions = replace(conditions, nodes=tied.first[conditions.nodes])
     conditions = join([conditions, *(held(tied.following, axis) for axis in tied.both_axes)])
     deforming = free_basis(conditions, node_dofs, [own.name for own in unknowns.footings])
-    deforming = tied.spread(deforming, node_dofs)
-    rigid = rigid_basis(problem, unknowns.rigid, unknowns.n)
-    basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
-    return Held(csr_matrix(basis[:, column_order(basis, unknowns.jointed)]), nodes)
+    return tied.spread(deforming, node_dofs), nodes

@@ -38,8 +38,9 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
         InputError: nothing sets a scale of stress; the load factor would be 0 or any number.
     """
     extent = fsum(own.extent for own in unknowns.dofs.values())
-    length = cbrt(extent) if unknowns.solids else sqrt(extent)
-    across = length if unknowns.solids else 1.0
+    solid = unknowns.dimension == 3
+    length = cbrt(extent) if solid else sqrt(extent)
+    across = length if solid else 1.0
     bodies = unknowns.continua
     yielding = program.groups[: len(bodies)] or program.groups
     strengths = strengths_of(yielding, program.dead_load, length)

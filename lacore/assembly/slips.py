@@ -56,7 +56,7 @@ def slips(
     vertices = _bonded_vertices(problem, bodies)
     able = []
     for name, dofs in bodies.items():
-        if dofs.linear:
+        if dofs.linear and dofs.body.dimension == 2:
             asked, owner = asked_of(problem, name, dofs, footings)
             contact = np.concatenate([_NONE, *(part[name] for part in touched if name in part)])
             own = _able(name, dofs, asked, owner, footings, np.unique(contact))

@@ -1,6 +1,6 @@
 """The unknowns of a problem: of continua, footings, rigid blocks and frames, in this order.
 
-In space there are rigid blocks alone.
+In space there are tetrahedra and rigid blocks, and no frames.
 """
 
 from collections.abc import Mapping
@@ -58,6 +58,11 @@ class Unknowns:
         numbers = {footing: first + place for place, footing in enumerate(footings)}
         return cls(continua, assemblies, frames, solids, numbers, n)
 
+    @property
+    def dimension(self) -> int:
+        """2 of the plane, 3 in space."""
+        return max(own.body.dimension for own in self.dofs.values())
+
     @cached_property
     def rigid(self) -> dict[str, RigidParts]:
         """Bodies whose supports are a matter of their own, in the order of their unknowns."""
@@ -75,9 +80,9 @@ class Unknowns:
 
     @cached_property
     def node_dofs(self) -> Ints:
-        """Unknowns (x, y) of the nodes of all continua, shape (2, nodes)."""
-        none = np.zeros((2, 0), dtype=np.int64)
-        return np.concatenate([none, *(own.dofs for own in self.continua.values())], axis=1)
+        """Unknowns (x, y), in space (x, y, z), of the nodes of all continua, shape (d, nodes)."""
+        found = [own.dofs for own in self.continua.values()]
+        return np.concatenate(found or [np.zeros((2, 0), dtype=np.int64)], axis=1)
 
     @property
     def parts(self) -> Ints:

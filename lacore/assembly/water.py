@@ -8,7 +8,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.water import in_pores
 from lacore.problem.problem import Problem
 
-_FEELS = np.array([1.0, 1.0, 1.0, 0.0])  # of (xx, yy, zz, xy)
+_FEELS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])  # of (xx, yy, zz, xy), in space (.., yz, zx)
 
 
 def pore_pressures(problem: Problem, load_factor: float) -> dict[str, Floats]:
@@ -30,10 +30,10 @@ def pore_pressures(problem: Problem, load_factor: float) -> dict[str, Floats]:
 
 
 def total_stress(effective: Floats, water: Floats) -> Floats:
-    """Stresses (..., 4) that the skeleton and the water of shape (...) carry together, Pa."""
-    return np.asarray(effective - water[..., None] * _FEELS)
+    """Stresses (..., 4 or 6) that the skeleton and the water of shape (...) carry together, Pa."""
+    return np.asarray(effective - water[..., None] * _FEELS[: effective.shape[-1]])
 
 
 def effective_stress(total: Floats, water: Floats) -> Floats:
-    """What the skeleton carries of stresses (..., 4), Pa: the inverse of `total_stress`."""
-    return np.asarray(total + water[..., None] * _FEELS)
+    """What the skeleton carries of stresses (..., 4 or 6), Pa: the inverse of `total_stress`."""
+    return np.asarray(total + water[..., None] * _FEELS[: total.shape[-1]])

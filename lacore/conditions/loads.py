@@ -21,7 +21,6 @@ from lacore.conditions.where import Where, where_name
 from lacore.errors import (
     InputError,
     is_number,
-    is_plane_vector,
     is_vector,
     require_known,
     require_place,
@@ -207,16 +206,13 @@ class RigidFooting(Compact):
 
     body: str
     where: Where
-    direction: tuple[float, float]
+    direction: tuple[float, ...]
     pressure: float = 1.0
     rough: bool = True
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        if not is_plane_vector(self.direction):
-            why, mend = "not a plane vector", "give two finite numbers"
-            raise InputError("RigidFooting.direction", self.direction, why, mend)
-        require_range("RigidFooting.direction", self.direction)
+        _check_vector("RigidFooting.direction", self.direction, "any unit")
         _check_size("RigidFooting.pressure", self.pressure, "Pa")
         for name, given in (("direction", self.direction), ("pressure", self.pressure)):
             if not np.any(given):

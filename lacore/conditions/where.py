@@ -51,22 +51,32 @@ def edges_inside(
     # In its Bernstein hull without round-off, so that `x[1] == 0.7` holds along an edge at 0.7.
     hull = np.stack([start, middle + bulge, end])
     samples = np.clip(samples, hull.min(axis=0)[:, :, None], hull.max(axis=0)[:, :, None])
+    inside = asked(where, samples.reshape(2, -1), field).reshape(start.shape[1], _SAMPLES.size)
+    whole = inside.all(axis=1)
+    return np.flatnonzero(whole), np.flatnonzero(inside.any(axis=1) & ~whole)
+
+
+def asked(where: Callable[[Floats], Bools], places: Floats, field: str) -> Bools:
+    """What a predicate says of places of shape (d, n), shape (n,).
+
+    Raises:
+        InputError: the predicate fails, or does not return one bool a point.
+    """
+    shape = f"({len(places)}, n)"
     try:
-        inside = np.asarray(where(samples.reshape(2, -1)))
+        inside = np.asarray(where(places))
     except Exception as error:  # of others
         raise InputError(
             field,
             None,
-            f"the predicate fails for coordinates (2, n): {type(error).__name__}: {error}",
+            f"the predicate fails for coordinates {shape}: {type(error).__name__}: {error}",
             "compare arrays, and join conditions by & and |, each in brackets",
         ) from error
-    if inside.shape != (samples[0].size,) or inside.dtype != bool:
+    if inside.shape != (places[0].size,) or inside.dtype != bool:
         raise InputError(
             field,
             inside.dtype.name,
             "the predicate does not return one bool a point",
-            "return an array of bool of shape (n,) for coordinates (2, n)",
+            f"return an array of bool of shape (n,) for coordinates {shape}",
         )
-    inside = inside.reshape(start.shape[1], _SAMPLES.size)
-    whole = inside.all(axis=1)
-    return np.flatnonzero(whole), np.flatnonzero(inside.any(axis=1) & ~whole)
+    return inside

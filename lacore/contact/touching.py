@@ -7,8 +7,10 @@ from lacore.bodies.any_body import AnyBody, of_kind
 from lacore.bodies.blocks.joints import Joints
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.joints import Joints3D
+from lacore.bodies.continuum.body import Body
 from lacore.contact import patches, segments
 from lacore.contact.interfaces import Interface
+from lacore.errors import InputError
 
 Touching = segments.Segments | patches.Patches
 
@@ -19,6 +21,15 @@ def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: s
     Raises:
         InputError: nowhere, or not as contact can be.
     """
+    for name, body in of_kind(bodies, Body).items():
+        if body.dimension == 3:
+            raise InputError(
+                field,
+                interface.name,
+                f"contact beside {name!r}: bodies of tetrahedra touch nothing yet",
+                "press them by a RigidFooting, smooth or rough, and hold them by a Fix along"
+                " normals, or all of xyz",
+            )
     if solid := of_kind(bodies, BlockAssembly3D):
         return patches.interface_patches(interface, solid, field)
     plane = {name: body for name, body in bodies.items() if not isinstance(body, BlockAssembly3D)}

@@ -24,7 +24,10 @@ from lacore.paths.path import Path, Snapshot
 from lacore.program import DissipationGroup
 
 SERIES = "path.pvd"
-_CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 9: "quad9"}
+_CELLS = {
+    2: {3: "triangle", 4: "quad", 6: "triangle6", 9: "quad9"},
+    3: {4: "tetra", 10: "tetra10"},
+}  # by dimension and nodes
 
 
 @dataclass(frozen=True)
@@ -112,9 +115,9 @@ def _flowing(
 
 
 def _tensors(dofs: BodyDofs, stress: Floats) -> Floats:
-    """Means over elements of stresses (elements, q, 4), as ParaView takes them, (6, elements)."""
-    xx, yy, zz, xy = (element_means(dofs, own) for own in stress.transpose(2, 0, 1))
-    return np.stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
+    """Means over elements of stresses (elements, q, 4 or 6), as ParaView takes them, (6, e)."""
+    known = np.stack([element_means(dofs, own) for own in stress.transpose(2, 0, 1)])
+    return np.concatenate([known, np.zeros((6 - len(known), known.shape[1]))])
 
 
 def _rigid(dofs: RigidDofs, motion: Floats, number: int) -> Iterator[_Part]:
@@ -216,12 +219,13 @@ def _continuum(
     # Nodes of an element stand in the order of VTK: vertices, edges from the first on, the centre.
     cells = dofs.element_nodes.T
     columns = {"body": np.full(len(cells), body), "region": region_numbers(dofs.body), **at_cells}
-    return _Part(_CELLS[cells.shape[1]], cells, dofs.nodes, at_points, columns)
+    kinds = _CELLS[dofs.body.dimension]
+    return _Part(kinds[cells.shape[1]], cells, dofs.nodes, at_points, columns)
 
 
 def _spatial(vectors: Floats) -> Floats:
     """With a third component, shape (3, n)."""
-    return np.concatenate([vectors, np.zeros((1, vectors.shape[1]))])
+    return np.concatenate([vectors, np.zeros((3 - len(vectors), vectors.shape[1]))])
 
 
 def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:

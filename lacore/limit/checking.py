@@ -179,13 +179,14 @@ def _with_stress(
     for name, dofs, own_groups in by_body(d.bodies, range(len(stresses))):
         if name not in given:
             continue
-        total = numbers(f"stress[{name!r}]", given[name], (*dofs.weights.shape, 4))
+        count = 6 if dofs.body.dimension == 3 else 4
+        total = numbers(f"stress[{name!r}]", given[name], (*dofs.weights.shape, count))
         sigma = effective_stress(total, point_values(dofs, water[name]))
         for number, region in zip(own_groups, dofs.body.regions, strict=True):
             form, dim = region.form, region.form.rows.shape[0]
             parts = np.eye(dim + len(form.volumes))
             back = np.linalg.pinv(form.stress(parts[:, :dim], parts[:, dim:].ravel()))
-            own = sigma[region.elements].reshape(-1, 4) @ back
+            own = sigma[region.elements].reshape(-1, count) @ back
             stresses[number], means[number] = own[:, :dim], own[:, dim:].ravel()
         judged = judged_means(dofs, [means[number] for number in own_groups])
         kept = continuum_stress(dofs, [stresses[number] for number in own_groups], judged)

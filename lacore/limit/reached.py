@@ -24,6 +24,7 @@ _MOVES = 0.15
 _ROLLS = 0.35
 # Of the largest speed, of an element beside a support that is too large to tell where motion ends.
 _IN_DOUBT = 0.5
+_WHOLE = ("xy", "xyz")  # of the plane, and in space: held altogether
 _FACING = -0.99  # cosine of outward normals of sides that face each other
 
 
@@ -41,7 +42,7 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
     """
     reached, rolling = [], False
     for support, dofs, speed, fastest in _held(discretisation, velocity):
-        rollers = support.components != "xy"
+        rollers = support.components not in _WHOLE
         if rollers and not _of_a_box(support, discretisation.problem, dofs.body):
             continue
         near = _beside(dofs, facets_of(support, dofs.body), speed)
@@ -72,7 +73,7 @@ def doubtful_supports(
     found = []
     for support, dofs, speed, fastest in _held(discretisation, velocity):
         outward = _held_across(support, dofs.body)
-        if support.components != "xy" or outward is None:
+        if support.components not in _WHOLE or outward is None:
             continue
         nodes = _nodes_beside(dofs, facets_of(support, dofs.body))
         if float(speed[nodes].max(initial=0.0)) > _IN_DOUBT * fastest > 0:
@@ -91,7 +92,10 @@ def _held(
     """Supports of soils, their unknowns, speeds of their nodes, and the largest of all bodies."""
     if velocity is None or not discretisation.bodies:
         return
-    speeds = {name: np.hypot(*velocity[dofs.dofs]) for name, dofs in discretisation.bodies.items()}
+    speeds = {
+        name: np.hypot.reduce(velocity[dofs.dofs], axis=0)
+        for name, dofs in discretisation.bodies.items()
+    }
     fastest = max(float(speed.max(initial=0.0)) for speed in speeds.values())
     for support in discretisation.problem.supports:
         dofs = discretisation.bodies.get(support.body)
@@ -122,7 +126,8 @@ def _held_across(support: Fix, body: Body) -> Floats | None:
     """Outward normal of a straight support that holds the motion across it; None of any other."""
     normals = outward_normals(body, facets_of(support, body), 0.5)
     normal = normals[:, 0]
-    across = {"x": abs(normal[0]), "y": abs(normal[1]), "tangential": 0.0}
+    across = {axis: abs(part) for axis, part in zip("xyz", normal, strict=False)}
+    across["tangential"] = 0.0
     straight = float((normal @ normals).min()) > -_FACING
     held = across.get(support.components, 1.0) > -_FACING
     return np.asarray(normal) if straight and held else None

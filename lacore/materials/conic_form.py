@@ -11,7 +11,9 @@ from lacore.materials.fields import Field, Strengths
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
 
-KINEMATICS = ("plane_strain", "plane_stress", "axisymmetric")
+PLANE = ("plane_strain", "plane_stress", "axisymmetric")
+SPACE = "3d"
+KINEMATICS = (*PLANE, SPACE)
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,7 +38,7 @@ class ConicForm(Compact):
     """Dissipation ``D = bound * ||rows @ eps||`` with ``volumetric @ eps = 0``; or surfaces.
 
     `eps` is the strain rate in engineering components (xx, yy, gamma_xy), of axisymmetric bodies
-    (rr, zz, tt, gamma_rz), unit 1/s.
+    (rr, zz, tt, gamma_rz), in space (xx, yy, zz, gamma_xy, gamma_yz, gamma_zx), unit 1/s.
 
     Attributes:
         rows: cone rows, shape (dim, components).
@@ -153,6 +155,8 @@ class ConicForm(Compact):
     def stress(self, conjugate: Floats, mean: Floats) -> Floats:
         """Stresses (xx, yy, zz, xy) or (rr, zz, tt, rz), shape (m, 4), Pa, tension positive.
 
+        In space (xx, yy, zz, xy, yz, zx), shape (m, 6).
+
         Args:
             conjugate: of `rows`, shape (m, dim), Pa.
             mean: of `volumetric`, shape (m L,), Pa; in plane strain also sigma_zz (T1), which lies
@@ -160,7 +164,7 @@ class ConicForm(Compact):
         """
         means = mean.reshape(len(conjugate), -1)
         plane = conjugate @ self.rows + means @ self.volumes
-        if plane.shape[1] == 4:
+        if plane.shape[1] in (4, 6):
             return np.asarray(plane)
         out = self.out_of_plane * means[:, 0]
         if self.out_of_rows:
@@ -170,19 +174,20 @@ class ConicForm(Compact):
     def across(self) -> "ConicForm":
         """The same for a layer in which only ``(eps_nn, gamma_nt)`` vary: a velocity jump (T23).
 
-        `rows` and `volumetric` act on these two. Of an isotropic criterion. Where strength depends
-        on pressure, of one plane, it is ``|tau| <= c - sigma_n tan(phi)`` (T43).
+        `rows` and `volumetric` act on these two, in space on ``(eps_nn, gamma_ns, gamma_nt)``. Of
+        an isotropic criterion. Where strength depends on pressure, of one plane, it is
+        ``|tau| <= c - sigma_n tan(phi)`` (T43).
 
         Raises:
             InputError: several planes: the layer would have an envelope that is none of planes.
         """
-        axes = np.array([0, 2])
+        axes = np.array([0, 3, 5] if self.rows.shape[1] == 6 else [0, 2])
         if self.surfaces:
             return self._layer()
         rows, factor = self.rows[:, axes], self.volumetric_factor
         if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
             factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
-            rows = rows * np.array([0.0, 1.0])
+            rows = rows * (np.arange(axes.size) > 0)
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
 
     def _layer(self) -> "ConicForm":

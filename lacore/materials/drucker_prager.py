@@ -8,7 +8,7 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.errors import InputError, require_known
 from lacore.materials.angles import angles_told, flatter, require_angles
-from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm, Surface
 from lacore.materials.fields import Field, Given, Strength, Strengths, number_told, taken
 from lacore.materials.planes import planes_form, require_not_negative
 from lacore.materials.von_mises import VonMises
@@ -193,7 +193,7 @@ class DruckerPrager(Compact):
             root = np.sqrt(1 - a**2 / 3)
             return planes_form(kinematics, k / root, a / root, None, None)
         flat = VonMises(shear_strength=1.0).conic_form(kinematics)
-        if kinematics == "axisymmetric":
+        if kinematics in ("axisymmetric", SPACE):
             if not np.any(a):
                 return replace(flat, bound=k)
             return replace(flat, bound=k, surfaces=own)

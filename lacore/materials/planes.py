@@ -7,7 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_number, require_known, require_positive, require_range
-from lacore.materials.conic_form import KINEMATICS, ConicForm, Surface
+from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm, Surface
 from lacore.materials.fields import Field, Strength, Strengths, number_told
 from lacore.materials.von_mises import VonMises
 
@@ -36,6 +36,13 @@ def planes_form(
             the others is (T88).
     """
     require_known("Body.kinematics", kinematics, KINEMATICS)
+    if kinematics == SPACE:
+        raise InputError(
+            "Body.criterion",
+            "planes of friction, or of the largest shear stress",
+            "in space these depend on all three principal stresses, which no cone of lacore states",
+            "take VonMises, or DruckerPrager",
+        )
     cut = tension is not None or crushing is not None
     if shear is not None and not np.any(slope) and not cut and kinematics == "plane_strain":
         return VonMises(shear_strength=shear).conic_form(kinematics)  # type: ignore[arg-type]  # no array: of angles of elements there is none of 0

@@ -6,7 +6,7 @@ from math import nan, sqrt
 import numpy as np
 
 from lacore.errors import InputError, is_number, require_known, require_range
-from lacore.materials.conic_form import KINEMATICS, ConicForm
+from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm
 from lacore.materials.fields import Field, Given, Strength, number_told, taken
 from lacore.materials.hardening import HardeningLaw, Perfect, require_hardening_law
 from lacore.showing import Compact
@@ -104,9 +104,21 @@ class VonMises(Compact):
         Plane strain ``k ||(eps_xx - eps_yy, gamma)||``, theta = 0; plane stress
         ``k ||(2 eps_xx + eps_yy, sqrt(3) eps_yy, gamma)||``, where eps_zz keeps the volume;
         axisymmetric ``k ||(eps_rr - eps_zz, (eps_rr + eps_zz - 2 eps_tt)/sqrt(3), gamma)||``,
-        theta = 0.
+        theta = 0; in space five rows, theta = 0 (T89).
         """
         require_known("Body.kinematics", kinematics, KINEMATICS)
+        if kinematics == SPACE:
+            share = 1 / sqrt(3)
+            rows = np.zeros((5, 6))
+            rows[0, :2] = 1.0, -1.0
+            rows[1, :3] = -share, -share, 2 * share
+            rows[2:, 3:] = np.eye(3)
+            return ConicForm(
+                rows=rows,
+                volumetric=np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+                bound=self.k,
+                volumetric_factor=0.0,  # the rows have no part of theta
+            )
         if kinematics == "axisymmetric":
             share = 1 / sqrt(3)
             return ConicForm(

@@ -18,6 +18,7 @@ from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.regions import shaded
+from lacore.problem.dimensions import require_plane
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
@@ -26,6 +27,7 @@ _FEW = 10  # boundaries that have a colour
 
 def plot_body(body: Body) -> Figure:
     """Its elements, by regions, and its named boundaries."""
+    require_plane(body.dimension, "Body.plot", "print the body, which says what it is")
     figure, axes = _page({"body": body})
     corners = outlines(body.mesh)
     for region, colour in shaded(body):
@@ -51,6 +53,7 @@ def plot_strength(bound: LowerBound) -> Figure:
     Raises:
         ValueError: there is no state, or nothing that yields.
     """
+    require_plane(bound.model.problem.dimension, "LowerBound.plot", "take bound.stress")
     if bound.point is None or not bound.model.bodies:
         raise ValueError("there are no stresses to show")
     bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
@@ -71,6 +74,8 @@ def plot_gap(identity: GapIdentity) -> Figure:
     Raises:
         ValueError: there are no elements.
     """
+    for body in identity.bodies.values():
+        require_plane(body.dimension, "GapIdentity.plot", "take identity.elements")
     if not identity.bodies:
         raise ValueError("there are no elements to show")
     total = max(identity.total, np.finfo(float).tiny)

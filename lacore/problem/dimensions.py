@@ -84,6 +84,12 @@ def check_interface_dimension(interface: Interface, field: str, dimension: int) 
         _require(f"{field}.master.point", obstacle.point, dimension)
 
 
+def require_plane(dimension: int, field: str, mend: str) -> None:
+    """Raise `InputError` for what is made of problems of the plane only."""
+    if dimension == 3:
+        raise InputError(field, None, "not made in space yet", mend)
+
+
 def _require(field: str, given: Sequence[object], dimension: int) -> None:
     if len(given) != dimension:
         why = f"{len(given)} numbers, where the body is one of {SPACES[dimension]}"

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 import lacore as la
 from lacore.certificate import certify
 from lacore.dissipation import DissipationGroup
-from lacore.materials.conic_form import KINEMATICS
+from lacore.materials.conic_form import PLANE
 from lacore.program import ContactRows, KinematicProgram
 from lacore.state import ProgramState
 from lacore.surfaces import Surfaces
@@ -36,7 +36,7 @@ def surfaces(criterion, kinematics, points):
 
 def known():
     for name, criterion in CRITERIA.items():
-        for kinematics in KINEMATICS:
+        for kinematics in PLANE:
             if criterion.conic_form(kinematics).surfaces:
                 yield pytest.param(criterion, kinematics, id=f"{name} {kinematics}")
 
@@ -163,7 +163,7 @@ def test_surfaces_of_no_point():
     assert none.impossible(np.zeros(0), np.zeros(0)).size == 0
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
+@pytest.mark.parametrize("kinematics", PLANE)
 def test_the_cone_of_no_friction_is_that_of_tresca(kinematics):
     """Also as the limit of small angles: 0.1 degrees differ by about tan(0.1 degrees)."""
     shear = la.MaximumShear(1.0).conic_form(kinematics)

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from skfem import MeshQuad, MeshTri
-from skfem.mesh import MeshTri1
+from skfem import MeshQuad, MeshTet, MeshTri
+from skfem.mesh import MeshTet1, MeshTri1
 
 from lacore import views
 from lacore.arrays import Bools, Floats, Ints
@@ -16,16 +16,18 @@ from lacore.bodies.continuum.loaded import check_load
 from lacore.bodies.continuum.locking import crossed_quadrilaterals
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.stated import regions_of
-from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.bodies.continuum.spaces import VelocitySpace, spaces_of
 from lacore.bodies.touching import TOUCH, Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known
-from lacore.materials.conic_form import KINEMATICS
+from lacore.materials.conic_form import KINEMATICS, SPACE
 from lacore.materials.criterion import Criterion
 from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
 from lacore.meshes.polygonal import geometry_of
+from lacore.meshes.solid.checks import check_tetrahedra
+from lacore.meshes.solid.roundness import solid_geometry_of
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -44,14 +46,15 @@ class Body(Shown):
         mesh: straight-edged triangles (`skfem.MeshTri`), boundaries named; for the space ``q2``
             convex quadrilaterals (`skfem.MeshQuad`). ``p2-gauss`` and ``q2`` also take
             isoparametric meshes, whose edges are curves through their midside nodes
-            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31).
+            (`skfem.MeshTri2`, `skfem.MeshQuad2`; T31); in space tetrahedra (`skfem.MeshTet`).
         criterion: yield criterion: `VonMises`, or one of your own with the four names of
             `lacore.materials.criterion.Criterion`; or one for each region, by the names of
             ``mesh.subdomains``: ``{"fill": ..., "clay": ...}``, each element in one of them.
         kinematics: ``plane_strain`` or ``plane_stress``, unit thickness; or ``axisymmetric``, a
             body of revolution about the axis y = z of a section with the radius x = r >= 0 (T27):
             forces, areas and volumes are those of the whole circumference ``2 pi r``, u_r = 0 on
-            the axis by itself; spaces ``p2-gauss`` and ``q2``.
+            the axis by itself; spaces ``p2-gauss`` and ``q2``; or ``3d``, tetrahedra in space
+            (T89, T90), spaces ``p2-vertex``, ``p2-disc`` and ``p1-disc``.
         space: velocity space. Strict upper bounds: ``p2-vertex`` (T22), ``p2-disc`` and
             ``p1-disc`` with velocity jumps between elements (T23), ``p1`` where it does not lock.
             More accurate than bounds: ``p2-gauss``, ``q2`` (T22, T24).
@@ -67,21 +70,21 @@ class Body(Shown):
             strengths that are negative somewhere, or of another number of elements.
     """
 
-    mesh: MeshTri | MeshQuad
+    mesh: MeshTri | MeshQuad | MeshTet
     criterion: Criterion | Mapping[str, Criterion]
     kinematics: str = "plane_strain"
     space: str = "p2-vertex"
     geometry: str | None = None
-    dimension: ClassVar[int] = 2
     pointwise: ClassVar[bool] = False  # it touches others along edges
     deforms: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         require_known("Body.kinematics", self.kinematics, KINEMATICS)
-        require_known("Body.space", self.space, SPACES)
+        spaces = spaces_of(self.kinematics)
+        require_known("Body.space", self.space, spaces)
         if self.geometry is not None:
             require_known("Body.geometry", self.geometry, GEOMETRIES)
-        space = SPACES[self.space]
+        space = spaces[self.space]
         if self.axisymmetric and space.strict:
             raise InputError(
                 "Body.space",
@@ -92,7 +95,8 @@ class Body(Shown):
             )
         _check_mesh(self.mesh, space)
         if self.geometry is None:
-            object.__setattr__(self, "geometry", geometry_of(self.mesh))
+            of = solid_geometry_of if self.dimension == 3 else geometry_of
+            object.__setattr__(self, "geometry", of(self.mesh))
         if self.axisymmetric:
             _check_radii(self)
         if isinstance(self.criterion, Mapping):
@@ -111,6 +115,8 @@ class Body(Shown):
     @property
     def contents(self) -> str:
         """``576 triangles, plane_strain, p2-vertex, k = 1 Pa``."""
+        if self.dimension == 3:
+            return f"{self.mesh.nelements} tetrahedra, {self.space}, {self.label}"
         elements = counted(
             self.mesh.nelements, "triangle" if len(self.mesh.t) == 3 else "quadrilateral"
         )
@@ -118,11 +124,12 @@ class Body(Shown):
 
     def facts(self) -> Facts:
         """What it consists of."""
-        (left, low), (right, high) = self.box
+        lengths = " by ".join(
+            f"{low:.4g} to {high:.4g} m" for low, high in zip(*self.box, strict=True)
+        )
         told = {
             **self._criteria(),
-            "size": f"{self.mesh.nvertices} vertices, {left:.4g} to {right:.4g} m by {low:.4g} to"
-            f" {high:.4g} m, geometry {self.geometry}",
+            "size": f"{self.mesh.nvertices} vertices, {lengths}, geometry {self.geometry}",
             "boundaries": listed(self.mesh.boundaries or {}, 12) or "none has a name",
         }
         return Facts(f"Body: {self.contents}", told)
@@ -170,17 +177,22 @@ class Body(Shown):
         return max(region.largest_shear for region in self.regions)
 
     @property
+    def dimension(self) -> int:
+        """2 of the plane, 3 in space."""
+        return 3 if self.kinematics == SPACE else 2
+
+    @property
     def axisymmetric(self) -> bool:
         """Whether x is the radius r >= 0 and y the axis z."""
         return self.kinematics == "axisymmetric"
 
     def thickness(self, places: Floats) -> Floats:
-        """Across the plane at places of shape (2, ...): 1, or the circumference ``2 pi r``, m."""
+        """Across the plane at places of shape (d, ...): 1, or the circumference ``2 pi r``, m."""
         return 2 * np.pi * places[0] if self.axisymmetric else np.ones_like(places[0])
 
     @property
     def box(self) -> tuple[Floats, Floats]:
-        """Lowest and highest corner of the bounding box of its vertices, m, shape (2,) each."""
+        """Lowest and highest corner of the bounding box of its vertices, m, shape (d,) each."""
         return self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
 
     @property
@@ -243,7 +255,17 @@ def _check_radii(body: Body) -> None:
         )
 
 
-def _check_mesh(mesh: MeshTri | MeshQuad, space: VelocitySpace) -> None:
+def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> None:
+    if space.mesh is MeshTet1:
+        if type(mesh) is not MeshTet1:
+            raise InputError(
+                "Body.mesh",
+                type(mesh).__name__,
+                "only straight tetrahedra are taken in space",
+                "give a skfem.MeshTet, such as lacore.meshes.box makes",
+            )
+        check_tetrahedra(mesh, "Body.mesh")
+        return
     if type(mesh) not in (space.mesh, space.curved):
         triangles = space.mesh is MeshTri1
         wanted = "straight-edged triangles" if triangles else "quadrilaterals"

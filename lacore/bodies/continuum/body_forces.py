@@ -25,7 +25,7 @@ class ForceField(Compact):
 
     Attributes:
         elements: of the mesh, ascending, shape (e,).
-        vertex: values at the vertices of each element, from within it, N/m^3, shape (2, e, a).
+        vertex: values at the vertices of each element, from within it, N/m^3, shape (d, e, a).
         linear: whether it is linear in each.
     """
 
@@ -35,7 +35,7 @@ class ForceField(Compact):
 
     @property
     def mean(self) -> Floats:
-        """Means over elements in which it is linear, N/m^3, shape (2, e)."""
+        """Means over elements in which it is linear, N/m^3, shape (d, e)."""
         first = self.vertex[..., :1]
         return np.asarray(first[..., 0] + (self.vertex - first).mean(axis=2))  # exact if uniform
 
@@ -68,7 +68,7 @@ def force_field(load: BodyForce, body: "Body", field: str) -> ForceField:
     elements = elements_of(load, body, f"{field}.where")
     count = body.mesh.nelements
     found = []
-    for axis in (0, 1):
+    for axis in range(body.dimension):
 
         def along(places: Floats, parts: Ints, axis: int = axis) -> Floats:
             return np.asarray(load.at(places, parts, count, field)[axis])
@@ -122,6 +122,13 @@ def require_linear(load: Load, body: "Body", field: str) -> None:
 
 @require_linear.register(BodyForce)
 def _linear(load: BodyForce, body: "Body", field: str) -> None:
+    if body.dimension == 3 and not load.piecewise_uniform:
+        raise InputError(
+            field,
+            load.told,
+            "varies within elements: in space bounds take forces that are uniform in each",
+            "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take `solve`",
+        )
     if not force_field(load, body, field).linear:
         raise InputError(
             field,
@@ -135,12 +142,12 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
 
 @singledispatch
 def at_vertices(load: Load, body: "Body", field: str) -> Floats:
-    """Forces per volume at the vertices of all elements, from within, N/m^3, shape (2, e, a)."""
-    return np.zeros((2, *body.mesh.t.T.shape))
+    """Forces per volume at the vertices of all elements, from within, N/m^3, shape (d, e, a)."""
+    return np.zeros((body.dimension, *body.mesh.t.T.shape))
 
 
 @at_vertices.register(BodyForce)
 def _in_volume(load: BodyForce, body: "Body", field: str) -> Floats:
-    found, own = np.zeros((2, *body.mesh.t.T.shape)), force_field(load, body, field)
+    found, own = np.zeros((body.dimension, *body.mesh.t.T.shape)), force_field(load, body, field)
     found[:, own.elements] = own.vertex
     return found

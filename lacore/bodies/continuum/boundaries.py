@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.bodies.continuum.solid.faces import face_geometry, selected_faces
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, is_plane_vector, require_place, suggest_all
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from lacore.bodies.continuum.body import Body
 
 _UNNAMED = (
-    "none is known: name boundaries by mesh.with_boundaries or by physical groups of lines, or give"
-    " a function of coordinates (2, n)"
+    "none is known: name boundaries by mesh.with_boundaries or by physical groups, or give a"
+    " function of coordinates (d, n)"
 )
 
 
@@ -25,9 +26,9 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
     """Facets of the part `where` of the boundary of `body`, sorted.
 
     A name selects the facets that the mesh gives under it. A predicate gets coordinates of shape
-    (2, n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
-    length; it must not end inside a facet (the velocity would have a jump there that the space
-    cannot follow).
+    (d, n), returns a mask (n,), and selects the boundary facets that satisfy it along their whole
+    length, in space all over; it must not end inside a facet (the velocity would have a jump there
+    that the space cannot follow).
 
     Raises:
         InputError: unknown name, nothing selected, an interior facet, a predicate that ends
@@ -51,7 +52,7 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
             field,
             where,
             "not a boundary",
-            "give a boundary name or a function of coordinates (2, n)",
+            "give a boundary name or a function of coordinates (d, n)",
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None
@@ -62,6 +63,8 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
 
 def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Ints:
     mesh = body.mesh
+    if body.dimension == 3:
+        return selected_faces(mesh, where, field)
     boundary = mesh.boundary_facets()
     curves = edge_curves(mesh, boundary)
     start, end = curves.start, curves.end
@@ -80,7 +83,9 @@ def _selected(body: "Body", where: Callable[[Floats], Bools], field: str) -> Int
 
 
 def outward_normals(body: "Body", facets: Ints, s: float) -> Floats:
-    """Unit outward normals of boundary facets at a share of their parameter, shape (2, n)."""
+    """Unit outward normals of boundary facets at a share of their parameter, shape (d, n)."""
+    if body.dimension == 3:
+        return face_geometry(body.mesh, facets)[1]
     *_, outward = facet_geometry(body, facets)
     return edge_curves(body.mesh, facets).normal(s, outward)
 
@@ -104,7 +109,7 @@ def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
         raise InputError(where, at, "not a point", "give (x, y)")
     require_place(where, at)
     places = vertices(body.mesh)
-    distance = np.linalg.norm(places - np.reshape(at, (2, 1)), axis=0)
+    distance = np.linalg.norm(places - np.reshape(at, (-1, 1)), axis=0)
     nearest = int(np.argmin(distance))
     if distance[nearest] > TOUCH * body.size:
         raise InputError(

@@ -10,7 +10,8 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.body import Body, on_axis
 from lacore.bodies.continuum.loaded import area, facets_of, force
 from lacore.bodies.continuum.plasticity import plasticity
-from lacore.bodies.continuum.spaces import SPACES, VelocitySpace
+from lacore.bodies.continuum.solid.faces import face_nodes
+from lacore.bodies.continuum.spaces import VelocitySpace, spaces_of
 from lacore.conditions.loads import Load, RigidFooting
 from lacore.meshes.curved import EdgeCurves, edge_curves, is_curved
 from lacore.program import DissipationGroup
@@ -25,9 +26,9 @@ class BodyDofs(Compact):
 
     Attributes:
         body: the body.
-        nodes: coordinates of its nodes, shape (2, nodes): vertices, then edge midpoints, then
+        nodes: coordinates of its nodes, shape (d, nodes): vertices, then edge midpoints, then
             centres; where velocities jump, those of the first element, then of the second, ...
-        dofs: unknowns (x, y) of each node, shape (2, nodes).
+        dofs: unknowns (x, y), in space (x, y, z), of each node, shape (d, nodes).
         element_nodes: its nodes by element, vertices, then edges, shape (a, elements).
         first_node: number of the body's first node among those of all bodies.
         basis: scikit-fem basis at the strain points; its dofs start at `offset`.
@@ -45,19 +46,19 @@ class BodyDofs(Compact):
     @property
     def space(self) -> VelocitySpace:
         """The velocity space."""
-        return SPACES[self.body.space]
+        return spaces_of(self.body.kinematics)[self.body.space]
 
     @classmethod
     def at(cls, body: Body, offset: int) -> "BodyDofs":
-        """The unknowns of a body from a number on; before it stand nodes of two each."""
-        basis = SPACES[body.space].basis(body.mesh)
+        """The unknowns of a body from a number on; before it stand nodes of as many each."""
+        basis, d = spaces_of(body.kinematics)[body.space].basis(body.mesh), body.dimension
         # scikit-fem numbers the components of a node one after the other.
         return cls(
             body=body,
-            nodes=basis.doflocs[:, ::2],
-            dofs=offset + np.arange(basis.N, dtype=np.int64).reshape(-1, 2).T,
-            element_nodes=basis.element_dofs[::2].astype(np.int64) // 2,
-            first_node=offset // 2,
+            nodes=basis.doflocs[:, ::d],
+            dofs=offset + np.arange(basis.N, dtype=np.int64).reshape(-1, d).T,
+            element_nodes=basis.element_dofs[::d].astype(np.int64) // d,
+            first_node=offset // d,
             basis=basis,
             offset=offset,
         )
@@ -170,11 +171,15 @@ class BodyDofs(Compact):
     def facet_nodes(self, facets: Ints, side: int = 0) -> Ints:
         """Nodes (start, end) or (start, midpoint, end) on facets, shape (degree + 1, n).
 
+        In space the vertices, and then the midpoints of edges, see `face_nodes`.
+
         Args:
             facets: of the mesh.
             side: of which of the two elements at a facet; a boundary facet has only 0.
         """
         mesh = self.body.mesh
+        if self.body.dimension == 3:
+            return face_nodes(mesh, self.element_nodes, self.degree, facets, side)
         element = mesh.f2t[side, facets]
         corners = len(mesh.t)
 

@@ -38,6 +38,11 @@ CONTROL = {
     2: np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]]),
 }
 """Bernstein control values from the values at the nodes of an edge, by degree."""
+_FACE = np.eye(6)
+_FACE[3:, :3] = [[-0.5, -0.5, 0.0], [0.0, -0.5, -0.5], [-0.5, 0.0, -0.5]]
+_FACE[3:, 3:] *= 2.0
+FACE_CONTROL = {1: np.eye(3), 2: _FACE}
+"""The same of faces, their vertices first, then the midpoints of their edges (T90)."""
 _ROUND_OFF = 1e-12  # of the entries of a row
 
 
@@ -125,8 +130,8 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
     inner = np.flatnonzero((mesh.f2t[1] >= 0) & dofs.space.jumps)
     outer = np.zeros(0, dtype=np.int64) if slip is None else slip.facets
     facets, copies = np.concatenate([inner, outer]), dofs.degree + 1
-    own = _control_values(dofs, facets, 0, n)
-    beyond = _control_values(dofs, inner, 1, n)
+    own = control_values(dofs, facets, 0, n)
+    beyond = control_values(dofs, inner, 1, n)
     if slip is not None:
         held = slip.held_rows(copies, n)
         beyond = [csr_matrix(vstack(part)) for part in zip(beyond, held, strict=True)]
@@ -257,10 +262,10 @@ def _control_values_of_part(control: Floats, start: float, end: float) -> list[F
     return [between(between(control, a), b)[:, 0] for a, b in pairs]
 
 
-def _control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
-    """Rows of u_x and u_y at the control values of facets, facet by facet."""
+def control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
+    """Rows of u_x, u_y (and u_z) at the control values of facets, facet by facet."""
     nodes = dofs.facet_nodes(facets, side)
-    control = CONTROL[dofs.degree]
+    control = (FACE_CONTROL if dofs.body.dimension == 3 else CONTROL)[dofs.degree]
     shape = (facets.size, *control.shape)
     values = np.broadcast_to(control, shape).ravel()
     start = np.arange(facets.size * shape[1] + 1) * shape[2]

@@ -5,9 +5,9 @@ from functools import singledispatch
 from typing import TYPE_CHECKING
 
 import numpy as np
-from skfem import Basis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
+from skfem import Basis, ElementQuad1, ElementTetP1, ElementTriP1, FacetBasis, LinearForm
 from skfem.assembly.basis import AbstractBasis
-from skfem.mesh import MeshTri1
+from skfem.mesh import MeshTet1, MeshTri1
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.body_forces import elements_of, force_field
@@ -60,6 +60,7 @@ def _check_volume(load: BodyForce, body: "Body", field: str) -> None:
 
 @check_load.register(PorePressure)
 def _check_pores(load: PorePressure, body: "Body", field: str) -> None:
+    _require_plane(body, field)
     if body.kinematics == "plane_stress":
         raise InputError(
             f"{field}.body",
@@ -72,8 +73,16 @@ def _check_pores(load: PorePressure, body: "Body", field: str) -> None:
 
 @check_load.register(StandingWater)
 def _check_standing(load: StandingWater, body: "Body", field: str) -> None:
+    _require_plane(body, field)
     facets = boundary_facets(body, load.where, f"{field}.where")
     on_facets(load, body, facets, field)
+
+
+def _require_plane(body: "Body", field: str) -> None:
+    if body.dimension == 3:
+        raise InputError(
+            f"{field}.body", None, "no water in bodies of tetrahedra", "take a body of the plane"
+        )
 
 
 @singledispatch
@@ -96,10 +105,10 @@ def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
     order = _load_order(dofs) if load.piecewise_uniform else _CURVED_ORDER
     basis = Basis(body.mesh, dofs.basis.elem, intorder=order, elements=part)
     elements = np.arange(body.mesh.nelements) if part is None else part
-    places = np.asarray(basis.global_coordinates())  # (2, elements, points)
+    places = np.asarray(basis.global_coordinates())  # (d, elements, points)
     numbers = np.repeat(elements, places.shape[2])
-    vector = load.at(places.reshape(2, -1), numbers, body.mesh.nelements, field)
-    return _power(dofs, basis, np.zeros(2), vector.reshape(places.shape))
+    vector = load.at(places.reshape(len(places), -1), numbers, body.mesh.nelements, field)
+    return _power(dofs, basis, np.zeros(len(places)), vector.reshape(places.shape))
 
 
 @force.register(PointForce)
@@ -107,7 +116,7 @@ def _of_point(load: PointForce, dofs: "BodyDofs") -> Floats:
     total = np.zeros(dofs.count)
     vertex = vertex_at(dofs.body, load.at, "PointForce.at")
     nodes = dofs.vertex_nodes(vertex)  # where velocities jump, on their mean
-    total[dofs.dofs[:, nodes] - dofs.offset] = np.reshape(load.vector, (2, 1)) / nodes.size
+    total[dofs.dofs[:, nodes] - dofs.offset] = np.reshape(load.vector, (-1, 1)) / nodes.size
     return total
 
 
@@ -120,7 +129,9 @@ def _of_pores(load: PorePressure, dofs: "BodyDofs") -> Floats:
     slope = np.asarray(_linear(inside).interpolate(u).grad)
     outline, centre = _facet_basis(dofs, mesh.boundary_facets())
     pushed = np.asarray(_linear(outline).interpolate(u)) * np.asarray(outline.normals)
-    return _power(dofs, inside, np.zeros(2), -slope) + _power(dofs, outline, centre, pushed)
+    return _power(dofs, inside, np.zeros(len(slope)), -slope) + _power(
+        dofs, outline, centre, pushed
+    )
 
 
 @force.register(StandingWater)
@@ -134,8 +145,8 @@ def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
 
 def _linear(basis: AbstractBasis) -> AbstractBasis:
     """For values at vertices, at the points of a basis."""
-    element = ElementTriP1() if isinstance(basis.mesh, MeshTri1) else ElementQuad1()
-    return basis.with_element(element)
+    known = {MeshTri1: ElementTriP1(), MeshTet1: ElementTetP1()}
+    return basis.with_element(known.get(type(basis.mesh), ElementQuad1()))
 
 
 def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Floats:
@@ -144,13 +155,14 @@ def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Fl
 
     @LinearForm
     def power(v, w):  # type: ignore[no-untyped-def]
-        return thickness * (vector[0] * v[0] + vector[1] * v[1])
+        power = vector[0] * v[0] + vector[1] * v[1]
+        return thickness * (power + vector[2] * v[2] if len(vector) == 3 else power)
 
     return np.asarray(power.assemble(basis))
 
 
 def _places(basis: Basis, centre: Floats) -> Floats:
-    """The points of a basis in coordinates from a centre, m, shape (2, ...)."""
+    """The points of a basis in coordinates from a centre, m, shape (d, ...)."""
     return np.asarray(basis.global_coordinates()) + centre[:, None, None]
 
 
@@ -179,8 +191,8 @@ def _facet_basis(dofs: "BodyDofs", facets: Ints) -> tuple[FacetBasis, Floats]:
     Maps that are not affine are inverted to a fixed 1e-12, which far from the origin is below the
     round-off of coordinates.
     """
-    mesh, centre = dofs.body.mesh, np.zeros(2)
-    if is_curved(mesh) or not isinstance(mesh, MeshTri1):
+    mesh, centre = dofs.body.mesh, np.zeros(dofs.body.dimension)
+    if is_curved(mesh) or not isinstance(mesh, MeshTri1 | MeshTet1):
         centre = mesh.doflocs.mean(axis=1)
         mesh = replace(mesh, doflocs=mesh.doflocs - centre[:, None])
     order = _load_order(dofs)

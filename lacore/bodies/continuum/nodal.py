@@ -47,6 +47,8 @@ def point_values(dofs: BodyDofs, values: Floats) -> Floats:
 
 def corner_shapes(points: Floats, corners: int) -> Floats:
     """Linear (bilinear) shape functions of the corners at reference points, (corners, points)."""
+    if len(points) == 3:
+        return np.concatenate([1 - points.sum(axis=0, keepdims=True), points])
     x, y = points
     if corners == 3:
         return np.stack([1 - x - y, x, y])

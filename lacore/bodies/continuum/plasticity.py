@@ -16,8 +16,10 @@ from lacore.surfaces import Surfaces
 if TYPE_CHECKING:
     from lacore.bodies.continuum.dofs import BodyDofs
 
-VERTEX_RULE = (np.eye(3) + 1) / 4
-"""Strengths that the vertex rule takes at vertices, from those there (T85)."""
+
+def vertex_rule(vertices: int) -> Floats:
+    """Strengths that the vertex rule takes at vertices, from those there (T85), square."""
+    return np.asarray((np.eye(vertices) + 1) / (vertices + 1))
 
 
 def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, ...]:
@@ -25,6 +27,9 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, .
     basis = dofs.basis
     gradient = np.stack([np.asarray(shape[0].grad) for shape in basis.basis], axis=-1)
     rates = [gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]]
+    if dofs.body.dimension == 3:
+        rates.insert(2, gradient[2, 2])
+        rates += [gradient[1, 2] + gradient[2, 1], gradient[2, 0] + gradient[0, 2]]
     if dofs.body.axisymmetric:  # strain points lie off the axis
         radial = np.stack([np.asarray(shape[0])[0] for shape in basis.basis], axis=-1)
         radius = np.asarray(basis.global_coordinates())[0]
@@ -74,17 +79,17 @@ def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces
         if dofs.space.strict and dofs.linear:
             return by_rule(varies, count).ravel()
         places = np.asarray(dofs.basis.global_coordinates())[:, region.elements]
-        return own.at(places.reshape(2, -1), "Body.criterion")
+        return own.at(places.reshape(len(places), -1), "Body.criterion")
 
     return region.strengths(np.repeat(region.elements, count), values)
 
 
 def by_rule(varies: Varying, points: int) -> Floats:
-    """Strengths of the rule of one or three points of an element, shape (elements, points), Pa.
+    """Strengths of the rule of one point of an element or of its vertices, (elements, points), Pa.
 
     Of what is not known between places those there, which prove nothing.
     """
     vertex = varies.above_if_known()
     if points == 1:
         return np.asarray(vertex.mean(axis=1, keepdims=True))
-    return np.asarray(vertex @ VERTEX_RULE if varies.linear else vertex)
+    return np.asarray(vertex @ vertex_rule(points) if varies.linear else vertex)

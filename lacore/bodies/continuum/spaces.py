@@ -12,14 +12,17 @@ from skfem import (
     Element,
     ElementDG,
     ElementQuad2,
+    ElementTetP1,
+    ElementTetP2,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
     Mesh,
 )
-from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
+from skfem.mesh import MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats
+from lacore.materials.conic_form import SPACE
 from lacore.showing import Compact
 
 _ROUND_OFF = 1e-12  # of a factor of order one
@@ -34,7 +37,7 @@ class VelocitySpace(Compact):
         mesh: the type of mesh that it lives on.
         element: of one velocity component.
         degree: of the velocity along an element edge.
-        points: strain points on the reference element, shape (2, q).
+        points: strain points on the reference element, shape (d, q).
         weights: of them, of sum 1, shape (q,).
         strict: whether its dissipation is never below that of the continuum.
         jumps: whether velocities jump from element to element (T23).
@@ -63,13 +66,13 @@ class VelocitySpace(Compact):
 
         Then ``theta = 0`` at three of them is ``theta = 0`` everywhere, wherever they are.
         """
-        return self.mesh is MeshTri1
+        return self.mesh in (MeshTri1, MeshTet1)
 
     def to_vertices(self) -> Floats:
-        """Factors that take strain rates from the strain points to the vertices, shape (3, q)."""
-        count = self.points.shape[1]
+        """Factors that take strain rates from the strain points to the vertices, (vertices, q)."""
+        dimension, count = self.points.shape
         if count == 1:
-            return np.ones((3, 1))
+            return np.ones((dimension + 1, 1))
         places = np.stack([1 - self.points.sum(axis=0), *self.points], axis=1)
         factors = np.linalg.inv(places)
         factors[np.abs(factors) < _ROUND_OFF] = 0.0
@@ -77,9 +80,9 @@ class VelocitySpace(Compact):
 
     def basis(self, mesh: Mesh) -> Basis:
         """scikit-fem basis whose quadrature points are the strain points."""
-        area = 0.5 if self.mesh is MeshTri1 else 1.0  # of the reference element
+        size = {MeshTri1: 1 / 2, MeshTet1: 1 / 6}.get(self.mesh, 1.0)  # of the reference element
         return Basis(
-            mesh, ElementVector(self.element), quadrature=(self.points, area * self.weights)
+            mesh, ElementVector(self.element), quadrature=(self.points, size * self.weights)
         )
 
 
@@ -121,10 +124,33 @@ SPACES = {
     )
 }
 
+_CORNERS = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+_QUARTERS, _MIDDLE = np.full(4, 1 / 4), np.full((3, 1), 1 / 4)
+_TET1, _TET2 = ElementTetP1(), ElementTetP2()
+
+SOLID_SPACES = {
+    space.name: space
+    for space in (
+        VelocitySpace("p2-vertex", MeshTet1, _TET2, 2, _CORNERS, _QUARTERS, strict=True),
+        VelocitySpace(
+            "p2-disc", MeshTet1, ElementDG(_TET2), 2, _CORNERS, _QUARTERS, strict=True, jumps=True
+        ),
+        VelocitySpace(
+            "p1-disc", MeshTet1, ElementDG(_TET1), 1, _MIDDLE, _ONE, strict=True, jumps=True
+        ),
+    )
+}
+"""Those of tetrahedra, whose normal velocities do not jump by construction (T89, T90)."""
+
 BOUNDING = next(
     name for name, space in SPACES.items() if space.strict and not (space.jumps or space.locks)
 )
 """The space of upper bounds where nobody chooses: strict and continuous, on any triangles."""
+
+
+def spaces_of(kinematics: str) -> dict[str, VelocitySpace]:
+    """The spaces of bodies of some kinematics, by name."""
+    return SOLID_SPACES if kinematics == SPACE else SPACES
 
 
 def isoparametric(mesh: Mesh, wanted: str) -> VelocitySpace:

@@ -60,10 +60,13 @@ def principal_rates(dofs: BodyDofs, velocity: Floats) -> Floats:
 
     Args:
         dofs: of the body.
-        velocity: of its nodes, shape (2, nodes), m/s.
+        velocity: of its nodes, shape (d, nodes), m/s.
     """
     field = dofs.basis.interpolate(velocity.T.ravel())
     gradient = np.asarray(field.grad)
+    if dofs.body.dimension == 3:
+        strain = (gradient + gradient.swapaxes(0, 1)).transpose(2, 3, 0, 1) / 2
+        return np.asarray(np.linalg.eigvalsh(strain).transpose(2, 0, 1))
     mean = (gradient[0, 0] + gradient[1, 1]) / 2
     radius = np.hypot((gradient[0, 0] - gradient[1, 1]) / 2, (gradient[0, 1] + gradient[1, 0]) / 2)
     out = np.zeros_like(mean)

@@ -1,11 +1,17 @@
 """What supports and rigid footings exert on what they hold or move."""
 
+import numpy as np
 import pandas as pd
 
+from lacore.arrays import Floats
 from lacore.assembly.bonds import supports_of, without_bonds
 from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import RigidParts
+from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions import gathering
+from lacore.bodies.continuum.solid.holding import face_conditions
+from lacore.bodies.continuum.solid.normal_flow import normal_forces
 from lacore.state import ProgramState, out_of_balance
 
 _COLUMNS = {
@@ -24,24 +30,15 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
     d = discretisation
     rigid: dict[str, RigidParts] = {**d.assemblies, **d.frames, **d.solids}
     force = without_bonds(d.problem, rigid, out_of_balance(d.full, point))
-    after = point.stress[gathering.region_count(d.bodies) :]
-    for jump, stress in zip(d.jumps.values(), after, strict=False):
-        force -= jump.held_force(stress)  # what the body slips past pulls it back
     frames = []
     for name, dofs in d.bodies.items():
         held = d.held_nodes[dofs.first_node :][: dofs.nodes.shape[1]]
-        frames.append(
-            pd.DataFrame(
-                {
-                    "body": name,
-                    "x": dofs.nodes[0, held],
-                    "y": dofs.nodes[1, held],
-                    "force_x": force[dofs.dofs[0, held]],
-                    "force_y": force[dofs.dofs[1, held]],
-                    "moment": 0.0,
-                }
-            )
+        nodal = _nodal(d, name, dofs, force, point)
+        columns = dict(
+            zip(_COLUMNS[len(nodal)], (*dofs.nodes[:, held], *nodal[:, held]), strict=False)
         )
+        none = dict.fromkeys(_COLUMNS[len(nodal)][len(columns) :], 0.0)
+        frames.append(pd.DataFrame({"body": name, **columns, **none}))
     supports = supports_of(d.problem)
     for name, part in rigid.items():
         place, exerted = part.support_forces(
@@ -51,3 +48,21 @@ def support_reactions(discretisation: Discretisation, point: ProgramState) -> pd
         columns = dict(zip(_COLUMNS[len(place)], (*place, *exerted), strict=True))
         frames.append(pd.DataFrame({"body": name, **columns}))
     return pd.concat(frames, ignore_index=True)
+
+
+def _nodal(
+    d: Discretisation, name: str, dofs: BodyDofs, force: Floats, point: ProgramState
+) -> Floats:
+    """Forces of supports and footings on the nodes of a continuum, shape (d, nodes)."""
+    after = point.stress[gathering.region_count(d.bodies) :]
+    pulled = np.zeros(force.size)  # what the body slips past pulls it back
+    for jump, stress in zip(d.jumps.values(), after, strict=False):
+        if name in jump.bodies:
+            pulled += jump.held_force(stress)
+    if dofs.body.dimension == 2 or not dofs.space.jumps:
+        return np.asarray((force - pulled)[dofs.dofs])
+    # Forces between elements whose normal velocities are one stand in the balance, too.
+    own = force[dofs.offset : dofs.offset + dofs.count]
+    footings = footings_of(d.problem)
+    asked = face_conditions(dofs.body, d.problem.supports, footings, name)
+    return np.asarray(normal_forces(dofs, own, np.unique(asked.nodes)) - pulled[dofs.dofs])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.materials.conic_form import KINEMATICS
+from lacore.materials.conic_form import PLANE
 
 WRONG = {
     "negative cohesion": (lambda: la.MohrCoulomb(-1.0, 30), "cohesion", "give a strength >= 0"),
@@ -82,7 +82,7 @@ def test_no_friction_in_plane_strain_is_von_mises():
         assert (form.rows == cone.rows).all()
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
+@pytest.mark.parametrize("kinematics", PLANE)
 def test_stresses_come_back(kinematics):
     """Those of the rows and means that they are shown as."""
     form = la.MohrCoulomb(1.0, 30).conic_form(kinematics)

@@ -76,6 +76,8 @@ def element_sums(body: HasRegions, points: Sequence[Floats]) -> Floats:
 def continuum_stress(dofs: HasBody, stresses: Sequence[Floats], means: Sequence[Floats]) -> Floats:
     """Stresses at the points of elements, shape (elements, q, 4), from those of regions, Pa.
 
+    In space (elements, q, 6), see `ConicForm.stress`.
+
     Args:
         dofs: of the body.
         stresses: conjugate to the cone rows of each region, shape (m, dim).
@@ -83,7 +85,7 @@ def continuum_stress(dofs: HasBody, stresses: Sequence[Floats], means: Sequence[
     """
     regions = zip(dofs.body.regions, stresses, means, strict=True)
     parts = [
-        region.form.stress(own, mean).reshape(region.elements.size, -1, 4)
+        (found := region.form.stress(own, mean)).reshape(region.elements.size, -1, found.shape[1])
         for region, own, mean in regions
     ]
     return gathered(dofs.body, parts)

@@ -11,9 +11,10 @@ from functools import cache
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.bodies.continuum.plasticity import VERTEX_RULE
+from lacore.bodies.continuum.plasticity import vertex_rule
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.varying import Varying
+from lacore.bodies.continuum.solid.lattice import divided
 from lacore.bodies.continuum.spaces import VelocitySpace
 from lacore.dissipation import DissipationGroup
 from lacore.surfaces import Surfaces
@@ -32,7 +33,7 @@ def on_lattice(
         parts: into which edges are divided.
     """
     count = space.points.shape[1]
-    places, share = lattice(parts)
+    places, share = lattice(parts, len(space.points) + 1)
     onto = places @ space.to_vertices()
     area = group.weights.reshape(-1, count).sum(axis=1)
     if group.surfaces is not None:
@@ -57,7 +58,7 @@ def _pressed(
 ) -> Floats:
     """The same where strength depends on pressure: the dissipation is convex all the same."""
     assert group.surfaces is not None
-    count, (_, share) = onto.shape[1], lattice(parts)
+    count, (_, share) = onto.shape[1], lattice(parts, onto.shape[1])
     known = group.cone_vectors(velocity).reshape(-1, count, group.dim)
     length = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
     volume = (group.volumetric @ velocity).reshape(-1, count) @ onto.T
@@ -72,17 +73,19 @@ def _pressed(
 
 def _strengths(region: Region, parts: int) -> tuple[Floats, Surfaces | None]:
     """Bounds and surfaces at the places of the lattice of each element of a region."""
-    shares = _shares(parts)
 
     def values(varies: Varying) -> Floats:
-        return np.asarray(varies.above() @ shares.T)
+        return np.asarray(varies.above() @ _shares(parts, varies.vertex.shape[1]).T)
 
-    return region.at_points(values, len(shares))
+    corners = next(own.vertex.shape[1] for _, own in region.varying)
+    return region.at_points(values, len(_shares(parts, corners)))
 
 
 @cache
-def _shares(parts: int) -> Floats:
-    """What the strengths at the vertices of an element count for at each place, shape (p, 3)."""
+def _shares(parts: int, corners: int) -> Floats:
+    """What the strengths at the vertices of an element count for at each place, (p, corners)."""
+    if corners == 4:
+        return _shares_in_space(parts)
     places, weights = lattice(parts)
     whole = np.rint(places * parts).astype(np.int64)
     number = {tuple(place): at for at, place in enumerate(whole.tolist())}
@@ -90,15 +93,25 @@ def _shares(parts: int) -> Floats:
     for turn in (1, -1):  # triangles that point as the element does, and the others
         for i, j in np.ndindex(parts + 2, parts + 2):
             k = parts - turn - i - j
-            corners = [(i + turn, j, k), (i, j + turn, k), (i, j, k + turn)]
-            known = [number[corner] for corner in corners if corner in number]
+            around = [(i + turn, j, k), (i, j + turn, k), (i, j, k + turn)]
+            known = [number[corner] for corner in around if corner in number]
             if len(known) == 3:
-                total[known] += VERTEX_RULE @ places[known] / (3 * parts**2)
+                total[known] += vertex_rule(3) @ places[known] / (3 * parts**2)
     return np.asarray(total / weights[:, None])
 
 
-def lattice(parts: int) -> tuple[Floats, Floats]:
-    """Barycentric coordinates, shape (p, 3), and weights of sum 1, by the triangles they are in."""
+def _shares_in_space(parts: int) -> Floats:
+    (places, weights), (_, simplices) = lattice(parts, 4), divided(parts, 4)
+    total = np.zeros((len(places), 4))
+    np.add.at(total, simplices, vertex_rule(4) @ places[simplices] / (4 * parts**3))
+    return np.asarray(total / weights[:, None])
+
+
+def lattice(parts: int, corners: int = 3) -> tuple[Floats, Floats]:
+    """Barycentric coordinates, (p, corners), and weights of sum 1, by the parts they are in."""
+    if corners == 4:
+        places, simplices = divided(parts, 4)
+        return places, np.bincount(simplices.ravel()) / (4 * parts**3)
     whole = np.array(
         [(i, j, parts - i - j) for i in range(parts + 1) for j in range(parts + 1 - i)]
     )

@@ -100,8 +100,8 @@ def _where(mesh: Mesh, elements: Ints) -> str:
 
 
 def _near(mesh: Mesh, element: int) -> str:
-    x, y = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
-    return f"({x:.4g}, {y:.4g})"
+    place = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
+    return f"({', '.join(f'{own:.4g}' for own in place)})"
 
 
 def _region(name: str, elements: Ints, criterion: Criterion, kinematics: str, mesh: Mesh) -> Region:

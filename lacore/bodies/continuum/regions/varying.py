@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from skfem import Mesh
-from skfem.mesh import MeshTri1
+from skfem.mesh import MeshTet1, MeshTri1
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.looking import looked_at
 from lacore.errors import InputError
 from lacore.materials.fields import Field
 from lacore.meshes.curved import vertices
-from lacore.showing import Compact
+from lacore.showing import Compact, placed
 
 _STEEPER = 1e-9  # of a slope: round-off
 
@@ -70,11 +70,11 @@ def in_elements(place: str, own: Field, mesh: Mesh, elements: Ints, positive: bo
         found = _listed(place, own.values, mesh, elements)
     if positive and not found.vertex.min() > 0:
         element, corner = np.unravel_index(int(found.vertex.argmin()), found.vertex.shape)
-        x, y = vertices(mesh)[:, mesh.t[corner, elements[element]]]
+        place_of = placed(vertices(mesh)[:, mesh.t[corner, elements[element]]])
         raise InputError(
             place,
             float(found.vertex[element, corner]),
-            f"no strength at ({x:.6g}, {y:.6g}), and no friction either",
+            f"no strength at {place_of}, and no friction either",
             "let it be positive in all of the region",
         )
     return found
@@ -99,12 +99,12 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
         return own.at(places, place)
 
     values, vertex, linear = looked_at(at, mesh, elements)
-    if not isinstance(mesh, MeshTri1):
+    if not isinstance(mesh, MeshTri1 | MeshTet1):
         return Varying(vertex, None, None, linear)
     vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
     if own.steepest is None:
         return Varying(vertex, None, None, linear)
-    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (2, a, e)
+    corner = vertices(mesh)[:, mesh.t[:, elements]]  # (d, a, e)
     centre = corner.mean(axis=1)
     radius = np.linalg.norm(corner - centre[:, None], axis=0).max(axis=0)
     at_centre = own.at(centre, place)
@@ -113,11 +113,10 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
     steep = np.abs(values - at_centre[:, None]) > (1 + _STEEPER) * room[:, None]
     if steep.any():
         element = int(np.flatnonzero(steep.any(axis=1))[0])
-        x, y = centre[:, element]
         raise InputError(
             f"{place}.steepest",
             own.steepest,
-            f"the function is steeper near ({x:.6g}, {y:.6g})",
+            f"the function is steeper near {placed(centre[:, element])}",
             "give its largest slope; where it jumps let edges of the mesh follow",
         )
     # It may be uneven between the places looked at, as far as that slope: never taken for linear.

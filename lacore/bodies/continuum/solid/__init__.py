@@ -1,0 +1,1 @@
+"""Bodies of tetrahedra: their faces, what holds them, and velocities that jump along faces."""

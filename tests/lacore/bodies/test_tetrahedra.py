@@ -1,0 +1,209 @@
+"""Bodies of tetrahedra: exact states, sides, invariances, and what they refuse (T89, T90)."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import lsqr
+from skfem import MeshTet
+
+import lacore as la
+from lacore.assembly.discretise import discretise
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.solid.normal_flow import flowing
+from lacore.materials.conic_form import KINEMATICS
+from tests.lacore.tetrahedra import CRITERION, SPACES, Flow, cube, strip, upper_residuals
+
+COMPRESSION = sqrt(3)
+# Of the load factor: the backend's tolerance, 1e-8 of the power, from either side of a value that
+# every velocity field of these spaces reaches exactly.
+SOLVED = 1e-7
+DISCONTINUOUS = ("p1-disc", "p2-disc")
+
+
+def test_dissipation_in_space_is_that_of_the_deviator():
+    """sqrt(2) k ||dev eps||, of which engineering shear strains are twice the tensor's (T89)."""
+    rng = np.random.default_rng(3)
+    strain = rng.normal(size=(20, 6))
+    tensor = np.einsum("ms,sij->mij", strain, _basis())
+    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    form = CRITERION.conic_form("3d")
+    size = np.linalg.norm(strain @ form.rows.T, axis=1)
+    np.testing.assert_allclose(size, sqrt(2) * np.linalg.norm(deviator, axis=(1, 2)), rtol=1e-12)
+    np.testing.assert_allclose(strain @ form.volumetric, np.trace(tensor, axis1=1, axis2=2))
+
+
+def _basis():
+    basis = np.zeros((6, 3, 3))
+    basis[range(3), range(3), range(3)] = 1
+    for row, (i, j) in enumerate([(0, 1), (1, 2), (2, 0)], start=3):
+        basis[row, i, j] = basis[row, j, i] = 1 / 2
+    return basis
+
+
+@pytest.mark.parametrize("space", SPACES)
+@pytest.mark.parametrize("crossed", [False, True])
+def test_homogeneous_compression_exactly(space, crossed):
+    state = la.solve(cube(space, crossed=crossed))
+    assert state.rigor is la.Rigor.UPPER
+    assert state.load_factor == pytest.approx(COMPRESSION, rel=SOLVED)
+    stress = state.stress["block"]
+    assert stress.shape[2] == 6
+    # Mean stresses are one of many where conditions of volume depend on each other.
+    deviator = stress[..., :3] - stress[..., :3].mean(axis=2, keepdims=True)
+    uniaxial = np.broadcast_to(np.array([1, 1, -2]) * COMPRESSION / 3, deviator.shape)
+    np.testing.assert_allclose(deviator, uniaxial, atol=1e-4)
+    np.testing.assert_allclose(stress[..., 3:], 0, atol=1e-4)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_a_bar_in_tension_exactly(space):
+    """By a traction on a free end, which deforms as it likes."""
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 2), 1, 1, 2)
+    pulled = la.solve(cube(space, mesh=mesh, load=la.Traction("block", "top", (0, 0, 1))))
+    assert pulled.load_factor == pytest.approx(COMPRESSION, rel=SOLVED)
+
+
+def _turned(mesh, rng):
+    """The mesh turned and renumbered, its boundaries by name."""
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turn *= np.linalg.det(turn)
+    order = rng.permutation(mesh.p.shape[1])
+    number = np.argsort(order)
+    elements = rng.permutation(mesh.nelements)
+    t = rng.permuted(number[mesh.t[:, elements]], axis=0)
+    moved = MeshTet(np.ascontiguousarray((turn @ mesh.p)[:, order]), np.ascontiguousarray(t))
+    known = {tuple(sorted(own)): face for face, own in enumerate(moved.facets.T.tolist())}
+    return moved.with_boundaries(
+        {
+            name: np.array([known[tuple(sorted(number[mesh.facets[:, f]].tolist()))] for f in own])
+            for name, own in mesh.boundaries.items()
+        }
+    )
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_turned_and_renumbered_meshes_give_the_same(space):
+    """Of a body pressed on two of its sides, where nothing is homogeneous."""
+    mesh = la.meshes.box((0, 2), (0, 1), (0, 1), 2, 1, 1).with_boundaries(
+        {"half": lambda x: (x[2] == 1) & (x[0] < 1)}
+    )
+    values = []
+    for own in (mesh, _turned(mesh, np.random.default_rng(5))):
+        problem = cube(space, mesh=own, load=la.Pressure("block", "half"))
+        values.append((la.solve(problem).load_factor, la.lower_bound(problem).load_factor))
+    np.testing.assert_allclose(values[0], values[1], rtol=SOLVED)
+
+
+@pytest.mark.parametrize("space", DISCONTINUOUS)
+def test_normal_velocities_do_not_jump_whatever_the_unknowns(space):
+    rng = np.random.default_rng(1)
+    mesh = _turned(la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1, True), rng)
+    dofs = BodyDofs.at(la.Body(mesh, CRITERION, kinematics="3d", space=space), 0)
+    held = np.zeros(mesh.nfacets, dtype=bool)
+    held[mesh.boundary_facets()[:5]] = True
+    basis, carried = flowing(dofs, held, np.zeros((mesh.nfacets, 3 * dofs.degree, 0)))
+    assert carried.shape == (dofs.count, 0)
+    # Three at each vertex of an element, or two at each middle of an edge and one along it, a half
+    # of those across faces inside.
+    nodes = 3 * dofs.degree
+    own = 6 * mesh.nelements if dofs.degree == 2 else 0
+    assert basis.shape[1] == nodes * (mesh.nfacets - 5) + own
+    velocity = basis @ rng.normal(size=basis.shape[1])
+    flow = Flow(mesh.p, mesh.t, dofs.nodes, dofs.element_nodes, velocity[dofs.dofs])
+    names = mesh.p[:, mesh.facets[:, held]].mean(axis=1)
+
+    def walls(middle):
+        return np.min(np.linalg.norm(middle[:, :, None] - names[:, None], axis=0), axis=1) < 1e-9
+
+    def nowhere(middle):
+        return np.zeros(middle.shape[1], dtype=bool)
+
+    left, _ = upper_residuals(flow, nowhere, walls, nowhere, 0.0, parts=20)
+    assert left["normal jumps"] <= 1e-11
+    assert left["walls"] <= 1e-11
+
+
+@pytest.mark.parametrize("space", DISCONTINUOUS)
+def test_smooth_velocities_are_among_those_of_normal_flow(space):
+    """All polynomials of the degree of the space: nothing is lost with the unknowns."""
+    rng = np.random.default_rng(2)
+    mesh = la.meshes.box((0, 1), (0, 2), (0, 1), 1, 1, 1)
+    dofs = BodyDofs.at(la.Body(mesh, CRITERION, kinematics="3d", space=space), 0)
+    x, y, z = dofs.nodes
+    terms = [np.ones_like(x), x, y, z, *((x * y, y * z, z * z) if space == "p2-disc" else ())]
+    velocity = np.zeros(dofs.count)
+    velocity[dofs.dofs] = rng.normal(size=(3, len(terms))) @ terms
+    held = np.zeros(mesh.nfacets, dtype=bool)
+    basis, _ = flowing(dofs, held, np.zeros((mesh.nfacets, 3 * dofs.degree, 0)))
+    found = lsqr(basis, velocity, atol=1e-14, btol=1e-14, iter_lim=5000)[0]
+    np.testing.assert_allclose(basis @ found, velocity, atol=1e-9)
+
+
+@pytest.mark.parametrize("rough", [False, True])
+def test_a_slab_is_above_plane_strain_and_closest_where_velocities_jump(rough):
+    values = {space: la.solve(strip(space, rough=rough)) for space in SPACES}
+    assert all(state.rigor is la.Rigor.UPPER for state in values.values())
+    found = {space: state.load_factor for space, state in values.items()}
+    assert 2 + pi < found["p2-disc"] < min(found["p1-disc"], found["p2-vertex"])
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_power_of_each_load_is_that_of_what_it_says(space):
+    """A traction, a body force and a footing of one force on a block that slides as one."""
+    mesh = la.meshes.box((0, 1), (0, 2), (0, 0.5), 1, 2, 1)
+    body = la.Body(mesh, CRITERION, kinematics="3d", space=space)
+    loads = [
+        la.Traction("b", "top", (1, 2, 3)),
+        la.BodyForce("b", (2, 4, 6)),
+        la.BodyForce("b", (lambda x: 4 * x[0], 4.0, 6.0)),
+    ]
+    for load in loads:
+        d = discretise(la.Problem({"b": body}, [load], [la.Fix("b", "bottom", "normal")]))
+        own = d.bodies["b"].dofs
+        total = d.full.reference_load[own].sum(axis=1)
+        np.testing.assert_allclose(total, [2, 4, 6], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"criterion": la.MohrCoulomb(1.0, 30.0)}, "principal"),
+        ({"space": "p2-gauss"}, "unknown"),
+        ({"mesh": la.meshes.rectangle((0, 1), (0, 1), 1, 1)}, "tetrahedra"),
+    ],
+)
+def test_what_is_not_there_in_space_is_refused(change, match):
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    with pytest.raises(la.InputError, match=match):
+        la.Body(**({"mesh": mesh, "criterion": CRITERION} | change), kinematics="3d")
+
+
+def test_a_soil_does_not_jump_in_space():
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    soil = la.Body(mesh, la.DruckerPrager(1.0, 20.0), kinematics="3d", space="p2-disc")
+    problem = la.Problem({"b": soil}, [la.Pressure("b", "top")], [la.Fix("b", "bottom", "normal")])
+    with pytest.raises(la.InputError, match="would have to"):
+        la.solve(problem)
+
+
+def test_a_face_is_held_along_or_across_itself():
+    """A side that leans is held by none of the axes."""
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    leaning = MeshTet(mesh.p + np.outer([0.5, 0, 0], mesh.p[2]), mesh.t)
+    body = la.Body(leaning, CRITERION, kinematics="3d", space="p2-disc")
+    side = lambda x: np.abs(x[0] - x[2] / 2) < 1e-9  # noqa: E731
+    problem = la.Problem(
+        {"b": body}, [la.Traction("b", lambda x: x[2] == 1, (1, 0, 0))], [la.Fix("b", side, "x")]
+    )
+    with pytest.raises(la.InputError, match="neither along nor across"):
+        la.solve(problem)
+
+
+def test_predicates_end_where_faces_do():
+    with pytest.raises(la.InputError, match="ends inside the face"):
+        cube(n=2, load=la.Pressure("block", lambda x: (x[2] == 1) & (x[0] <= 0.4)))
+
+
+def test_kinematics_of_the_plane_stay_three():
+    assert KINEMATICS == ("plane_strain", "plane_stress", "axisymmetric", "3d")
