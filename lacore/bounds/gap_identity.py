@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lacore import views
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Ints
+from lacore.assembly.discretisation import Discretisation
+from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -17,6 +19,7 @@ from lacore.bounds.enclosing import require_associated_flow
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.lower import LowerBound
 from lacore.bounds.quadratic.bubbles import bubble_power
+from lacore.bounds.solid.restriction import solid_restriction
 from lacore.bounds.upper import UpperBound, plastic_power
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
@@ -112,9 +115,9 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         dissipation = plastic_power(discretisation, velocity, 1)
     restricted = np.zeros(static.n)
     for name, multipliers in lower.model.bodies.items():
-        slip = discretisation.slips.get(name)
-        nodes, values = restriction(discretisation.bodies[name], multipliers, velocity, slip)
-        restricted[2 * nodes], restricted[2 * nodes + 1] = values
+        nodes, values = _restricted(discretisation, name, multipliers, velocity)
+        for axis, own in enumerate(values):
+            restricted[len(values) * nodes + axis] = own
     for name, blocks in lower.model.assemblies.items():
         own = discretisation.assemblies[name]
         moving = velocity[own.offset : own.offset + own.count]
@@ -127,8 +130,8 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
         powers.append(group.weights * (power + p * (group.volumetric @ restricted)))
     for name, dofs, parts in by_body(lower.model.bodies, powers):
         elements[name] = dissipation[name] - element_sums(dofs.body, parts)
-        bulging = lower.model.bulging.at(name, lower.load_factor)
-        if bulging.any:
+        if lower.model.bulging.any:
+            bulging = lower.model.bulging.at(name, lower.load_factor)
             elements[name] -= bubble_power(bulging, discretisation.bodies[name], velocity)
 
     rows, contact = program.contact, static.contact
@@ -148,9 +151,20 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     )
 
 
+def _restricted(
+    discretisation: Discretisation, name: str, multipliers: EquilibriumDofs, velocity: Floats
+) -> tuple[Ints, Floats]:
+    dofs = discretisation.bodies[name]
+    if dofs.body.dimension == 3:
+        problem = discretisation.problem
+        moving = dict(zip(footings_of(problem), discretisation.footings.tolist(), strict=True))
+        return solid_restriction(name, dofs, multipliers, velocity, problem, moving)
+    return restriction(dofs, multipliers, velocity, discretisation.slips.get(name))
+
+
 def restriction(
     dofs: BodyDofs, multipliers: EquilibriumDofs, velocity: Floats, slip: Slip | None
-) -> tuple[Floats, Floats]:
+) -> tuple[Ints, Floats]:
     """Nodes of the multipliers that do the power of a velocity on linear stresses, and values.
 
     ``2/L int N_i u ds`` at the ends of facets and means over elements. Of velocities that jump the

@@ -19,7 +19,7 @@ def exactness(bodies: Iterable[Body]) -> float:
 
 
 def smallest_angle(body: Body) -> float:
-    """Of all elements of a body, degrees; NaN for quadrilaterals."""
+    """Of all elements of a body, degrees; NaN for quadrilaterals and tetrahedra."""
     mesh = body.mesh
     if mesh.t.shape[0] != 3:
         return float("nan")

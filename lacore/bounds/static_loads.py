@@ -7,7 +7,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.body_forces import force_field
-from lacore.bodies.continuum.boundaries import facet_geometry
+from lacore.bodies.continuum.boundaries import facet_geometry, outward_normals
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.body_forces import BodyForce
@@ -27,10 +27,9 @@ def multiplied(load: Load, dofs: "EquilibriumDofs") -> Floats:
 @multiplied.register(Traction)
 @multiplied.register(Pressure)
 def _on_boundary(load: Traction | Pressure, dofs: "EquilibriumDofs") -> Floats:
-    facets = facets_of(load, dofs.body)
-    start, end, outward = facet_geometry(dofs.body, facets)
-    half = np.linalg.norm(end - start, axis=0) / 2 * load.on(outward)
-    return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(half, 2))
+    facets, d = facets_of(load, dofs.body), dofs.body.dimension
+    share = dofs.lengths(facets) / d * load.on(outward_normals(dofs.body, facets, 0.5))
+    return _at(dofs, dofs.facet_nodes(facets).ravel(), np.tile(share, d))
 
 
 @multiplied.register(BodyForce)
@@ -62,7 +61,7 @@ def _pushed(dofs: "EquilibriumDofs", facets: Ints, pressure: Floats) -> Floats:
 
 
 def _at(dofs: "EquilibriumDofs", nodes: Ints, force: Floats) -> Floats:
-    """Forces (2, k) at nodes (k,), which may be there twice."""
-    total = np.zeros((dofs.n_nodes, 2))
+    """Forces (d, k) at nodes (k,), which may be there twice."""
+    total = np.zeros((dofs.n_nodes, dofs.body.dimension))
     np.add.at(total, nodes - dofs.first_node, force.T)
     return total.ravel()

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import cbrt, sqrt
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
-from skfem.mesh import MeshTri1
+from skfem.mesh import MeshTet1, MeshTri1
 
-from lacore.arrays import Floats, Ints
+from lacore.arrays import Floats, Ints, Sparse
 from lacore.assembly.bonds import rigid_basis, supports_of
 from lacore.assembly.loading import footings_of, load_vector, require_power
 from lacore.assembly.natural import strengths_of
@@ -27,6 +27,7 @@ from lacore.bounds.enclosing import (
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.quadratic.bulging import Bulging, lifted, weakened
+from lacore.bounds.solid.static_holding import static_free_basis
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
@@ -99,7 +100,7 @@ class StaticModel(Shown):
 
     @property
     def n_elements(self) -> int:
-        """Triangles and rigid blocks."""
+        """Triangles, or tetrahedra, and rigid blocks."""
         triangles = sum(int(dofs.body.mesh.nelements) for dofs in self.bodies.values())
         return triangles + sum(len(dofs.body.names) for dofs in self.assemblies.values())
 
@@ -121,17 +122,17 @@ def static_model(problem: Problem) -> StaticModel:
             "not a problem",
             "give a lacore.Problem; that of a state is state.discretisation.problem",
         )
-    _continua(problem)
+    solid = any(body.dimension == 3 for body in _continua(problem).values())
     problem = matching(problem)
     bodies = numbered(_continua(problem), EquilibriumDofs.at)
     _check_statable(problem)
     first = sum(dofs.count for dofs in bodies.values())
-    node_dofs = np.arange(first).reshape(-1, 2).T
     footings = {footing: first + place for place, footing in enumerate(footings_of(problem))}
     assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, first + len(footings))
     n = first + len(footings) + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
-    bulging = Bulging.of(problem, bodies)
+    plane = {} if solid else bodies  # in space body forces are uniform in each element
+    bulging = Bulging.of(problem, plane)
     contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
     full = KinematicProgram(
         groups=tuple(group for name, own in bodies.items() for group in own.groups(name, n)),
@@ -139,10 +140,55 @@ def static_model(problem: Problem) -> StaticModel:
         reference_load=load_vector(
             acting(problem, problem.reference_loads), dofs, bodies, footings, n
         )
-        + lifted(bodies, bulging.reference, n),
+        + lifted(plane, bulging.reference, n),
         dead_load=load_vector(acting(problem, problem.dead_loads), dofs, bodies, footings, n)
-        + lifted(bodies, bulging.dead, n),
+        + lifted(plane, bulging.dead, n),
     )
+    if solid:
+        bonds = static_bonds((), (), bodies, assemblies, join([]), n)
+        basis = static_free_basis(bodies, problem.supports, tuple(footings))
+    else:
+        bonds, basis = _in_plane(problem, bodies, footings, assemblies, n)
+        check_corners(full, basis, bodies)
+    program = reduced(full, basis)
+    # What a support takes altogether needs no reaction.
+    kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
+    full, program = (
+        held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
+    )
+    size = float(np.abs(full.reference_load).sum())
+    require_power(program.reference_load, size)
+    for name, own in bodies.items():
+        _check_cohesion(name, own, full.dead_load)
+    extent = sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())
+    length = cbrt(extent) if solid else sqrt(extent)
+    return StaticModel(
+        problem=problem,
+        full=full,
+        program=program,
+        bodies=bodies,
+        assemblies=assemblies,
+        points=points.kept(kept),
+        bonds=bonds,
+        bulging=bulging,
+        natural=Scales(
+            length=length,
+            stress=max(strengths_of(full.groups, full.dead_load, length)),
+            velocity=1 / size,
+            thickness=length if solid else 1.0,
+        ),
+    )
+
+
+def _in_plane(
+    problem: Problem,
+    bodies: Mapping[str, EquilibriumDofs],
+    footings: Mapping[RigidFooting, int],
+    assemblies: Mapping[str, RigidDofs],
+    n: int,
+) -> tuple[StaticBonds, Sparse]:
+    """What bonds make one, and all multipliers from the free ones."""
+    node_dofs = np.arange(sum(own.count for own in bodies.values())).reshape(-1, 2).T
     conditions = join(
         [
             *(
@@ -167,34 +213,7 @@ def static_model(problem: Problem) -> StaticModel:
             format="csr",
         )
     )
-    basis = bonds.spread(basis)
-    check_corners(full, basis, bodies)
-    program = reduced(full, basis)
-    # What a support takes altogether needs no reaction.
-    kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
-    full, program = (
-        held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
-    )
-    size = float(np.abs(full.reference_load).sum())
-    require_power(program.reference_load, size)
-    for name, own in bodies.items():
-        _check_cohesion(name, own, full.dead_load)
-    length = sqrt(sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values()))
-    return StaticModel(
-        problem=problem,
-        full=full,
-        program=program,
-        bodies=bodies,
-        assemblies=assemblies,
-        points=points.kept(kept),
-        bonds=bonds,
-        bulging=bulging,
-        natural=Scales(
-            length=length,
-            stress=max(strengths_of(full.groups, full.dead_load, length)),
-            velocity=1 / size,
-        ),
-    )
+    return bonds, bonds.spread(basis)
 
 
 def _continua(problem: Problem) -> dict[str, Body]:
@@ -208,11 +227,11 @@ def _continua(problem: Problem) -> dict[str, Body]:
         )
     bodies = of_kind(problem.bodies, Body)
     for name, body in bodies.items():
-        if type(body.mesh) is not MeshTri1:
+        if type(body.mesh) not in (MeshTri1, MeshTet1):
             raise InputError(
                 f"Problem.bodies[{name!r}].mesh",
                 type(body.mesh).__name__,
-                "equilibrium elements are straight-edged triangles",
+                "equilibrium elements are straight-edged triangles, or tetrahedra",
                 "give a skfem.MeshTri, for quadrilaterals `mesh.to_meshtri(style='x')`",
             )
         if body.axisymmetric:

@@ -1,0 +1,1 @@
+"""Bounds of bodies of tetrahedra: what is theirs alone."""

@@ -1,0 +1,66 @@
+"""Velocities in space as multipliers of equilibrium elements that do the same power (T26, T91)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lacore.arrays import Floats, Ints
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.solid.faces import face_nodes
+from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
+from lacore.bounds.equilibrium import EquilibriumDofs
+from lacore.conditions.loads import RigidFooting
+from lacore.problem.problem import Problem
+
+# 3/A int N_a u dA at the corners of a face, from the nodes there: corners, then `SIDES`.
+_LINEAR = (np.ones((3, 3)) + np.eye(3)) / 4
+_QUADRATIC = np.concatenate(
+    [
+        np.full((3, 3), -0.05) + 0.15 * np.eye(3),
+        0.4 - 0.2 * np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]),
+    ],
+    axis=1,
+)
+# Means over an element, from its nodes: vertices, then edges.
+_MEANS = {1: np.full(4, 1 / 4), 2: np.repeat([-1 / 20, 1 / 5], [4, 6])}
+
+
+def solid_restriction(
+    name: str,
+    dofs: BodyDofs,
+    multipliers: EquilibriumDofs,
+    velocity: Floats,
+    problem: Problem,
+    speeds: dict[RigidFooting, int],
+) -> tuple[Ints, Floats]:
+    """As `lacore.bounds.gap_identity.restriction`: nodes, shape (k,), and velocities, (3, k).
+
+    Where velocities jump past what holds a face, that of what holds it.
+    """
+    mesh = dofs.body.mesh
+    u = velocity[dofs.dofs]
+    weights = _LINEAR if dofs.degree == 1 else _QUADRATIC
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    every = np.arange(mesh.nfacets)
+    total = _at_corners(dofs, u, weights, every, 0)  # (3, corners, facets)
+    other = _at_corners(dofs, u, weights, inner, 1)
+    total[:, :, inner] = (total[:, :, inner] + other) / 2
+    if dofs.space.jumps:
+        footings: Sequence[RigidFooting] = tuple(speeds)
+        held = held_faces(
+            dofs, face_conditions(dofs.body, problem.supports, footings, name), footings
+        )
+        speed = np.array([*(velocity[number] for number in speeds.values()), 0.0])[held.footing]
+        moving = np.einsum("xfn,an->xaf", held.motion, weights) * speed
+        away = moving - total[:, :, held.facets]
+        for axis in held.along:
+            along = np.sum(axis[:, None] * away, axis=0)
+            total[:, :, held.facets] += axis[:, None] * along
+    mean = np.einsum("xne,n->xe", u[:, dofs.element_nodes], _MEANS[dofs.degree])
+    nodes = np.concatenate([multipliers.facet_nodes(every).ravel(), multipliers.element_nodes])
+    return nodes, np.concatenate([total.reshape(3, -1), mean], axis=1)
+
+
+def _at_corners(dofs: BodyDofs, u: Floats, weights: Floats, facets: Ints, side: int) -> Floats:
+    nodes = face_nodes(dofs.body.mesh, dofs.element_nodes, dofs.degree, facets, side)
+    return np.asarray(np.einsum("xnf,an->xaf", u[:, nodes], weights))

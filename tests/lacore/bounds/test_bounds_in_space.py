@@ -1,0 +1,137 @@
+"""Strict bounds of bodies of tetrahedra, checked from mesh and fields alone (T89-T92)."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.bodies.continuum.regions.lattices import lattice
+from lacore.bodies.continuum.solid.lattice import divided
+from tests.lacore.tetrahedra import (
+    SPACES,
+    Flow,
+    cube,
+    lower_residuals,
+    strip,
+    under_strip,
+    upper_residuals,
+)
+
+SOLVED = 1e-7  # of the load factor, as in `tests.lacore.bodies.test_tetrahedra`
+STRIP = 2 + pi
+
+
+def _on(axis, *places):
+    return lambda x: np.any([np.abs(x[axis] - at) < 1e-9 for at in places], axis=0)
+
+
+def _free(x):
+    return _on(2, 0.0)(x) & (x[0] > 1)
+
+
+def _symmetric(x):
+    return _on(0, 0.0)(x) | _on(1, 0.0, 0.5)(x)
+
+
+@pytest.mark.parametrize("crossed", [False, True])
+def test_homogeneous_compression_exactly_from_below(crossed):
+    bound = la.lower_bound(cube(crossed=crossed))
+    assert bound.rigor is la.Rigor.LOWER
+    assert bound.load_factor == pytest.approx(sqrt(3), rel=SOLVED)
+    assert bound.load_factor <= sqrt(3) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "interior_point"])
+def test_stresses_alone_prove_a_lower_bound(backend):
+    bound = la.lower_bound(strip(n=3), backend)
+    assert bound.rigor is la.Rigor.LOWER
+    assert bound.load_factor < STRIP
+    mesh, stress = bound.model.problem.bodies["soil"].mesh, bound.stress["soil"]
+    left = lower_residuals(
+        mesh.p,
+        mesh.t,
+        stress,
+        _free,
+        _symmetric,
+        lambda x: under_strip(np.round(x, 9)),
+        bound.load_factor,
+    )
+    # Stresses are of order one per length of order one, sums of a few terms.
+    assert max(left.values()) <= 1e-12, left
+
+
+@pytest.mark.parametrize("space", SPACES)
+@pytest.mark.parametrize("rough", [False, True])
+def test_a_velocity_alone_proves_an_upper_bound(space, rough):
+    bound = la.upper_bound(strip(space, n=3, rough=rough), "interior_point")
+    assert bound.rigor is la.Rigor.UPPER
+    assert bound.load_factor > STRIP
+    dofs = bound.discretisation.bodies["soil"]
+    mesh, velocity = dofs.body.mesh, bound.velocity[dofs.dofs]
+    speed = 1 / (0.5 * 1.0)  # of a unit force per area on 1 by 0.5
+    flow = Flow(mesh.p, mesh.t, dofs.nodes, dofs.element_nodes, velocity)
+
+    def under(x):
+        return under_strip(np.round(x, 9))
+
+    def held(x):
+        return _on(0, 2.5)(x) | _on(2, -1.25)(x)
+
+    left, power = upper_residuals(flow, under, _symmetric, held, speed)
+    assert max(left.values()) <= 1e-11 * speed, left
+    if rough:
+        return  # what is dissipated past the footing is not sampled
+    # Sampled at 400 places of each element and face: a few thousandths of the power. The lattice is
+    # above the integral, by less than a hundredth.
+    assert power * (1 - 0.005) <= bound.load_factor <= power * (1 + 0.015)
+
+
+@pytest.mark.parametrize("space", SPACES)
+@pytest.mark.parametrize("rough", [False, True])
+def test_shares_of_the_gap_are_positive_and_add_up(space, rough):
+    problem = strip(space, n=2, rough=rough)
+    upper, lower = (bound(problem, "interior_point") for bound in (la.upper_bound, la.lower_bound))
+    gap = la.gap_identity(upper, lower)
+    assert gap.total == pytest.approx(upper.load_factor - lower.load_factor, abs=1e-12)
+    assert gap.least >= -1e-8  # the backend's tolerance
+
+
+def test_brackets_narrow_as_meshes_get_finer():
+    widths = []
+    for n in (2, 4):
+        problem = strip("p2-disc", n=n)
+        low, high = (f(problem, "interior_point") for f in (la.lower_bound, la.upper_bound))
+        assert low.load_factor < STRIP < high.load_factor
+        widths.append(high.load_factor - low.load_factor)
+    assert widths[1] < 0.7 * widths[0]
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_parts_of_a_simplex_fill_it(corners, parts):
+    places, simplices = divided(parts, corners)
+    assert len(simplices) == parts ** (corners - 1)
+    size = np.abs(np.linalg.det(places[simplices]))
+    np.testing.assert_allclose(size, parts ** (1.0 - corners), rtol=1e-12)
+    np.testing.assert_allclose(places.sum(axis=1), 1.0)
+    own, share = lattice(parts, corners)
+    np.testing.assert_allclose(share @ own, 1 / corners, rtol=1e-12)
+
+
+def test_dead_loads_are_proven_too():
+    """A pressure on all free sides moves the mean stress alone: von Mises does not feel it."""
+    problem = cube(n=1)
+    dead = [la.Pressure("block", side, 0.5) for side in ("right", "back", "top")]
+    loaded = problem.with_loads(dead_loads=dead)
+    low, high = la.lower_bound(loaded), la.solve(loaded)
+    # The margin off all strengths that dead loads cost is 1e-7 of them.
+    assert low.load_factor == pytest.approx(sqrt(3), rel=1e-6)
+    assert high.load_factor == pytest.approx(sqrt(3), rel=1e-6)
+
+
+def test_forces_that_vary_within_elements_have_no_bounds_yet():
+    problem = cube().with_loads([la.BodyForce("block", (0.0, 0.0, lambda x: -x[2]))])
+    with pytest.raises(la.InputError, match="uniform in each"):
+        la.lower_bound(problem)
+    assert la.solve(problem).load_factor > 0
