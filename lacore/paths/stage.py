@@ -292,11 +292,11 @@ def _curved(name: str, body: object) -> Body:
             "a path follows bodies that deform",
             "give a lacore.Body; rigid tools are a RigidFooting or a RigidObstacle",
         )
-    if body.kinematics == "plane_stress":
+    if body.kinematics not in ("plane_strain", "axisymmetric"):
         raise InputError(
             f"Problem.bodies[{name!r}].kinematics",
             body.kinematics,
-            "the thickness would change from point to point, and is not followed",
+            "no path follows tetrahedra, or a thickness that changes from point to point",
             "take 'plane_strain' or 'axisymmetric'",
         )
     for region in body.regions:

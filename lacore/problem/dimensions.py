@@ -28,6 +28,11 @@ class Spatial(Protocol):
         """2, or 3."""
         ...
 
+    @property
+    def deforms(self) -> bool:
+        """Whether it is a continuum."""
+        ...
+
 
 def dimension_of(bodies: Mapping[str, Spatial]) -> int:
     """Of how many dimensions all bodies are.
@@ -44,6 +49,14 @@ def dimension_of(bodies: Mapping[str, Spatial]) -> int:
             f"a body in space, beside {plane[0]!r}, a {type(bodies[plane[0]]).__name__} of the"
             " plane",
             "make both of one kind, or two problems of them",
+        )
+    deforming = [name for name in solid if bodies[name].deforms]
+    if 0 < len(deforming) < len(solid):
+        raise InputError(
+            f"Problem.bodies[{deforming[0]!r}]",
+            type(bodies[deforming[0]]).__name__,
+            "a body of tetrahedra beside rigid blocks: nothing touches it yet",
+            "make two problems of them",
         )
     return 3 if solid else 2
 

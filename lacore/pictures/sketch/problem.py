@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.bodies.continuum.body import Body
 from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.sketch.bodies import draw_body, part_names
@@ -19,6 +20,7 @@ from lacore.pictures.sketch.conditions import (
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
 from lacore.pictures.space.problem import sketch_in_space
+from lacore.problem.dimensions import require_plane
 from lacore.problem.problem import Problem
 
 _POINTS = 72.0  # an inch
@@ -42,6 +44,8 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     """
     units = units or Units(fitting(problem.sizes))
     if problem.dimension == 3:
+        for own in of_kind(problem.bodies, Body).values():
+            require_plane(own.dimension, "Problem.plot", "print it, which says what it is")
         return sketch_in_space(problem, units)
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)

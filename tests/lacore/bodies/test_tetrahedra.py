@@ -207,3 +207,58 @@ def test_predicates_end_where_faces_do():
 
 def test_kinematics_of_the_plane_stay_three():
     assert KINEMATICS == ("plane_strain", "plane_stress", "axisymmetric", "3d")
+
+
+def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend(tmp_path):
+    problem = cube("p1-disc")
+    state = la.solve(problem, "interior_point")
+    bound = la.lower_bound(problem, "interior_point")
+    gap = la.gap_identity(state, bound)
+    for ask in (
+        problem.plot,
+        state.plot,
+        bound.plot,
+        gap.plot,
+        problem.bodies["block"].plot,
+        lambda: la.bracket(problem),
+        lambda: la.sequential(problem, 0.1),
+        lambda: la.Problem(
+            dict(problem.bodies),
+            [la.Pressure("block", "top")],
+            interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle(), 0.3)],
+        ),
+    ):
+        with pytest.raises(la.InputError):
+            ask()
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_supports_carry_the_load(space):
+    """Of a rough strip: forces of supports and of the footing add to none, alone to the load."""
+    state = la.solve(strip(space, n=2, rough=True), "interior_point")
+    table = state.support_reactions
+    force = table[["force_x", "force_y", "force_z"]].to_numpy()
+    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-6)
+    under = (table.z == 0) & (table.x <= 1)
+    load = state.load_factor * 0.5  # on 1 m by 0.5 m
+    assert force[~under, 2].sum() == pytest.approx(load, rel=1e-6)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_a_file_has_the_mechanism_and_the_stresses(space, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    state = la.solve(strip(space, n=1), "interior_point")
+    state.to_vtu(tmp_path / "state.vtu")
+    read = meshio.read(tmp_path / "state.vtu")
+    kind = "tetra" if space == "p1-disc" else "tetra10"
+    elements = state.discretisation.bodies["soil"].body.mesh.nelements
+    assert len(read.cells_dict[kind]) == elements
+    np.testing.assert_allclose(read.point_data["velocity"].T, state.velocity["soil"])
+    assert read.cell_data["stress"][0].shape == (elements, 6)
+
+
+def test_a_state_that_is_changed_is_judged_anew():
+    state = la.solve(cube(), "interior_point")
+    same = state.certify(velocity=state.velocity, stress=state.stress)
+    assert same.holds(1e-6)
+    assert not state.certify(load_factor=1.01 * state.load_factor).holds(1e-3)
