@@ -15,12 +15,14 @@ from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, fill_polygons, fill_solids, page, space
 from lacore.pictures.space.structure import Blocks, blocks_of
 from lacore.problem.problem import Problem
+from lacore.showing import cut
 
 FREE, FIXED = "#ece2cd", "#a8a8a8"
 _GROUND = "#8c6d46"
 _LIVE, _DEAD = "#0f7b3f", "#6b6b6b"
 _FEW = 40  # arrows that a reader tells apart
 _ARROW = 0.22  # of the size of the structure: the longest
+_LONGEST = 60  # characters of a legend
 _ROUND_OFF = 1e-9  # of the largest force
 
 
@@ -56,13 +58,13 @@ def sketch_in_space(problem: Problem, units: Units) -> Figure:
         corners, owner = bodies[name].corners_of(faces)
         polygons = [corners[:, owner == face] for face in faces]
         fill_polygons(axes, polygons, [(_GROUND, 0.5)] * len(polygons), 1.0)
-        label = units.rewritten(interface.name)
+        label = cut(units.rewritten(interface.name), _LONGEST)
         handles.append(Patch(facecolor=_GROUND, alpha=0.5, label=label))
     for loads, colour in ((problem.dead_loads, _DEAD), (problem.reference_loads, _LIVE)):
         for load in loads:
             _, points, force = carried(load, bodies[load.body])
             _draw_arrows(axes, points, force, colour, blocks)
-            label = units.rewritten(load.told, framed=True)
+            label = cut(units.rewritten(load.told, framed=True), _LONGEST)
             handles.append(Line2D([], [], color=colour, lw=2, marker=">", label=label))
     explain(axes, handles, 1)
     return figure

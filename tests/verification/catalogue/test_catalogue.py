@@ -71,7 +71,7 @@ def test_tags_say_what_the_problems_consist_of(case):
         problem = case.problem(variant, next(iter(case.meshes)))
         for body in problem.bodies.values():
             kinds.add({"Body": "continuum", "Frame": "frames"}.get(type(body).__name__, "blocks"))
-            if isinstance(body, la.BlockAssembly) and body.joints.count:
+            if isinstance(body, la.BlockAssembly | la.BlockAssembly3D) and body.joints.count:
                 kinds.add("contact")
         if problem.interfaces:
             kinds.add("contact")
