@@ -7,6 +7,9 @@ Which reactions the next K-step gets is free. Measured on 300 random walls and o
 blocks: the mean of those of both steps needs the fewest solves and certifies 92 %; the damped
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
 They are tried in this order: together 99.7 %.
+
+In space reactions are a continuum as a rule (T74), and more attempts come late: proximal steps
+(`lacore.coupling.proximal`), and the first ones again from reactions that are shaken.
 """
 
 from collections.abc import Callable
@@ -18,6 +21,7 @@ from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
+from lacore.coupling.proximal import proximal
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, s_step
@@ -28,6 +32,8 @@ from lacore.status import Status
 
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way
+_SHORT = 12  # of that in a restart
+_SHAKEN = 0.3  # logarithmic spread of the reactions of a restart
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _OUTSIDE = (
     "the load lies outside of the friction cones: no reactions within them carry a part of it"
@@ -44,11 +50,13 @@ def certified_loop(
     options: CouplingOptions,
     on_iterate: OnIterate,
     prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
+    quadratic: bool = False,
 ) -> Coupled:
     """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
 
     Where strain rates harden, S-steps take the yield stresses of the K-step before, in a program of
-    their own that `prepare` gets a solver for: two velocities would not harden alike.
+    their own that `prepare` gets a solver for: two velocities would not harden alike. Proximal
+    steps are programs of their own, too, and `quadratic` says whether the backend takes them.
     """
     run = Run(program, solver, regularised, options, on_iterate, prepare)
     rows = program.contact
@@ -62,7 +70,8 @@ def certified_loop(
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
-    of_contact = (averaged, _damped, _alternated, _shifted)
+    in_space = (proximal, restarted) if quadratic and rows.tangent_dim > 1 else ()
+    of_contact = (averaged, _damped, _alternated, *in_space, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:
@@ -118,6 +127,21 @@ def _damped(run: Run, static: ProgramState) -> Iterate | None:
 def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
     return alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
+
+
+def restarted(run: Run, static: ProgramState) -> Iterate | None:
+    """From reactions of the least gap, shaken; with proximal steps where that does not do."""
+    rng, found = np.random.default_rng(0), None  # the same each time
+    while found is None and not run.exhausted:
+        static = closest(run, static)
+        factors = np.exp(_SHAKEN * rng.standard_normal(static.normal_reaction.size))
+        pressed = factors * np.maximum(static.normal_reaction, 0.0)
+        found = averaged(run, replace(static, normal_reaction=pressed)) or alternate(
+            run, closest(run, static), "damped K", _SHORT, lambda last, _, k: (last + k) / 2
+        )
+        if found is None:
+            found = proximal(run, closest(run, static))
+    return found
 
 
 def _shifted(run: Run, static: ProgramState) -> Iterate | None:

@@ -17,6 +17,7 @@ from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.faces import Face, faces, ray_program
+from lacore.coupling.slack import Slack
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
@@ -55,12 +56,15 @@ class End(Shown):
         point: the mechanism with the reactions and stresses of this end; where there is none, with
             those of a state far along the ray.
         certificate: residuals of `point` against the true friction laws.
+        slack: by how much the end is farther out, to first order, for the gap that its reactions
+            have with the mechanism: 0 in the plane, see `lacore.coupling.slack`.
     """
 
     status: EndStatus
     load_factor: float
     point: ProgramState
     certificate: Certificate
+    slack: float = 0.0
 
     def facts(self) -> Facts:
         """Its value, and what proves it."""
@@ -96,6 +100,17 @@ class Interval(Shown):
         return self.upper.load_factor
 
     @property
+    def told(self) -> str:
+        """What the ends were let, in words; empty in the plane."""
+        own = self.lower.slack, self.upper.slack
+        if not any(own):
+            return ""
+        return (
+            "directions of slip turn continuously in space: ends have a gap of the bar, which is"
+            f" worth some {own[0]:.1e} and {own[1]:.1e} of the load factor"
+        )
+
+    @property
     def exact(self) -> bool:
         """Whether both ends are proven, unbounded ones included."""
         proven = (EndStatus.EXACT, EndStatus.UNBOUNDED)
@@ -108,12 +123,14 @@ class Interval(Shown):
             for side, end in (("low", self.lower), ("high", self.upper))
         }
         told["residual"] = f"{self.lower.certificate.summary}; {self.upper.certificate.summary}"
+        if self.told:
+            told["slack"] = self.told
         title = f"Interval: this mechanism carries load factors {self.low:.7g} to {self.high:.7g}"
         return Facts(title, told)
 
     def __str__(self) -> str:
         ends = f"{self.low:.6g} ({self.lower.status.label}), {self.high:.6g}"
-        return f"[{ends} ({self.upper.status.label})]"
+        return f"[{ends} ({self.upper.status.label})]" + (f", {self.told}" if self.told else "")
 
 
 def load_factor_interval(
@@ -145,7 +162,7 @@ def load_factor_interval(
 def further(end: End, known: End, sign: float) -> End:
     """The end, or the state itself where round-off has it beyond: it proves its own load factor."""
     beyond = sign * (known.load_factor - end.load_factor) > 0
-    return replace(known, status=end.status) if beyond else end
+    return replace(known, status=end.status, slack=end.slack) if beyond else end
 
 
 def proven_end(
@@ -153,9 +170,12 @@ def proven_end(
 ) -> End | None:
     """The end on the side of `sign`; None where no face proves one.
 
-    The first face whose end has next to no residuals, or else the best of a few: a face that is a
-    little too large may pass the bar and put its end too far out.
+    In space it is that of the mechanism up to a slack. In the plane the first face whose end has
+    next to no residuals, or else the best of a few: a face that is a little too large may pass the
+    bar and put its end too far out.
     """
+    if program.contact.tangent_dim > 1:
+        return _slack_end(program, point, sign, prepare, tolerance)
     ends: list[End] = []
     further = _FURTHER
     for face in faces(program, point):
@@ -190,6 +210,24 @@ def _end(
     if not (proven and certificate.holds(tolerance)):
         return None
     return End(EndStatus.EXACT, alpha, point, certificate)
+
+
+def _slack_end(
+    program: KinematicProgram, point: ProgramState, sign: float, prepare: Prepare, tolerance: float
+) -> End | None:
+    """The end of a mechanism in space; None of one that is not proven, or has none."""
+    own = Slack.of(program, point, sign, tolerance)
+    dual, _ = _solve(own.program, own.contact, prepare)
+    if dual is None:
+        return None
+    bound = _bound(own.program, own.contact, dual, tolerance)
+    alpha = sign * float(np.maximum(dual.load_factor, bound))
+    found = own.state(dual, alpha)
+    certificate = certify(program, found)
+    proven = abs(bound - dual.load_factor) <= tolerance * kinematic_power(program, found)
+    if not (proven and certificate.holds(tolerance)):
+        return None
+    return End(EndStatus.EXACT, alpha, found, certificate, own.worth(dual))
 
 
 def _bound(

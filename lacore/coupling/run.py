@@ -179,18 +179,21 @@ class Run:
         laws: FrozenContact | None = None,
         partner: Callable[[ProgramState], ProgramState] | None = None,
         program: KinematicProgram | None = None,
+        solver: PreparedSolver | None = None,
     ) -> Iterate:
         """Solve for a frozen contact and judge the answer by `laws` (None: the true ones).
 
         With `partner`, judge the pair that it makes of the answer, unless the answer itself holds.
         With `program`, groups are those of it: of a velocity that hardens them (T29), or with
-        friction that is frozen (T52).
+        friction that is frozen (T52). With `solver` it is asked, and not that of the loop.
         """
-        if program is None or program is self.program or self.prepare is None:
+        if solver is not None:
+            answer = solver.solve(contact)
+        elif program is None or program is self.program or self.prepare is None:
             answer = self.solver.solve(contact)
         else:
-            with closing(self.prepare(program)) as solver:
-                answer = solver.solve(contact)
+            with closing(self.prepare(program)) as own:
+                answer = own.solve(contact)
         inner = checked_answer(self.program, self.regularised, answer)
         state, certificate, mismatch = inner.point, None, np.nan
         if state is not None:

@@ -62,7 +62,8 @@ def _in_si(discretisation: Discretisation, interval: Interval, state: ProgramSta
             end,
             load_factor=end.load_factor * scale,
             point=point_in_si(discretisation, end.point),
+            slack=end.slack * scale,
         )
-        known = End(end.status, state.load_factor, state, end.certificate)
+        known = End(end.status, state.load_factor, state, end.certificate, end.slack * scale)
         ends.append(further(there, known, sign))
     return Interval(*ends)

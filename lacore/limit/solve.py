@@ -66,6 +66,7 @@ _LOOPS: tuple[Coupling, ...] = (
 _LOOP_OF = dict(zip(COUPLINGS, _LOOPS, strict=True))
 TOLERANCE = 1e-6
 ACCEPTED = 5e-5  # of soils whose flow is not associated: of the power turned over (T53, T58)
+SOLVES_IN_SPACE = 300  # of the loops: domes and vaults need ten times what walls do
 _UPPER = ("associated", "stick")
 _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no sharper
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
@@ -80,7 +81,7 @@ def solve(
     damping: float = 0.7,
     anderson: int = 10,
     tolerance: float | None = None,
-    max_iterations: int = 100,
+    max_iterations: int | None = None,
     kappa: float = 0.5,
     options: Mapping[str, Any] | None = None,
     on_iterate: Callable[[Iterate], None] | None = None,
@@ -103,7 +104,8 @@ def solve(
             `CouplingOptions`.
         tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
             whose flow is not associated 5e-5 where that is not reached soon (T58).
-        max_iterations: of all loops.
+        max_iterations: of all loops; None: 100, and 300 of blocks in space, which converge less
+            soon (T74).
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
@@ -119,10 +121,13 @@ def solve(
     """
     accepted = ACCEPTED if tolerance is None else None
     tolerance = TOLERANCE if tolerance is None else tolerance
+    given = problem.problem if isinstance(problem, Discretisation) else problem
+    if max_iterations is None:
+        in_space = isinstance(given, Problem) and given.dimension == 3
+        max_iterations = SOLVES_IN_SPACE if in_space else CouplingOptions.max_iterations
     coupling_options = CouplingOptions(
         start, damping, anderson, tolerance, max_iterations, kappa, accepted
     )
-    given = problem.problem if isinstance(problem, Discretisation) else problem
     state = _solved(problem, backend, coupling, coupling_options, options, on_iterate, process)
     bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
     for _ in range(ROUNDS):
@@ -178,7 +183,8 @@ def _solved(
         stack.callback(solver.close)
         couple = _LOOP_OF[coupling]
         if couple is certified_loop and (process is None or program.frictional):
-            couple = partial(certified_loop, prepare=prepare)
+            quadratic = engine.capabilities.hardening
+            couple = partial(certified_loop, prepare=prepare, quadratic=quadratic)
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )

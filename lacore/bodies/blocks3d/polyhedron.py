@@ -200,4 +200,8 @@ def _plane_faces(points: Floats, edges: HalfEdges, plane: Ints) -> tuple[Floats,
     normal = vector / area
     signed = np.sum(triangle.T * normal[:, face], axis=0)
     centroid = np.stack([np.bincount(face, signed * own) for own in middle.T]) / area
-    return normal, area, centroid + origin[:, None]
+    low, high = np.full_like(centroid, np.inf), np.full_like(centroid, -np.inf)
+    np.minimum.at(low.T, face, points[edges.start])
+    np.maximum.at(high.T, face, points[edges.start])
+    # Without round-off in its box, so that `x[2] == 0.7` holds of a face at 0.7.
+    return normal, area, np.clip(centroid + origin[:, None], low, high)

@@ -224,3 +224,11 @@ def test_velocities_of_points_are_those_of_a_rigid_motion():
     arm = points - body.centroid[:, blocks]
     expected = u[:, blocks] + np.cross(omega[:, blocks], arm, axis=0)
     assert np.stack([row @ velocity for row in rows]) == pytest.approx(expected)
+
+
+def test_a_predicate_may_ask_for_equal_coordinates():
+    """Centroids are sums of products; of a face across an axis they keep its coordinate."""
+    block = box((-1, -1, 0.1), (1 / 3, 1 / 7, 0.7))
+    body = la.BlockAssembly3D([block], 0.5)
+    for axis, value in ((0, 1 / 3), (1, 1 / 7), (2, 0.7), (2, 0.1)):
+        assert body.outline(lambda x, a=axis, v=value: x[a] == v, "where").size == 1
