@@ -25,6 +25,8 @@ def upper_shares(bound: UpperBound, body: str) -> Floats:
     the unit of load factors.
     """
     discretisation = bound.discretisation
+    if discretisation.bodies[body].body.dimension == 3:
+        return bound.dissipation[body]  # with its jumps: where the mechanism is (T92)
     groups, point = discretisation.full.groups, bound.state.point
     assert point is not None
     dofs, whole = discretisation.bodies[body], bound.dissipation[body]
@@ -65,21 +67,25 @@ def lower_shares(bound: LowerBound, body: str) -> Floats:
     """The same of the multipliers of a lower bound, in geometric mean with their dissipation.
 
     Multipliers of equilibrium elements vary in an element where stresses cannot follow; alone they
-    refine too few elements at a time (T26d). Shape (elements,), in the unit of load factors.
+    refine too few elements at a time (T26d). In space by their dissipation alone. Shape
+    (elements,), in the unit of load factors.
     """
     assert bound.point is not None
     bodies = bound.model.bodies
+    solid = bodies[body].body.dimension == 3
+    corners = len(bodies[body].body.mesh.t)
     groups = _of(body, by_body(bodies, bound.model.program.groups))
     means = _of(body, by_body(bodies, bound.point.mean_stress))
     shares = []
     for group, mean in zip(groups, means, strict=True):
         rates = group.weights[:, None] * group.cone_vectors(bound.point.velocity)
-        rates = rates.reshape(-1, 3, group.dim)
+        rates = rates.reshape(-1, corners, group.dim)
         # What a soil carries follows its pressure.
-        strength = group.carried(mean).reshape(-1, 3).mean(axis=1)
+        strength = group.carried(mean).reshape(-1, corners).mean(axis=1)
         whole = strength * np.linalg.norm(rates, axis=2).sum(axis=1)
         varying = whole - strength * np.linalg.norm(rates.sum(axis=1), axis=1)
-        shares.append(np.asarray(np.sqrt(whole * np.maximum(varying, 0.0))))
+        own = whole if solid else np.sqrt(whole * np.maximum(varying, 0.0))
+        shares.append(np.asarray(own))
     return gathered(bodies[body].body, shares)
 
 

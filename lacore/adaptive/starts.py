@@ -58,8 +58,9 @@ def starts(
     problem = matching(with_kept_water(problem))
     problem = on_mesh(problem, mesh_of(problem))
     rubbed = max(friction_of(body) for body in bodies.values())
+    solid = any(body.dimension == 3 for body in bodies.values())
     if meshes is None:
-        fans = rubbed > 0 and bool(singular_vertices(problem))
+        fans = solid or (rubbed > 0 and bool(singular_vertices(problem)))
         apart = coulomb or lower_mesh is not None or fans
         meshes = "separate" if apart else "shared"
     if meshes == "shared":
@@ -68,10 +69,10 @@ def starts(
         return [Start(("lower", "upper"), both)]
     above, below = associated(problem), frictionless(problem)
     _check("the upper bound", mesh_of(above), max_elements)
-    if lower_mesh is None:
+    if lower_mesh is None and not solid:
         sectors = sectors_for(target_width, rubbed)
         below = on_mesh(below, fanned(mesh_of(below), singular_vertices(below), sectors))
-    else:
+    elif lower_mesh is not None:
         below = _given(below, lower_mesh)
     below = _statable(below)
     _check("the lower bound", mesh_of(below), max_elements)

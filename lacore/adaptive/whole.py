@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from skfem import MeshTri
+from skfem import MeshTet, MeshTri
 
 from lacore.adaptive.kept_water import kept
 from lacore.arrays import Floats, Ints
@@ -41,12 +41,19 @@ def continua(problem: Problem) -> dict[str, Body]:
     deforming = of_kind(meshed, Body)
     for name, stated in meshed.items():
         body = deforming.get(name)
-        if body is None or type(body.mesh) is not MeshTri:
+        if body is None or type(body.mesh) not in (MeshTri, MeshTet):
             raise InputError(
                 f"Problem.bodies[{name!r}]",
                 type(stated if body is None else body.mesh).__name__,
-                "a bracket takes deformable bodies on straight-edged triangles",
-                "give a lacore.Body on a skfem.MeshTri",
+                "a bracket takes deformable bodies on straight-edged triangles, or tetrahedra",
+                "give a lacore.Body on a skfem.MeshTri, or a MeshTet",
+            )
+        if body.dimension == 3 and len(meshed) > 1:
+            raise InputError(
+                "Problem.bodies",
+                list(meshed),
+                "a bracket takes one body of tetrahedra",
+                "make a problem of each: they do not touch",
             )
         if body.axisymmetric:
             raise InputError(
@@ -77,10 +84,15 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
     """
     known = continua(problem)
     finer = {
-        name: inheriting.on_mesh(known[name], part, BOUNDING)
+        name: inheriting.on_mesh(known[name], part, _space(known[name]))
         for name, part in parted(mesh, list(known)).items()
     }
     return replace(problem, bodies={**problem.bodies, **finer})
+
+
+def _space(body: Body) -> str:
+    """That of upper bounds: in space velocities that jump are the closest by far (T90)."""
+    return BOUNDING if body.dimension == 2 or body.pressed else "p2-disc"
 
 
 def elements(problem: Problem, mesh: MeshTri, name: str) -> Ints:

@@ -4,11 +4,12 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from skfem import MeshQuad, MeshTri
+from skfem import MeshQuad, MeshTet, MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError, require_range
 from lacore.meshes.curved import is_curved, jacobians, subdivided
+from lacore.meshes.solid.shape import shapes
 
 _DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose all their digits
 # Quality below which residuals of exact solves, some 1e-10 on good meshes, come near the 1e-6 that
@@ -18,12 +19,15 @@ _ON = 1e-6  # of an edge: nearer to it a vertex lies on the edge; files write 6 
 _NO_AREA = 1e-12  # of the squared size: overlaps by the round-off of coordinates
 
 
-def quality(mesh: MeshTri | MeshQuad) -> Floats:
+def quality(mesh: MeshTri | MeshQuad | MeshTet) -> Floats:
     """Shape of elements, shape (elements,): 1 of an equilateral triangle, 0 of one without area.
 
-    ``4 sqrt(3) area / sum of squared edges``; of a quadrilateral the least of its four corners.
-    Upper bounds stay strict whatever it is; below `SLIVER` a body refuses the mesh.
+    ``4 sqrt(3) area / sum of squared edges``; of a quadrilateral the least of its four corners; of
+    tetrahedra see `lacore.meshes.solid.shape.shapes`. Upper bounds stay strict whatever it is;
+    below `SLIVER` a body refuses the mesh.
     """
+    if isinstance(mesh, MeshTet):
+        return shapes(mesh)
     corner, before, after = _around(mesh)
     squares = sum(
         np.sum(side**2, axis=0) for side in (corner - before, after - corner, before - after)

@@ -1,15 +1,21 @@
-"""Refinement of triangles: some of them, names and shapes kept."""
+"""Refinement of triangles, and tetrahedra: some of them, names and shapes kept."""
+
+from typing import TypeVar
 
 import numpy as np
-from skfem import MeshTri
+from skfem import MeshTet, MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
+from lacore.meshes.solid.bisection import bisected_tetrahedra
 
 _THETA = 0.2  # Doerfler's part of all shares at a time; 0.1 to 0.3 differ little
 _BEYOND = 1.02  # of the elements that are asked for: more than that are too many
 
 
-def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | None:
+Simplices = TypeVar("Simplices", MeshTri, MeshTet)
+
+
+def grown(mesh: Simplices, shares: Floats, growth: float, most: int) -> Simplices | None:
     """The mesh refined until it has about `growth` times as many elements, at most `most`.
 
     Several times on end, by what shares are expected to become: where velocities jump, an error
@@ -17,7 +23,7 @@ def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | 
     only so many elements are divided as are asked for.
 
     Args:
-        mesh: straight triangles.
+        mesh: straight triangles, or tetrahedra.
         shares: of an error, shape (elements,).
         growth: above 1.
         most: elements.
@@ -29,17 +35,23 @@ def grown(mesh: MeshTri, shares: Floats, growth: float, most: int) -> MeshTri | 
     asked = min(growth * mesh.nelements, most)
     while finer.nelements < asked / _BEYOND:
         marked = doerfler(left, _THETA)
-        next_, parents = bisected(finer, marked)
+        next_, parents = divided(finer, marked)
         if next_.nelements > _BEYOND * asked:
             part = (asked - finer.nelements) / (next_.nelements - finer.nelements)
             largest = np.argsort(-left[marked], kind="stable")
             fewer = largest[: max(int(part * marked.size), 1)]
-            next_, parents = bisected(finer, marked[fewer])
+            next_, parents = divided(finer, marked[fewer])
         if next_.nelements > most:
             break
         parts = np.bincount(parents, minlength=finer.nelements)[parents]
-        finer, left = next_, left[parents] / parts**1.5  # of an area 1/parts, size 1/sqrt(parts)
+        # Of an area 1/parts, size 1/sqrt(parts); of a volume so, size 1/cbrt(parts).
+        finer, left = next_, left[parents] / parts ** (1 + 1 / len(mesh.p))
     return finer if 10 * finer.nelements >= 11 * mesh.nelements else None
+
+
+def divided(mesh: Simplices, elements: Ints) -> tuple[Simplices, Ints]:
+    """The mesh with elements divided, and the parents of all."""
+    return bisected_tetrahedra(mesh, elements) if len(mesh.p) == 3 else bisected(mesh, elements)
 
 
 def bisected(mesh: MeshTri, elements: Ints) -> tuple[MeshTri, Ints]:

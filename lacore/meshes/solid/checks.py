@@ -9,31 +9,11 @@ from skfem import MeshTet
 from lacore.arrays import Floats, Ints
 from lacore.errors import InputError, require_range
 from lacore.meshes.checks import SLIVER
+from lacore.meshes.solid.shape import ENDS, shapes, signed_volumes
 
 _FLAT = 1e-10  # volume over the cubed longest edge; below it gradients lose all their digits
 _ON = 1e-6  # of a face: nearer to it a vertex lies on the face; files write 6 digits at least
-_EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]).T
 _WITHIN = 1e-9  # barycentric coordinate above which a place is in an element, not on its face
-
-
-def signed_volumes(mesh: MeshTet) -> Floats:
-    """Volumes of tetrahedra, shape (elements,), m^3; the sign is that of their orientation."""
-    a, b, c, d = mesh.p[:, mesh.t].transpose(1, 2, 0)
-    return np.asarray(np.sum(np.cross(b - a, c - a) * (d - a), axis=1) / 6)
-
-
-def shapes(mesh: MeshTet) -> Floats:
-    """Shape of tetrahedra, (elements,): 1 of a regular one, 0 of one without volume.
-
-    ``6 sqrt(2) volume / l^3``, l the root of the mean of squared edges.
-
-    Source: Parthasarathy, Graichen & Hathaway, A comparison of tetrahedron quality measures, Finite
-        Elem. Anal. Des. 15, 1994.
-    """
-    edges = mesh.p[:, mesh.t[_EDGES[0]]] - mesh.p[:, mesh.t[_EDGES[1]]]
-    length = np.sqrt(np.sum(edges**2, axis=0).mean(axis=0))
-    volume = np.abs(signed_volumes(mesh))
-    return np.asarray(6 * np.sqrt(2) * volume / np.where(length > 0, length, 1.0) ** 3)
 
 
 def check_tetrahedra(mesh: MeshTet, field: str) -> None:
@@ -62,7 +42,7 @@ def check_tetrahedra(mesh: MeshTet, field: str) -> None:
 
 
 def _check_shapes(mesh: MeshTet, field: str) -> None:
-    edges = mesh.p[:, mesh.t[_EDGES[0]]] - mesh.p[:, mesh.t[_EDGES[1]]]
+    edges = mesh.p[:, mesh.t[ENDS[0]]] - mesh.p[:, mesh.t[ENDS[1]]]
     longest = np.linalg.norm(edges, axis=0).max(axis=0)
     flat = np.flatnonzero(~(np.abs(signed_volumes(mesh)) > _FLAT * longest**3))
     if flat.size:

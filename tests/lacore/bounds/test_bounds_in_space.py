@@ -9,6 +9,7 @@ import lacore as la
 from lacore.bodies.continuum.regions.lattices import lattice
 from lacore.bodies.continuum.solid.lattice import divided
 from tests.lacore.tetrahedra import (
+    CRITERION,
     SPACES,
     Flow,
     cube,
@@ -135,3 +136,39 @@ def test_forces_that_vary_within_elements_have_no_bounds_yet():
     with pytest.raises(la.InputError, match="uniform in each"):
         la.lower_bound(problem)
     assert la.solve(problem).load_factor > 0
+
+
+def test_a_bracket_refines_where_the_mechanism_is():
+    """Each bound on a mesh of its own, marked by its own dissipation."""
+    problem = strip("p1-disc", n=2)
+    bracket = la.bracket(problem, 0.13, time_limit=60.0, backend="interior_point", jobs=1)
+    assert bracket.status.label == "reached"
+    assert bracket.lower < STRIP < bracket.upper
+    assert bracket.lower_bound.rigor is la.Rigor.LOWER
+    assert bracket.upper_bound.rigor is la.Rigor.UPPER
+    assert bracket.upper_bound.discretisation.bodies["soil"].body.space == "p2-disc"
+    elements = bracket.history.groupby("bound")["elements"].max()
+    assert elements.min() > problem.bodies["soil"].mesh.nelements
+    assert elements.max() < 2000
+
+
+@pytest.mark.slow
+def test_a_smooth_square_footing_within_six_percent():
+    """Strict bounds of others on the same domain: [5.1295, 5.3310] k (REFERENCES_3D)."""
+    mesh = la.meshes.box((0, 2.6), (0, 2.6), (-1.3, 0), 4, 4, 2, False, (1.0, 1.0), (1.0, 1.0))
+    x, y, _ = mesh.p[:, mesh.t].mean(axis=1)
+    clay = la.Body(mesh.restrict(np.flatnonzero(y < x)), CRITERION, kinematics="3d")
+    problem = la.Problem(
+        {"clay": clay},
+        [la.RigidFooting("clay", lambda x: (x[2] == 0) & (x[0] <= 1), (0, 0, -1), rough=False)],
+        [
+            la.Fix("clay", "front", "normal"),
+            la.Fix("clay", lambda x: np.abs(x[0] - x[1]) < 1e-9, "normal"),
+            la.Fix("clay", "right", "xyz"),
+            la.Fix("clay", "bottom", "xyz"),
+        ],
+    )
+    bracket = la.bracket(problem, 0.06, time_limit=300.0, backend="interior_point")
+    assert bracket.width <= 0.06
+    assert bracket.lower < 5.3310
+    assert bracket.upper > 5.1295

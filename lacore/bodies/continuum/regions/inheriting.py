@@ -22,6 +22,8 @@ def on_mesh(body: "Body", mesh: MeshTri, space: str) -> "Body":
     """
     if mesh is body.mesh:
         return replace(body, space=space)
+    if body.dimension == 3:  # what is refined in space keeps the names of its regions
+        return replace(body, mesh=mesh, space=space)
     field = "mesh"
 
     def carried(own: Field) -> Field:
