@@ -19,6 +19,7 @@ from lacore.bodies.blocks3d.faces import Faces, faces_of
 from lacore.bodies.blocks3d.joints import Joints3D, find_joints
 from lacore.bodies.blocks3d.loaded import carried
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
+from lacore.bodies.blocks3d.slits import require_no_slits
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
@@ -52,8 +53,9 @@ class BlockAssembly3D(Shown):
         joint_terms: coefficient, limit, dilatancy and tension of their laws, (4, J), see `Joints`.
 
     Raises:
-        InputError: no block, what is no polyhedron; blocks that overlap; friction below 0 or NaN; a
-            pair of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+        InputError: no block, what is no polyhedron; blocks that overlap, or nearly touch (a gap
+            above `tolerance` and below 1 % of the width of a face); friction below 0 or NaN; a pair
+            of `joint_friction` given twice, unknown, or without joint. It names the blocks.
     """
 
     blocks: Mapping[str, Polyhedron] | Sequence[Polyhedron]
@@ -90,6 +92,7 @@ class BlockAssembly3D(Shown):
         friction = joint_law(self.friction, "BlockAssembly3D.friction")
         laws = {} if self.joint_friction is None else self.joint_friction
         require_apart(blocks, tolerance, "BlockAssembly3D.blocks")
+        require_no_slits(blocks, tolerance, "BlockAssembly3D.blocks")
         joints = find_joints(blocks, tolerance)
         terms = joint_terms(
             names, joints.slave, joints.master, friction, laws, "BlockAssembly3D.joint_friction"

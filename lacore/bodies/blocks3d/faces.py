@@ -24,7 +24,7 @@ class Faces(Compact):
         block: number, (F,). `rank`: of the block, by its place and not by its number, (F,).
         normal: outward, (3, F). `offset`: ``normal.x``, m, (F,). `area`: m^2, (F,).
         low, high: bounding boxes, (3, F), m.
-        width: area over the diagonal of that box, (F,), m: not more than it is wide.
+        width: area over twice the distance of its farthest corner from its centroid, (F,), m.
         points: vertices of all rings, (3, p), m, and the number of the ring, `ring`, (p,).
         ring_face: of each ring, (r,), ascending.
     """
@@ -81,6 +81,7 @@ def faces_of(polyhedra: Sequence[Polyhedron]) -> Faces:
     normal = np.concatenate([own.normal for own in polyhedra], axis=1)
     middle = np.concatenate([own.face_centroid for own in polyhedra], axis=1) - origin[:, None]
     area = np.concatenate([own.area for own in polyhedra])
+    far = np.linalg.norm(points - middle.T[ring_face[ring]], axis=1)
     return Faces(
         origin,
         block,
@@ -90,7 +91,7 @@ def faces_of(polyhedra: Sequence[Polyhedron]) -> Faces:
         area,
         low,
         high,
-        area / np.linalg.norm(high - low, axis=0),
+        area / (2 * np.maximum.reduceat(far, starts)),
         points.T,
         ring,
         ring_face,

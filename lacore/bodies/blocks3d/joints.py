@@ -73,13 +73,11 @@ def find_joints(polyhedra: Mapping[str, Polyhedron], tolerance: float) -> Joints
     pair, shared = shared_pieces(faces, first, second, one, two, tolerance)
     corners, joint = hull_corners(shared, tolerance)
     own = pair[joint]
-    low, high = (
-        _height(faces, which[own], normal[:, own], one[:, own], two[:, own], corners)
-        for which in (first, second)
-    )
+    axes = normal[:, own], one[:, own], two[:, own]
+    low, gap = gaps(faces, first[own], second[own], axes, corners)
     apart = np.zeros(pair.size)
-    np.maximum.at(apart, joint, np.abs(high - low))
-    points = normal[:, own] * (low + high) / 2 + one[:, own] * corners[0] + two[:, own] * corners[1]
+    np.maximum.at(apart, joint, np.abs(gap))
+    points = axes[0] * (low + gap / 2) + axes[1] * corners[0] + axes[2] * corners[1]
     points += faces.origin[:, None]
     return _sorted(
         faces,
@@ -138,6 +136,21 @@ def _opened(place: Floats, ring: Ints) -> tuple[Floats, Ints]:
     """Points of rings without the last of each, which repeats the first."""
     kept = np.diff(ring, append=-1) == 0
     return place[kept], ring[kept]
+
+
+def gaps(
+    faces: Faces, first: Ints, second: Ints, axes: tuple[Floats, Floats, Floats], flat: Floats
+) -> tuple[Floats, Floats]:
+    """How high the first face lies, and how much higher the second, along normals, m, (k,) each.
+
+    Args:
+        faces: of all blocks.
+        first, second: which of them, (k,).
+        axes: normal, and the two axes of the plane in which places are counted, (3, k) each.
+        flat: the places, (2, k), m.
+    """
+    low, high = (_height(faces, which, *axes, flat) for which in (first, second))
+    return low, high - low
 
 
 def _height(

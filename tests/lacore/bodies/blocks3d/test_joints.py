@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 import lacore as la
 from lacore.bodies.blocks3d.apart import require_apart, touched_by
 from lacore.bodies.blocks3d.joints import find_joints
+from lacore.bodies.blocks3d.slits import require_no_slits
 from lacore.bodies.blocks3d.surface import axes_of
 from tests.lacore.bodies.blocks3d.solids import L_SHAPE, box, moved, prism, triangulated, voronoi
 
@@ -181,3 +182,33 @@ def test_a_block_in_the_corner_of_an_l_is_apart_until_it_is_pushed_in():
     assert find_joints({"l": l_shape, "box": box((1, 1, 0), (2, 2, 1))}, NEAR).count == 2
     with pytest.raises(la.InputError, match=r"0\.01 m deep"):
         require_apart({"l": l_shape, "box": box((0.99, 1, 0), (2, 2, 1))}, NEAR, "blocks")
+
+
+@pytest.mark.parametrize(
+    ("gap", "refused"), [(1e-7, False), (1e-3, True), (6e-3, True), (0.02, False)]
+)
+@pytest.mark.parametrize("turn", [None, Rotation.from_rotvec([0.3, 0.5, -0.2])])
+def test_blocks_that_nearly_touch_are_refused(gap, refused, turn):
+    """Up to 1 % of the area of a face over its diagonal, 0.7 of its side."""
+    blocks = {"a": box((0, 0, 0), (1, 1, 1)), "b": box((0, 0, 1 + gap), (1, 1, 2))}
+    blocks = {name: moved(own, turn) for name, own in blocks.items()}
+    if not refused:
+        require_no_slits(blocks, NEAR, "blocks")
+        return
+    with pytest.raises(la.InputError, match=f"'a', 'b'.*a gap of {gap:.3g} m.*such gaps: 1"):
+        require_no_slits(blocks, NEAR, "blocks")
+    require_no_slits(blocks, 1.1 * gap, "blocks")
+
+
+def test_a_gap_with_a_shim_in_it_is_meant():
+    shim = box((0.4, 0.4, 1), (0.6, 0.6, 1.005))
+    blocks = {"a": box((0, 0, 0), (1, 1, 1)), "b": box((0, 0, 1.005), (1, 1, 2)), "shim": shim}
+    require_no_slits(blocks, NEAR, "blocks")
+
+
+def test_what_tilts_away_is_no_slit():
+    lid = la.Polyhedron(box((0, 0, 1), (1, 1, 2)).vertices, box((0, 0, 1), (1, 1, 2)).faces)
+    leaning = lid.vertices.copy()
+    leaning[[1, 2], 2] += 0.05
+    blocks = {"a": box((0, 0, 0), (1, 1, 1)), "b": la.Polyhedron(leaning, lid.faces)}
+    require_no_slits(blocks, NEAR, "blocks")
