@@ -25,7 +25,7 @@ def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssemb
     """A plane assembly made deep: its x and y become x and z, y runs from 0 to the depth (T78).
 
     Blocks keep their names; of several slices they are ``NAME/1``, ``NAME/2``, ..., and a law of
-    `joint_friction` holds in all of them.
+    `joint_friction` holds in all of them. So does the tolerance of the assembly.
 
     Args:
         plane: as `lacore.masonry` makes it, say.
@@ -45,8 +45,7 @@ def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssemb
         for (one, other), law in (plane.joint_friction or {}).items()
         for k in range(slices)
     }
-    friction = plane.friction
-    return BlockAssembly3D(blocks, friction, laws)
+    return BlockAssembly3D(blocks, plane.friction, laws, plane.tolerance)
 
 
 def _named(name: str, slice_: int, slices: int) -> str:
