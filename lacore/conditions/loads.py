@@ -231,6 +231,17 @@ class RigidFooting(Compact):
         """The part of the boundary under it."""
         return self.where
 
+    def motion(self, places: Floats) -> Floats:
+        """Velocity per its speed at places of shape (d, ...), of that shape."""
+        direction = np.reshape(self.direction, (-1, *(1,) * (places.ndim - 1)))
+        return np.broadcast_to(direction, places.shape)
+
+    def held(self, outward: Floats) -> tuple[Floats, ...]:
+        """Directions in which it holds faces in space of outward normals (e, 3), (e, 3) each."""
+        if not self.rough:
+            return (outward,)
+        return tuple(np.broadcast_to(axis, outward.shape) for axis in np.eye(3))
+
     @property
     def name(self) -> str:
         """For messages: ``soil: footing``."""

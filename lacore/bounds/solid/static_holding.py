@@ -8,7 +8,7 @@ from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.solid.faces import face_corners
 from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
-from lacore.bodies.continuum.solid.holding import face_conditions, motion_of
+from lacore.bodies.continuum.solid.holding import face_conditions
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.conditions.elimination import NodeConditions
 from lacore.conditions.loads import Fix, RigidFooting
@@ -55,5 +55,5 @@ def static_free_basis(
 
 def _followed(footing: RigidFooting, corner: Floats) -> Floats:
     """Multipliers at the corners of faces that a footing moves, per its speed, (3, 3, faces)."""
-    motion = motion_of(footing, corner)
+    motion = footing.motion(corner)
     return np.asarray((motion + motion.sum(axis=1, keepdims=True)) / 4)

@@ -15,6 +15,7 @@ from tests.lacore.tetrahedra import (
     cube,
     lower_residuals,
     strip,
+    torsion,
     under_strip,
     upper_residuals,
 )
@@ -172,3 +173,28 @@ def test_a_smooth_square_footing_within_six_percent():
     assert bracket.width <= 0.06
     assert bracket.lower < 5.3310
     assert bracket.upper > 5.1295
+
+
+TORSION = 8 / 3  # k a^3/3, twice the volume of the heap of sand (Nadai)
+
+
+def test_torsion_of_a_square_bar_exactly_where_ridges_of_the_heap_are_faces():
+    """Cells cut along both diagonals: bounds from both sides meet."""
+    problem = torsion("p2-disc", 1, crossed=True)
+    low, high = (bound(problem, "interior_point") for bound in (la.lower_bound, la.upper_bound))
+    assert low.load_factor <= TORSION * (1 + 1e-12)
+    assert high.load_factor >= TORSION * (1 - 1e-12)
+    assert high.load_factor - low.load_factor <= 1e-6 * TORSION  # the backend's tolerance, twice
+
+
+@pytest.mark.parametrize("space", ["p2-vertex", "p2-disc"])
+def test_torsion_from_above_and_below_is_of_second_order(space):
+    """On other meshes; strain rates are smooth but at the ridges: order 2, 1.7 at least."""
+    above, below = [], []
+    for n in (1, 2):
+        problem = torsion(space, n)
+        above.append(la.solve(problem, "interior_point").load_factor / TORSION - 1)
+        below.append(1 - la.lower_bound(problem, "interior_point").load_factor / TORSION)
+    assert min(above + below) > 0
+    assert np.log2(above[0] / above[1]) >= 1.7
+    assert np.log2(below[0] / below[1]) >= 1.5

@@ -53,7 +53,7 @@ def face_conditions(
 ) -> NodeConditions:
     """Conditions of all that holds a body, on its faces in place of nodes, directions (c, 3).
 
-    Without factors, which differ from place to place: see `motion_of`.
+    Without factors, which differ from place to place: see `RigidFooting.motion`.
     """
     parts = [_none()]
     for support in supports:
@@ -66,16 +66,9 @@ def face_conditions(
         if footing.body == name:
             facets = boundary_facets(body, footing.where, "RigidFooting.where")
             _, outward = face_geometry(body.mesh, facets)
-            own = np.broadcast_to(np.eye(3)[:, None], (3, facets.size, 3))
-            for direction in own if footing.rough else [outward.T]:
+            for direction in footing.held(outward.T):
                 parts.append(_held(facets, direction, number))
     return _joined(parts)
-
-
-def motion_of(footing: RigidFooting, places: Floats) -> Floats:
-    """Velocity of a footing per its speed at places of shape (3, ...), of that shape."""
-    direction = np.reshape(footing.direction, (3, *(1,) * (places.ndim - 1)))
-    return np.broadcast_to(direction, places.shape)
 
 
 def held_faces(
@@ -123,7 +116,7 @@ def held_faces(
     motion = np.zeros_like(places)
     for number, footing in enumerate(footings):
         mine = owner == number
-        motion[:, mine] = motion_of(footing, places[:, mine])
+        motion[:, mine] = footing.motion(places[:, mine])
     return HeldFaces(facets, normal, owner, motion, across > _ALONG, along.transpose(2, 1, 0))
 
 
@@ -185,7 +178,7 @@ def _at_nodes(
     factors = np.zeros(at.size)
     for number, footing in enumerate(footings):
         mine = owner == number
-        motion = motion_of(footing, dofs.nodes[:, at[mine]])
+        motion = footing.motion(dofs.nodes[:, at[mine]])
         factors[mine] = np.sum(directions[mine].T * motion, axis=0)
     return NodeConditions(at, directions, owner, factors)
 
