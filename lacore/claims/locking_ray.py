@@ -12,7 +12,7 @@ from itertools import product
 from math import pi
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, eye_array, hstack, vstack
+from scipy.sparse import csr_matrix, eye_array, hstack, vstack
 from scipy.sparse.linalg import lsmr
 
 from lacore.arrays import Floats, Sparse
@@ -46,12 +46,13 @@ class LockingRay:
 def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay:
     """The reactions that come closest to carrying ``F0`` alone.
 
-    For plane problems (one tangential direction).
+    In space of friction that dilates some directions of all: what they prove is proven.
     """
     rows = program.contact
-    dilated = csr_matrix(diags_array(contact.dilatancy) @ rows.tangential)
+    ways = _ways(contact, rows.tangent_dim)
+    sloped = [rows.normal - _along(rows.tangential, contact.dilatancy, way) for way in ways]
     endless = [_endless(group) for group in program.groups if group.surfaces is not None]
-    pressing = csr_matrix(vstack([rows.normal - dilated, rows.normal + dilated, *endless]))
+    pressing = csr_matrix(vstack([*sloped, *endless]))
     free = csr_matrix(
         vstack(
             [
@@ -72,8 +73,20 @@ def locking_ray(program: KinematicProgram, contact: FrozenContact) -> LockingRay
     acting = on_part > 0
     return LockingRay(
         residual=float(np.max(left[acting] / on_part[acting], initial=0.0)),
-        release=load * float(pressed[: 2 * rows.count] @ np.tile(contact.shift, 2)),
+        release=load * float(pressed[: len(ways) * rows.count] @ np.tile(contact.shift, len(ways))),
     )
+
+
+def _ways(contact: FrozenContact, dim: int) -> Floats:
+    """Directions of slip, shape (k, dim): both in the plane; one in space where none dilates."""
+    if dim == 1:
+        return np.array([[1.0], [-1.0]])
+    return _directions(dim) if np.any(contact.dilatancy) else np.zeros((1, dim))
+
+
+def _along(tangential: Sparse, dilatancy: Floats, way: Floats) -> Sparse:
+    """Dilatancy times slip along a direction, a row a contact point."""
+    return csr_matrix(_of_points(dilatancy[:, None] * way, dilatancy.size, way.size) @ tangential)
 
 
 def _endless(group: DissipationGroup) -> Sparse:

@@ -313,3 +313,28 @@ def test_what_a_load_factor_depends_on(standing):
 def test_what_is_not_made_of_blocks_in_space_says_so(tmp_path):
     with pytest.raises(la.InputError, match="BlockAssembly3D"):
         la.write_problem(tower(), tmp_path / "pier.toml")
+
+
+@pytest.mark.parametrize("coupling", ["certified", "associated"])
+def test_what_only_presses_is_locked(coupling):
+    """A stone on another, under more of its own weight: no friction is asked for (T13)."""
+    blocks = {"low": box((0, 0, 0), (1, 1, 1)), "top": box((0, 0, 1), (1, 1, 2))}
+    with pytest.raises(la.SolveError) as told:
+        on_floor(blocks, 0.3, [la.BodyForce("b", (0, 0, -1))], coupling=coupling)
+    assert told.value.state.status is la.Status.LOCKED
+    assert told.value.state.load_factor == np.inf
+
+
+def test_a_wedge_between_dilatant_walls_is_locked_by_a_proof():
+    """Associated friction that dilates more than the walls lean apart holds whatever presses."""
+    wedge = prism([(-0.45, 0), (0.45, 0), (0.5, 1), (-0.5, 1)], 1.0)
+    left = prism([(-1.5, 0), (-0.45, 0), (-0.5, 1), (-1.5, 1)], 1.0)
+    right = prism([(0.45, 0), (1.5, 0), (1.5, 1), (0.5, 1)], 1.0)
+    problem = la.Problem(
+        {"b": la.BlockAssembly3D({"wedge": wedge, "left": left, "right": right}, 0.5)},
+        [la.BodyForce("b", (0, -1, 0), "wedge")],
+        supports=[la.Fix("b", ("left", "right"), "xyz")],
+        dead_loads=[la.BodyForce("b", (0, -1, 0), "wedge")],
+    )
+    state = la.solve(problem, coupling="associated", throw=False)
+    assert state.status is la.Status.LOCKED
