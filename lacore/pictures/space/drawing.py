@@ -13,13 +13,14 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lacore.arrays import Floats, Ints
 from lacore.numerics.quantities import Units
-from lacore.pictures.space.structure import Blocks
+from lacore.pictures.space.structure import Blocks, from_behind
 
 ELEVATION, AZIMUTH = 24.0, -58.0  # degrees: of the eye
 Colour = tuple[str, float]
 _LIGHT = np.array([-0.35, -0.6, 0.72])  # towards it, from over the left shoulder
 _SHADOW = 0.62  # of the colour that is left on sides that the light does not meet
 _PAGE = 5.4, 5.2  # inches, of a picture
+_LINE = 0.45  # grey of edges
 _MANY = 150  # blocks, that thin lines keep apart
 _MARGIN = 0.02  # of the extent
 
@@ -103,7 +104,7 @@ def normals_of(points: Floats, faces: Sequence[Ints]) -> Floats:
 def fill_solids(
     axes: Axes3D, points: Floats, blocks: Blocks, colours: Sequence[str], zorder: float
 ) -> None:
-    """Surfaces as one sees them: sides that look away are left out, others shaded, far ones first.
+    """Surfaces as one sees them: sides that look away are left out, far blocks drawn first.
 
     Args:
         points: vertices of the blocks, displaced or not, (3, n), m.
@@ -115,19 +116,21 @@ def fill_solids(
     shade = (_SHADOW + (1 - _SHADOW) * light[seen])[:, None]
     owner = blocks.block[[blocks.faces[face][0] for face in seen.tolist()]]
     rgb = np.array([matplotlib.colors.to_rgb(colours[block]) for block in owner.tolist()])
-    lined = np.where(blocks.whole[seen, None], 0.45, shade) * np.where(
-        blocks.whole[seen, None], 1.0, rgb
-    )
+    filled = np.clip(shade * rgb, 0.0, 1.0)
+    lined = np.where(blocks.whole[seen, None], _LINE, filled)
     thin = 0.5 if blocks.radius.size < _MANY else 0.25
-    axes.add_collection3d(
-        Poly3DCollection(
-            [points[:, blocks.faces[face]].T for face in seen.tolist()],
-            facecolors=np.clip(shade * rgb, 0.0, 1.0),
-            edgecolors=np.clip(lined, 0.0, 1.0),
-            linewidths=thin,
-            zorder=zorder,
+    order = from_behind(blocks, eye())
+    for place, block in enumerate(order):
+        own = np.flatnonzero(owner == block)
+        axes.add_collection3d(
+            Poly3DCollection(
+                [points[:, blocks.faces[face]].T for face in seen[own].tolist()],
+                facecolors=filled[own],
+                edgecolors=lined[own],
+                linewidths=thin,
+                zorder=zorder + place / len(order),
+            )
         )
-    )
 
 
 def draw_edges(axes: Axes3D, points: Floats, blocks: Blocks, colour: str, zorder: float) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -26,6 +27,7 @@ class Blocks(Compact):
         whole: which of them are a plane face: others are parts of one with holes, (p,).
         edges: vertex numbers of the ends of edges between plane faces, (2, e).
         centroid: (3, B), m. `radius`: (B,), m.
+        joined: slave and master of joints, (2, J). `normal`: out of the master, (3, J).
     """
 
     first: dict[str, int]
@@ -36,6 +38,8 @@ class Blocks(Compact):
     edges: Ints
     centroid: Floats
     radius: Floats
+    joined: Ints
+    normal: Floats
 
     @property
     def size(self) -> float:
@@ -65,7 +69,52 @@ def blocks_of(assemblies: Iterable[tuple[str, BlockAssembly3D]]) -> Blocks:
         ),
         centroid=np.concatenate([body.centroid for _, body in named], axis=1),
         radius=np.concatenate([body.radius for _, body in named]),
+        joined=np.concatenate(
+            [
+                np.stack([body.joints.slave, body.joints.master]) + at
+                for (_, body), at in zip(named, sizes[:-1].tolist(), strict=True)
+            ],
+            axis=1,
+        ),
+        normal=np.concatenate([body.joints.normal for _, body in named], axis=1),
     )
+
+
+def from_behind(blocks: Blocks, eye: Floats) -> list[int]:
+    """The blocks in an order in which each hides those before it, and none behind it.
+
+    Of two that share a joint the one on the side of the eye comes later, else the nearer one; where
+    blocks hide each other in a circle the farthest of them is drawn first.
+
+    Args:
+        blocks: that do not lie in each other.
+        eye: unit vector towards it, (3,).
+    """
+    depth = (eye @ blocks.centroid).tolist()
+    towards = eye @ blocks.normal
+    front = np.where(towards > 0, blocks.joined[0], blocks.joined[1])
+    back = np.where(towards > 0, blocks.joined[1], blocks.joined[0])
+    seen = np.abs(towards) > _SAME
+    waits = np.bincount(front[seen], minlength=len(depth)).tolist()
+    hides: list[list[int]] = [[] for _ in depth]
+    for one, other in zip(back[seen].tolist(), front[seen].tolist(), strict=True):
+        hides[one].append(other)
+    left = sorted(range(len(depth)), key=depth.__getitem__)  # of circles
+    ready = [(depth[block], block) for block in left if not waits[block]]
+    drawn: dict[int, None] = {}
+    while len(drawn) < len(depth):
+        if ready:
+            _, block = heappop(ready)
+        else:
+            block = next(own for own in left if own not in drawn)
+        if block in drawn:
+            continue
+        drawn[block] = None
+        for other in hides[block]:
+            waits[other] -= 1
+            if waits[other] == 0 and other not in drawn:
+                heappush(ready, (depth[other], other))
+    return list(drawn)
 
 
 def _cover(solid: Polyhedron) -> tuple[list[Ints], Bools]:
