@@ -31,7 +31,7 @@ from lacore.pictures.continua import draw_continua
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_foot, draw_frames, draw_moments, turning
 from lacore.pictures.space.mechanism import plot_in_space
-from lacore.problem.dimensions import require_plane
+from lacore.pictures.space.surface import plot_flow
 from lacore.status import Status
 
 _STRETCH = 0.08  # largest displacement drawn, per size of the structure
@@ -72,8 +72,8 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     units = units or Units(fitting(state.discretisation.problem.sizes))
     if state.discretisation.solids:
         return plot_in_space(state, units, _title(state))
-    mend = "write a file for ParaView by to_vtu, or take state.velocity"
-    require_plane(state.discretisation.problem.dimension, "LimitState.plot", mend)
+    if state.discretisation.problem.dimension == 3:
+        return plot_flow(state, units, _title(state))
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0

@@ -18,7 +18,7 @@ from lacore.bounds.lower import LowerBound
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.regions import shaded
-from lacore.problem.dimensions import require_plane
+from lacore.pictures.space.surface import surface_by_name, surface_by_value
 
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
@@ -27,7 +27,8 @@ _FEW = 10  # boundaries that have a colour
 
 def plot_body(body: Body) -> Figure:
     """Its elements, by regions, and its named boundaries."""
-    require_plane(body.dimension, "Body.plot", "print the body, which says what it is")
+    if body.dimension == 3:
+        return surface_by_name(body)
     figure, axes = _page({"body": body})
     corners = outlines(body.mesh)
     for region, colour in shaded(body):
@@ -53,13 +54,13 @@ def plot_strength(bound: LowerBound) -> Figure:
     Raises:
         ValueError: there is no state, or nothing that yields.
     """
-    require_plane(bound.model.problem.dimension, "LowerBound.plot", "take bound.stress")
     if bound.point is None or not bound.model.bodies:
         raise ValueError("there are no stresses to show")
     bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
     point, groups = bound.point, bound.model.full.groups
+    corners = bound.model.problem.dimension + 1
     uses = [
-        group.uses(stress, mean).reshape(-1, 3).max(axis=1)
+        group.uses(stress, mean).reshape(-1, corners).max(axis=1)
         for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True)
     ]
     used = {name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.bodies, uses)}
@@ -74,8 +75,6 @@ def plot_gap(identity: GapIdentity) -> Figure:
     Raises:
         ValueError: there are no elements.
     """
-    for body in identity.bodies.values():
-        require_plane(body.dimension, "GapIdentity.plot", "take identity.elements")
     if not identity.bodies:
         raise ValueError("there are no elements to show")
     total = max(identity.total, np.finfo(float).tiny)
@@ -93,12 +92,14 @@ def _coloured(
     colours: Colormap,
     top: float | None = None,
 ) -> Figure:
+    largest = max(float(own.max()) for own in values.values()) if top is None else top
+    if any(body.dimension == 3 for body in bodies.values()):
+        return surface_by_value(bodies, values, title, label, colours, largest)
     figure, axes = _page(bodies)
-    top = max(float(own.max()) for own in values.values()) if top is None else top
     for name, body in bodies.items():
         faces = PolyCollection(list(outlines(body.mesh)), array=values[name], cmap=colours)
         _draw_edges(faces, body.mesh)
-        faces.set_clim(0.0, top if top > 0 else 1.0)
+        faces.set_clim(0.0, largest if largest > 0 else 1.0)
         axes.add_collection(faces)
     bar = figure.colorbar(faces, ax=axes, shrink=0.85, pad=0.01, aspect=25)
     bar.set_label(label, fontsize=8)

@@ -209,17 +209,10 @@ def test_kinematics_of_the_plane_stay_three():
     assert KINEMATICS == ("plane_strain", "plane_stress", "axisymmetric", "3d")
 
 
-def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend(tmp_path):
+def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend():
     problem = cube("p1-disc")
-    state = la.solve(problem, "interior_point")
-    bound = la.lower_bound(problem, "interior_point")
-    gap = la.gap_identity(state, bound)
     for ask in (
         problem.plot,
-        state.plot,
-        bound.plot,
-        gap.plot,
-        problem.bodies["block"].plot,
         lambda: la.sequential(problem, 0.1),
         lambda: la.Problem(
             dict(problem.bodies),
@@ -229,6 +222,22 @@ def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend(tm
     ):
         with pytest.raises(la.InputError):
             ask()
+
+
+def test_pictures_show_the_faces_that_one_sees():
+    """Coloured by names, by what is dissipated, used and missing in the elements behind them."""
+    problem = cube("p2-disc", n=2)
+    state = la.solve(problem, "interior_point")
+    bound = la.lower_bound(problem, "interior_point")
+    body = problem.bodies["block"]
+    for shown in (body, state, bound, la.gap_identity(state, bound)):
+        figure = shown.plot()
+        (faces,) = [own for own in figure.axes[0].collections if own.get_facecolor().size]
+        # Three sides of a cube of 2 by 2 faces of two triangles each look at any eye.
+        assert len(faces.get_facecolor()) == 3 * 2 * 2 * 2
+        assert np.all(np.isfinite(faces.get_facecolor()))
+    assert body.plot().axes[0].get_legend() is not None
+    assert state.plot().get_suptitle().startswith(f"load factor {state.load_factor:.6g}")
 
 
 @pytest.mark.parametrize("space", SPACES)

@@ -1,0 +1,129 @@
+"""Surfaces of bodies of tetrahedra: their parts by name, or a value of each element."""
+
+from collections.abc import Mapping
+
+import matplotlib
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+from lacore.arrays import Floats
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.solid.faces import face_corners, face_geometry
+from lacore.limit.state import LimitState
+from lacore.numerics.quantities import Units
+from lacore.pictures.space.drawing import explain, eye, page, space
+
+_STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
+_WIDE = 7.4  # inches, with the scale of colours
+_PLAIN = "#ece2cd"
+_FEW = 10  # boundaries that have a colour
+_SHADOW = 0.72  # of the colour that is left on sides that the light does not meet
+_LIGHT = np.array([-0.35, -0.6, 0.72]) / np.linalg.norm([-0.35, -0.6, 0.72])
+_SI = Units()
+
+
+def surface_by_name(body: Body) -> Figure:
+    """The faces of a body that one sees, coloured by the names of its boundaries."""
+    mesh = body.mesh
+    facets = mesh.boundary_facets().astype(np.int64)
+    colours = np.tile(to_rgb(_PLAIN), (facets.size, 1))
+    handles = []
+    for number, (name, own) in enumerate(list((mesh.boundaries or {}).items())[:_FEW]):
+        colour = matplotlib.colormaps["tab10"](number)[:3]
+        colours[np.isin(facets, np.asarray(own))] = colour
+        handles.append(Patch(facecolor=colour, label=str(name)))
+    figure, (place,) = page(1, "")
+    axes = space(figure, place, *body.box, _SI)
+    _fill(axes, body, face_corners(mesh, facets), colours)
+    explain(axes, handles)
+    return figure
+
+
+def surface_by_value(
+    bodies: Mapping[str, Body],
+    values: Mapping[str, Floats],
+    title: str,
+    label: str,
+    colours: Colormap,
+    top: float,
+) -> Figure:
+    """The faces of bodies that one sees, coloured by the values of the elements behind them."""
+    corners = {
+        name: face_corners(body.mesh, body.mesh.boundary_facets()) for name, body in bodies.items()
+    }
+    return _coloured(bodies, corners, values, (title, label, colours, top), _SI)
+
+
+def plot_flow(state: LimitState, units: Units, title: str) -> Figure:
+    """The mechanism of bodies of tetrahedra: displaced, with the power that is dissipated.
+
+    Dissipation per volume of the elements at the surface, that of velocity jumps half to either
+    side, per its largest of all elements.
+
+    Args:
+        state: any with a point.
+        units: that sizes are told in.
+        title: of the figure.
+    """
+    dofs, velocity = state.discretisation.bodies, state.velocity
+    bodies = {name: own.body for name, own in dofs.items()}
+    size = max(body.size for body in bodies.values())
+    fastest = max(float(np.linalg.norm(own, axis=0).max()) for own in velocity.values())
+    stretch = _STRETCH * size / (fastest or 1.0)
+    corners = {}
+    for name, own in dofs.items():
+        facets = own.body.mesh.boundary_facets().astype(np.int64)
+        moved = velocity[name][:, own.facet_nodes(facets)[:3]]
+        corners[name] = face_corners(own.body.mesh, facets) + stretch * moved
+    power = state.dissipation
+    largest = max(float(own.max()) for own in power.values()) or 1.0
+    shares = {name: own / largest for name, own in power.items()}
+    label = "dissipation per volume, per its largest"
+    return _coloured(
+        bodies, corners, shares, (title, label, matplotlib.colormaps["YlOrRd"], 1.0), units
+    )
+
+
+def _coloured(
+    bodies: Mapping[str, Body],
+    corners: Mapping[str, Floats],
+    values: Mapping[str, Floats],
+    told: tuple[str, str, Colormap, float],
+    units: Units,
+) -> Figure:
+    title, label, colours, top = told
+    every = np.concatenate([own.reshape(3, -1) for own in corners.values()], axis=1)
+    figure, (place,) = page(1, title)
+    figure.set_size_inches(_WIDE, figure.get_size_inches()[1])
+    axes = space(figure, place, every.min(axis=1), every.max(axis=1), units)
+    scale = ScalarMappable(Normalize(0.0, top if top > 0 else 1.0), colours)
+    for name, body in bodies.items():
+        behind = body.mesh.f2t[0, body.mesh.boundary_facets()]
+        _fill(axes, body, corners[name], scale.to_rgba(values[name][behind])[:, :3])
+    bar = figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.12, aspect=25)
+    bar.set_label(label, fontsize=8)
+    bar.ax.tick_params(labelsize=8)
+    return figure
+
+
+def _fill(axes: Axes3D, body: Body, corners: Floats, colours: Floats) -> None:
+    """Boundary faces with corners (3, 3, k) that look at the eye, shaded, in colours (k, 3)."""
+    facets = body.mesh.boundary_facets()
+    _, normal = face_geometry(body.mesh, facets)
+    seen = eye() @ normal > 0
+    shade = _SHADOW + (1 - _SHADOW) * np.maximum(_LIGHT @ normal, 0.0)
+    shaded = (shade[:, None] * colours)[seen]
+    axes.add_collection3d(
+        Poly3DCollection(
+            list(corners[:, :, seen].transpose(2, 1, 0)),
+            facecolors=shaded,
+            edgecolors=0.6 * shaded,
+            linewidths=0.3,
+            zorder=2.0,
+        )
+    )
