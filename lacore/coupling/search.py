@@ -40,6 +40,8 @@ _SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds less 
 _SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # at an end, one try each
 _BEST = 0.1  # at the best end, in each restart
 _FURTHER = 1e-7  # of the size of load factors; less is round-off of interior-point methods
+_ALIKE = 100.0  # bars of residuals, of that size: with deformable bodies states that a bar of 1e-6
+# certifies settle to loads up to 3e-5 apart, and a search for so little has no end
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,6 +94,8 @@ class Search:
             bound ends a climb.
         rng: of the shaking.
         on_found: called for each certified mechanism.
+        on_solve: called after each inner solve of a loop; it may end the search by raising
+            `lacore.coupling.deadline.OutOfTime`: `best` stands.
         best: the mechanism that reaches furthest on each side.
         solves: inner solves so far, those of the ends included.
     """
@@ -103,6 +107,7 @@ class Search:
     bounds: tuple[float, float]
     rng: np.random.Generator
     on_found: Callable[[Found], None]
+    on_solve: Callable[[Iterate], None]
     best: dict[float, Found] = field(default_factory=dict)
     solves: int = 0
     _visited: dict[float, list[float]] = field(default_factory=lambda: {LOW: [], HIGH: []})
@@ -140,7 +145,7 @@ class Search:
             if arrived and (end.status is EndStatus.UNBOUNDED or self._left(side, end)):
                 return
             other = self._found(self._shaken(end.point, tries.pop(0)), found.restart, origin)
-            if other is not None and self._beyond(side, other.end(side), end):
+            if other is not None and self._beyond(side, other.end(side), end, self._apart):
                 found, tries = other, list(_SPREADS)
 
     def _continued(self, start: ProgramState, spread: float) -> ProgramState:
@@ -160,7 +165,7 @@ class Search:
     ) -> tuple[ProgramState, Run] | None:
         """The certified state that alternation reaches from reactions (T12)."""
         options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
-        run = Run(program, self.solver, False, options, lambda _: None)
+        run = Run(program, self.solver, False, options, self.on_solve)
         last = averaged(run, start)
         self.solves += len(run.iterates)
         if last is None or last.state is None or not run.proven(last):
@@ -189,7 +194,7 @@ class Search:
         found = Found(restart, origin, interval, iterates)
         for side in (LOW, HIGH):
             best = self.best.get(side)
-            if best is None or self._beyond(side, found.end(side), best.end(side)):
+            if best is None or self._beyond(side, found.end(side), best.end(side), _FURTHER):
                 self.best[side] = found
         self.on_found(found)
         return found
@@ -198,14 +203,19 @@ class Search:
         self.solves += 1
         return self.prepare(program)
 
-    def _beyond(self, side: float, end: End, other: End) -> bool:
-        """Whether an end is further out than another one, by more than round-off."""
-        return side * (end.load_factor - other.load_factor) > _FURTHER * self._size
+    @property
+    def _apart(self) -> float:
+        """Share of the size of load factors by which ends differ, as far as a climb can tell."""
+        return max(_FURTHER, _ALIKE * self.tolerance)
+
+    def _beyond(self, side: float, end: End, other: End, share: float) -> bool:
+        """Whether an end is further out than another one, by more than a share of their size."""
+        return side * (end.load_factor - other.load_factor) > share * self._size
 
     def _left(self, side: float, end: End) -> bool:
         """Whether a climb came to this end before; notes it."""
         known = self._visited[side]
-        if any(abs(alpha - end.load_factor) <= _FURTHER * self._size for alpha in known):
+        if any(abs(alpha - end.load_factor) <= self._apart * self._size for alpha in known):
             return True
         known.append(end.load_factor)
         return False

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.certified import anchored
+from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import Frozen, associated, frictionless
 from lacore.coupling.run import Iterate, Run
 from lacore.coupling.settling import drifted, settled
@@ -60,6 +61,9 @@ def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
     Args:
         run: without iterates yet; its options say what is proven, and what is accepted.
         shares: of its friction that a soil has where searches start.
+
+    Raises:
+        OutOfTime: by its `on_iterate`; after what the search at work has found so far.
     """
     for share in shares:
         frozen = _with_share(run.program, share)
@@ -68,9 +72,15 @@ def soil_states(run: Run, shares: tuple[float, ...]) -> Iterator[SoilFound]:
             start = anchored(run)
         for name, search in SEARCHES.items():
             own = replace(run, iterates=[start], rates=[], _mapped={})
+            over: OutOfTime | None = None
             if start.inner.point is not None:
-                search(own, start.inner.point)
+                try:
+                    search(own, start.inner.point)
+                except OutOfTime as raised:
+                    over = raised
             yield SoilFound(share, name, own.iterates[0], tuple(own.iterates[1:]), own.accept())
+            if over is not None:
+                raise over
 
 
 def _with_share(program: KinematicProgram, share: float) -> Frozen:

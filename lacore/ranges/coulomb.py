@@ -12,9 +12,10 @@ import pandas as pd
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend, read_options
+from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
-from lacore.errors import InputError, require_whole
+from lacore.errors import InputError, require_positive, require_whole
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_program
@@ -24,7 +25,7 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
-from lacore.ranges.told import residuals
+from lacore.ranges.told import residuals, short
 from lacore.showing import Facts, Picture, Shown, counted, listed
 from lacore.status import Scope, Status
 
@@ -64,6 +65,7 @@ class CoulombRange(Shown):
         solves: inner solves of the search.
         solve_time: s, wall clock.
         message: the status in words.
+        stopped: why the search ended before its restarts did; empty where it did not.
     """
 
     status: Status
@@ -82,6 +84,7 @@ class CoulombRange(Shown):
     solves: int
     solve_time: float
     message: str
+    stopped: str = ""
 
     @property
     def lowest_proven(self) -> bool:
@@ -111,7 +114,8 @@ class CoulombRange(Shown):
         )
         if self.lowest is not None:
             told["size"] = self.lowest.discretisation.contents
-        return Facts(f"CoulombRange: Coulomb load factors {found}", told)
+        told |= {"stopped": self.stopped} if self.stopped else {}
+        return Facts(f"CoulombRange: Coulomb load factors {found}{short(self.stopped)}", told)
 
     def picture(self) -> Picture | None:
         """The mechanism of the lowest load factor."""
@@ -158,6 +162,8 @@ class CoulombRange(Shown):
             f"  {len(self.states)} certified states in {self.solves} solves by {self.backend},"
             f" {self.restarts} restarts, seed {self.seed}, {self.solve_time:.1f} s"
         )
+        if self.stopped:
+            lines.append(f"  stopped {self.stopped}: others may be further out")
         return "\n".join(lines)
 
     def __str__(self) -> str:
@@ -172,6 +178,7 @@ def coulomb_range(
     restarts: int = 8,
     tolerance: float = 1e-6,
     target_width: float | None = None,
+    time_limit: float = 600.0,
     options: Mapping[str, Any] | None = None,
     on_progress: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> CoulombRange:
@@ -186,6 +193,8 @@ def coulomb_range(
         tolerance: bar for the residuals of every state.
         target_width: of ``(upper - lower)/mean`` of the bounds of the continuum, to which meshes of
             their own are refined, see `lacore.bracket`. None: bounds on the mesh of the problem.
+        time_limit: s, wall clock, from the beginning: the search stops at the first inner solve
+            that ends after it, with what it has found.
         options: of the backend, by name.
         on_progress: called with the row of each certified state as it is found.
 
@@ -196,6 +205,7 @@ def coulomb_range(
     """
     require_whole("seed", seed)
     require_whole("restarts", restarts)
+    require_positive("time_limit", time_limit)
     engine = find_backend(backend)
     if engine.capabilities.regularised:
         raise InputError(
@@ -220,6 +230,7 @@ def coulomb_range(
     program = dimensionless(problem.program, problem.natural)
     scale = problem.natural.load_factor
     rows: list[dict[str, Any]] = []
+    stopped = ""
 
     def note(found: Found) -> None:
         rows.append(_row(found, scale) | {"solves": search.solves})
@@ -248,11 +259,16 @@ def coulomb_range(
             bounds=bounds,
             rng=np.random.default_rng(seed),
             on_found=note,
+            on_solve=until(begin + time_limit),
         )
         known = None if first.point is None else point_in_program(problem, first.point)
         start = known if admissible is None else admissible
         if first.status in _SEARCHED and start is not None:
-            search.run(known if first.status is Status.SOLVED else None, start, restarts)
+            try:
+                search.run(known if first.status is Status.SOLVED else None, start, restarts)
+            except OutOfTime:
+                done = rows[-1]["restart"] if rows else 0
+                stopped = f"by its time limit of {time_limit:g} s, in restart {done} of {restarts}"
     ends = {}
     for side, found in search.best.items():
         end = found.end(side)
@@ -295,6 +311,7 @@ def coulomb_range(
         solves=search.solves + len(first.history) + 2,
         solve_time=time.perf_counter() - begin,
         message=first.message,
+        stopped=stopped,
     )
 
 

@@ -12,8 +12,9 @@ import pandas as pd
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.backend import check_capable, find_backend, read_options
+from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled, CouplingOptions, Run
-from lacore.coupling.soil_search import SoilFound, soil_bounds, soil_states
+from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
 from lacore.errors import InputError, is_number, require_positive
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
@@ -21,7 +22,7 @@ from lacore.limit.solve import limit_state, solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, dimensionless
-from lacore.ranges.told import residuals
+from lacore.ranges.told import residuals, short
 from lacore.showing import Facts, Picture, Shown, counted
 from lacore.status import Status
 
@@ -57,6 +58,7 @@ class SoilRange(Shown):
         backend: name.
         solve_time: s, wall clock.
         message: the status in words.
+        stopped: why not all searches came to their ends; empty where they did.
     """
 
     status: Status
@@ -71,6 +73,7 @@ class SoilRange(Shown):
     backend: str
     solve_time: float
     message: str
+    stopped: str = ""
 
     @property
     def width(self) -> float:
@@ -96,7 +99,8 @@ class SoilRange(Shown):
         told["solved by"] = f"{self.backend}: {solves} of searches in {self.solve_time:.3g} s"
         if self.lowest is not None:
             told["size"] = self.lowest.discretisation.contents
-        return Facts(f"SoilRange: {found}", told)
+        told |= {"stopped": self.stopped} if self.stopped else {}
+        return Facts(f"SoilRange: {found}{short(self.stopped)}", told)
 
     @property
     def _certified(self) -> pd.DataFrame:
@@ -115,6 +119,7 @@ def soil_range(
     *,
     shares: tuple[float, ...] = SHARES,
     tolerance: float = 5e-5,
+    time_limit: float = 600.0,
     options: Mapping[str, Any] | None = None,
     on_progress: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> SoilRange:
@@ -130,6 +135,8 @@ def soil_range(
         tolerance: bar for the residuals of every state, of the power turned over; a search goes on
             to 1e-6 where it gets there. A gap says by how much friction is mobilised too little on
             the average over the dissipation (T53), not how near other load factors are.
+        time_limit: s, wall clock, from the beginning: searches stop at the first inner solve that
+            ends after it, with what they have found.
         options: of the backend, by name.
         on_progress: called with the row of each search as it ends.
 
@@ -139,6 +146,7 @@ def soil_range(
         CapabilityError: the backend is missing, or cannot take the problem.
     """
     require_positive("tolerance", tolerance)
+    require_positive("time_limit", time_limit)
     if not shares or not all(is_number(share) and 0 < share <= 1 for share in shares):
         raise InputError("shares", shares, "not numbers in (0, 1]", "give (1.0, 0.6, 0.3)")
     engine = find_backend(backend)
@@ -163,6 +171,7 @@ def soil_range(
     aims = CouplingOptions(tolerance=min(_AIM, tolerance), max_iterations=_MOST, accepted=tolerance)
     rows: list[dict[str, Any]] = []
     ends: list[tuple[SoilFound, float]] = []
+    stopped = ""
     with ExitStack() as stack:
         settings = read_options(engine, options or {})
         good = good_for(aims.tolerance)
@@ -172,18 +181,25 @@ def soil_range(
         run = Run(program, solver, False, aims, lambda _: None, prepare)
         low, high = soil_bounds(run)
         bracket = (low * scale, high * scale)
-        for found in soil_states(run, tuple(map(float, shares))):
-            rows.append(_row(found, scale, bracket[1], time.perf_counter() - begin))
-            if rows[-1]["status"] == "certified":
-                ends.append((found, rows[-1]["load_factor"]))
-            if on_progress is not None:
-                on_progress(rows[-1])
+        limited = replace(run, on_iterate=until(begin + time_limit))
+        try:
+            for found in soil_states(limited, tuple(map(float, shares))):
+                rows.append(_row(found, scale, bracket[1], time.perf_counter() - begin))
+                if rows[-1]["status"] == "certified":
+                    ends.append((found, rows[-1]["load_factor"]))
+                if on_progress is not None:
+                    on_progress(rows[-1])
+        except OutOfTime:
+            every = len(shares) * len(SEARCHES)
+            stopped = (
+                f"by its time limit of {time_limit:g} s, after {len(rows)} of {every} searches"
+            )
     given: dict[str, Any] = {"backend": backend, "options": options}
     made = [
         _state(problem, program, found, built, given, tolerance)
         for found, _ in sorted(ends, key=lambda end: end[1])
     ]
-    status = Status.SOLVED if made else _why(problem, given)
+    status = Status.SOLVED if made else Status.TIME_LIMIT if stopped else _why(problem, given)
     nothing = np.inf if status is Status.LOCKED else np.nan
     return SoilRange(
         status=status,
@@ -198,6 +214,7 @@ def soil_range(
         backend=backend,
         solve_time=time.perf_counter() - begin,
         message=status.label if made else f"{status.label}: {status.value}",
+        stopped=stopped,
     )
 
 

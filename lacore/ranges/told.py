@@ -11,3 +11,8 @@ def residuals(lowest: LimitState | None, highest: LimitState | None) -> dict[str
         if state is not None and state.certificate is not None
     ]
     return {"residual": "; ".join(worst)} if worst else {}
+
+
+def short(stopped: str) -> str:
+    """Beside what a search found: that it did not end by itself; empty where it did."""
+    return ", stopped by its time limit" if stopped else ""

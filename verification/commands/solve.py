@@ -24,7 +24,8 @@ _STOPPED = 130
     "--range",
     "whole_range",
     is_flag=True,
-    help="Search for the lowest and the highest load factor, where friction leaves a choice.",
+    help="Search for the lowest and the highest load factor, where friction leaves a choice; for"
+    " ten minutes at most.",
 )
 @click.option("--safety", is_flag=True, help="Prove the factor of safety on strength.")
 @click.option("--stable", is_flag=True, help="Draw what carries the dead loads, or how they fall.")

@@ -13,6 +13,7 @@ from lacore.coupling.names import COUPLINGS
 from lacore.errors import InputError, is_number, require_known, require_positive
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied, read_varied
+from lacore.showing import counted
 from verification.problems.asking import Given
 from verification.problems.more import MORE, check
 
@@ -178,8 +179,8 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
         with doing("dividing the strength"):
             safety = la.safety_factor(problem, backend=question.backend)
     if question.range:  # last: it takes longest, and what is refused is to be said before
-        with doing("searching for other load factors"):
-            found = _range(problem, question.backend)
+        with doing("searching for other load factors") as tell:
+            found = _range(problem, question.backend, tell)
     others: dict[str, Any] = {}
     for name in question.more:
         with doing(MORE[name].doing) as tell:
@@ -226,7 +227,24 @@ _CHECKS: Mapping[str, Callable[[Any], object]] = {
 }
 
 
-def _range(problem: la.Problem, backend: str) -> la.CoulombRange | la.SoilRange:
+def _range(
+    problem: la.Problem, backend: str, tell: Callable[[str], None]
+) -> la.CoulombRange | la.SoilRange:
     if la.discretise(problem).program.frictional:
-        return la.soil_range(problem, backend)
-    return la.coulomb_range(problem, backend)
+        return la.soil_range(problem, backend, on_progress=_found_so_far(tell, "load_factor"))
+    return la.coulomb_range(problem, backend, on_progress=_found_so_far(tell, "low", "high"))
+
+
+def _found_so_far(
+    tell: Callable[[str], None], *columns: str
+) -> Callable[[Mapping[str, Any]], None]:
+    """Tells the lowest and the highest load factor in columns of the rows that come."""
+    rows: list[Mapping[str, Any]] = []
+
+    def progress(row: Mapping[str, Any]) -> None:
+        rows.append(row)
+        found = [one[name] for one in rows for name in columns if not isnan(one[name])]
+        ends = f"{min(found):.5g} to {max(found):.5g}" if found else "none yet"
+        tell(f"{ends}, {counted(len(rows), 'state')}")
+
+    return progress

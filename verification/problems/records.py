@@ -52,6 +52,7 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
             "high": answer.range.high,
             "proven": list(answer.range.bracket),
             "status": answer.range.status.label,
+            "stopped": answer.range.stopped,
         }
     if answer.safety is not None:
         found["safety"] = {"lower": answer.safety.lower, "upper": answer.safety.upper}

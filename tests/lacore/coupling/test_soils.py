@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import lacore as la
 from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend
+from lacore.coupling.deadline import OutOfTime
 from lacore.coupling.freezing import davis
 from lacore.program import associated_contact, dimensionless
 from tests.lacore.models import sheared
@@ -281,6 +282,8 @@ def test_what_a_bound_or_another_loop_needs_is_refused():
         la.soil_range(sheared(None))
     with pytest.raises(la.InputError, match="shares"):
         la.soil_range(problem, shares=(0.0,))
+    with pytest.raises(la.InputError, match="time_limit"):
+        la.soil_range(problem, time_limit=0.0)
     jumping = replace(problem.bodies["layer"], space="p2-disc")
     with pytest.raises(la.InputError, match="take 'p2-gauss'"):
         la.solve(replace(problem, bodies={"layer": jumping}))
@@ -311,6 +314,34 @@ def boxed(dilation):
         supports=[la.Fix("soil", side, "normal") for side in ("left", "right", "bottom", "lid")],
         reference_loads=[la.Traction("soil", "pushed", (0, -1))],
     )
+
+
+def test_searches_that_run_out_of_time_keep_what_they_have_found(monkeypatch):
+    """No time at all: no state, and bounds that hold; enough for the first search: its state."""
+    problem = sheared(20.0, cells=2)
+    none = la.soil_range(problem, time_limit=1e-9)
+    assert none.status is la.Status.TIME_LIMIT
+    assert none.lowest is None
+    assert np.isnan(none.low)
+    assert none.stopped == "by its time limit of 1e-09 s, after 0 of 6 searches"
+    assert "stopped by its time limit" in none.facts().title
+    whole = la.soil_range(problem, shares=(1.0,))
+    assert not whole.stopped
+    left = [1 + int(whole.states["solves"][0])]  # its start, and its own
+
+    def check(_):
+        left[0] -= 1
+        if left[0] < 0:
+            raise OutOfTime
+
+    monkeypatch.setattr("lacore.ranges.soil.until", lambda _: check)
+    one = la.soil_range(problem, shares=(1.0,))
+    assert one.stopped.endswith("after 2 of 2 searches")
+    assert one.status is la.Status.SOLVED
+    assert one.lowest.certify().holds(one.tolerance)
+    assert one.states["load_factor"][0] == pytest.approx(whole.states["load_factor"][0], rel=1e-9)
+    assert one.states["solves"][1] == 1
+    assert one.bracket == pytest.approx(none.bracket, rel=1e-9)
 
 
 @pytest.mark.parametrize("dilation", [pytest.param(10.0, marks=pytest.mark.slow), 0.0])

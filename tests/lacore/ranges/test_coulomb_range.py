@@ -83,6 +83,22 @@ def test_the_same_seed_finds_the_same_and_rows_come_as_they_are_found():
     assert not first.states.equals(other.states)
 
 
+def test_a_search_without_time_keeps_what_it_has_found():
+    """The state of the first solve, which is certified, and nothing of what was never looked at."""
+    found = la.coulomb_range(wall("wall-1"), time_limit=1e-9)
+    assert found.status is Status.SOLVED
+    assert "time limit of 1e-09 s, in restart 0 of 8" in found.stopped
+    assert "stopped by its time limit" in found.facts().title
+    assert found.stopped in str(found)
+    assert found.states["origin"].tolist() == ["certified"]
+    assert_certified(found.lowest)
+    assert_certified(found.highest)
+    assert found.bracket[0] <= found.low <= found.high <= found.bracket[1]
+    whole = la.coulomb_range(wall("wall-1"), restarts=0)
+    assert not whole.stopped
+    assert whole.low <= found.low <= found.high <= whole.high
+
+
 @pytest.mark.parametrize("name", ["wall-1", pytest.param("wall-2", marks=pytest.mark.slow)])
 def test_every_state_is_within_the_bracket_and_carries_an_interval(name):
     found = la.coulomb_range(wall(name), restarts=1)
@@ -171,7 +187,12 @@ def test_an_unproven_bound_proves_nothing():
 
 @pytest.mark.parametrize(
     ("given", "field"),
-    [({"seed": -1}, "seed"), ({"restarts": 0.5}, "restarts"), ({"backend": "newton"}, "backend")],
+    [
+        ({"seed": -1}, "seed"),
+        ({"restarts": 0.5}, "restarts"),
+        ({"backend": "newton"}, "backend"),
+        ({"time_limit": 0.0}, "time_limit"),
+    ],
 )
 def test_bad_input_is_refused(given, field):
     with pytest.raises(la.InputError, match=field):
