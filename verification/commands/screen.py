@@ -16,7 +16,7 @@ LINES = 60
 WIDTH = 120
 """Characters of a line."""
 _VARIANTS = 46  # lines for cases; with more variants each case gets one
-_NAMES = 4  # of them for names alone, where cases are still more
+_NAMES = 8  # of them for names alone, where cases are still more
 _REASONS = 7  # lines for what fell short
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
