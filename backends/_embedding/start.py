@@ -8,7 +8,7 @@ from backends._embedding.place import Step
 from backends._embedding.system import System
 from lacore.arrays import Floats
 
-_BULK = 1e2  # stiffness of rows that hold exactly, per that of their body
+_BULK = 1e6  # stiffness of rows that hold exactly, per that of their body
 _AWAY = 1.1  # of the length of a strain rate: the t
 
 
