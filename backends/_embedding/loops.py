@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cache
+from importlib.util import find_spec
 from typing import Protocol
 
 from backends._embedding import plain
@@ -40,6 +41,11 @@ class Loops(Protocol):
     def stretched(self, scale: Floats, share: Floats, w: Floats, z: Floats) -> Floats: ...
 
     def farthest(self, x: Floats, change: Floats) -> float: ...
+
+
+def compiles() -> bool:
+    """Whether numba is installed, which is not loaded."""
+    return find_spec("numba") is not None
 
 
 @cache

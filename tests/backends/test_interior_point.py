@@ -238,11 +238,12 @@ def test_slip_that_dilates_where_nothing_opens_is_none():
         assert own.point.load_factor == pytest.approx(known, rel=ROUND, abs=ROUND)
 
 
-def test_auto_takes_clarabel_for_little(smooth):
-    program, contact = smooth
-    solver = AutoSolver(program, AutoOptions(), 10**6)
-    assert solver.solve(contact).native_status.startswith("clarabel: ")
-    solver.close()
+def test_auto_takes_clarabel_for_little_and_for_soils(smooth):
+    soil = random_soil(1)
+    for program, contact, least in ((*smooth, 10**6), (soil, frozen(1.0), 0)):
+        solver = AutoSolver(program, AutoOptions(), least)
+        assert solver.solve(contact).native_status.startswith("clarabel: ")
+        solver.close()
 
 
 @pytest.fixture
