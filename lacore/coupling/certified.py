@@ -8,8 +8,9 @@ blocks: the mean of those of both steps needs the fewest solves and certifies 92
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
 They are tried in this order: together 99.7 %.
 
-In space reactions are a continuum as a rule (T74), and more attempts come late: proximal steps
-(`lacore.coupling.proximal`), and the first ones again from reactions that are shaken.
+In space reactions are a continuum as a rule (T74). The mean of three reactions, patiently, comes
+second there, and late the first ones again from reactions that are shaken, and proximal steps
+(`lacore.coupling.proximal`).
 """
 
 from collections.abc import Callable
@@ -33,6 +34,7 @@ from lacore.status import Status
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way
 _SHORT = 12  # of that in a restart
+_RESTARTS = 100  # solves of all restarts
 _SHAKEN = 0.3  # logarithmic spread of the reactions of a restart
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _OUTSIDE = (
@@ -70,8 +72,10 @@ def certified_loop(
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
-    in_space = (proximal, restarted) if quadratic and rows.tangent_dim > 1 else ()
-    of_contact = (averaged, _damped, _alternated, *in_space, _shifted)
+    of_contact = (averaged, _damped, _alternated, _shifted)
+    if rows.tangent_dim > 1:
+        late = (restarted, *((proximal,) if quadratic else ()))
+        of_contact = (averaged, mixed, _damped, _alternated, *late, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:
@@ -129,18 +133,23 @@ def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     return alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
 
 
+def mixed(run: Run, static: ProgramState) -> Iterate | None:
+    """Reactions of both steps and the last ones alike, from the start on: slow, and patient."""
+    first = run.iterates[0].inner.point or static
+    return alternate(run, first, "mixed K", _LONG, lambda last, s, k: (last + s + k) / 3)
+
+
 def restarted(run: Run, static: ProgramState) -> Iterate | None:
-    """From reactions of the least gap, shaken; with proximal steps where that does not do."""
+    """From reactions of the least gap, shaken."""
     rng, found = np.random.default_rng(0), None  # the same each time
-    while found is None and not run.exhausted:
+    last = len(run.iterates) + _RESTARTS
+    while found is None and not run.exhausted and len(run.iterates) < last:
         static = closest(run, static)
         factors = np.exp(_SHAKEN * rng.standard_normal(static.normal_reaction.size))
         pressed = factors * np.maximum(static.normal_reaction, 0.0)
         found = averaged(run, replace(static, normal_reaction=pressed)) or alternate(
             run, closest(run, static), "damped K", _SHORT, lambda last, _, k: (last + k) / 2
         )
-        if found is None:
-            found = proximal(run, closest(run, static))
     return found
 
 

@@ -29,7 +29,8 @@ from lacore.status import Status
 
 _COMPLIANCE = 0.1  # of the largest velocity per largest force of the associated state
 _DEPTH = 8  # of Anderson's acceleration
-_PATIENCE, _MOST = 25, 60  # steps without progress that are borne in a row, and all
+_MOST = 60  # steps
+_PATIENCE = 25  # steps without progress that are borne in a row
 _FALLS = 0.8  # of the least residual so far: anything above is no progress
 
 

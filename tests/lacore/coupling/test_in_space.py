@@ -8,7 +8,7 @@ import pytest
 
 import lacore as la
 from lacore.backend import find_backend, read_options
-from lacore.coupling.certified import averaged, restarted
+from lacore.coupling.certified import averaged, mixed, restarted
 from lacore.coupling.freezing import associated
 from lacore.coupling.proximal import proximal, proximal_program
 from lacore.coupling.run import CouplingOptions, Run
@@ -75,7 +75,7 @@ def test_a_coulomb_state_is_a_fixed_point_of_proximal_steps(state, run):
     )
 
 
-@pytest.mark.parametrize("attempt", [averaged, proximal, restarted])
+@pytest.mark.parametrize("attempt", [averaged, mixed, proximal, restarted])
 def test_each_attempt_certifies_a_dome(run, state, attempt):
     found = attempt(run, run.iterates[0].inner.point)
     assert found is not None

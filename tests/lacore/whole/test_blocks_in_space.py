@@ -338,3 +338,21 @@ def test_a_wedge_between_dilatant_walls_is_locked_by_a_proof():
     )
     state = la.solve(problem, coupling="associated", throw=False)
     assert state.status is la.Status.LOCKED
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 0.7])
+def test_mortar_holds_by_its_area(azimuth):
+    """Moments and forces: it slides at mu W + c A, or parts at the far corners of its bed."""
+    c, s, h, area = cos(azimuth), sin(azimuth), 0.5, 2.0 * 2.0
+    block, push = box((0, 0, 0), (2, 2, h)), [la.BodyForce("b", (c, s, 0))]
+    weight = area * h
+    glued = la.Coulomb(0.4, adhesion=0.3)
+    slides = (0.4 * weight + 0.3 * area) / weight
+    assert on_floor({"b": block}, glued, push).load_factor == pytest.approx(slides, abs=CLOSED)
+    tall = box((0, 0, 0), (1, 1, 3))
+    holding = la.Coulomb(0.2, adhesion=9.0, tension=0.7)
+    # About the edge on the far side: weight and tension at half a side, the push at half of 3.
+    topples = (3 * 0.5 + 0.7 * 0.5) / (3 * 1.5) / max(abs(c), abs(s))
+    assert on_floor({"b": tall}, holding, push).load_factor == pytest.approx(topples, abs=CLOSED)
+    spun = twisted(box((-0.5, -0.5, 0), (0.5, 0.5, 1)), la.Tresca(0.25))
+    assert spun.load_factor == pytest.approx(0.25 / sqrt(2), abs=CLOSED)
