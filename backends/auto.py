@@ -56,6 +56,7 @@ class Auto:
         regularised=False,
         hardening=True,
         surfaces=True,
+        true_gap=True,
         paths=True,
         on_demand=True,
         packages=("clarabel", "scipy"),

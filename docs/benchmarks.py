@@ -14,12 +14,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from scipy.stats import linregress
 
 ROOT = Path(__file__).parent.parent
 KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
+PICTURE = "brackets.png"  # beside the page
+_PROBLEMS = {"cut": "vertical cut", "punch": "punch", "punch, fan": "punch, fan at its edge"}
 _DIGITS = 8
 _OTHER = (
     "loop",
@@ -76,7 +80,7 @@ def condensed(raw: dict[str, Any]) -> dict[str, Any]:
 
 
 def joined(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
-    """Kinds of benchmarks that were not run again stay, if they were measured with the same."""
+    """Benchmarks that were not run again stay, if they were measured with the same."""
     then, measured = before["measured"], now["measured"]
     names = ("machine", "python", "direct_solver")
     old_ones, new_ones = _versions(then["packages"]), _versions(measured["packages"])
@@ -84,11 +88,15 @@ def joined(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
         old_ones[name] != new_ones[name] for name in old_ones.keys() & new_ones.keys()
     ):
         return now
-    anew = {record["kind"] for record in now["records"]}
-    old = [record for record in before["records"] if record["kind"] not in anew]
+    anew = {_identity(record) for record in now["records"]}
+    old = [record for record in before["records"] if _identity(record) not in anew]
     first = then["date"].partition(" to ")[0]
     date = f"{first} to {measured['date']}" if old else measured["date"]
     return {"measured": measured | {"date": date}, "records": [*old, *now["records"]]}
+
+
+def _identity(record: dict[str, Any]) -> tuple[Any, ...]:
+    return record["kind"], record["what"], record.get("triangles"), str(record.get("options") or "")
 
 
 def _versions(packages: str) -> dict[str, str]:
@@ -121,6 +129,34 @@ def walls(frame: pd.DataFrame) -> str:
 def brackets(frame: pd.DataFrame) -> str:
     """Markdown of brackets with proof."""
     return _markdown(frame[frame["kind"] == "bracket"], _BRACKETS)
+
+
+def widths(frame: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Seconds and widths of brackets of problems that were asked for several, the widest first."""
+    rows = frame[frame["kind"] == "bracket"]
+    problem = np.array([what.rpartition(", ")[0] for what in rows["what"]], dtype=str)
+    return {
+        told: rows[problem == name].sort_values("width", ascending=False)[["seconds", "width"]]
+        for name, told in _PROBLEMS.items()
+        if (problem == name).sum() > 1
+    }
+
+
+def picture(frame: pd.DataFrame, to: Path) -> None:
+    """Width against time, a line a problem."""
+    figure = Figure(figsize=(6, 4), layout="constrained")
+    axes = figure.add_subplot(
+        xlabel="processor seconds", ylabel="width of the bracket, %", xscale="log", yscale="log"
+    )
+    for told, rows in widths(frame).items():
+        axes.plot(rows["seconds"], 100 * rows["width"], "o-", label=told)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("{x:g}")
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
+    axes.grid(which="both", alpha=0.3)
+    axes.legend()
+    figure.savefig(to, dpi=100)
 
 
 def _markdown(frame: pd.DataFrame, columns: dict[str, tuple[str, str]]) -> str:
@@ -178,6 +214,8 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             " included, with one elastic solve of the last mesh of the upper bound:"
             f"\n\n{brackets(frame)}"
         )
+        if widths(frame):
+            paragraphs.append(f"![Width of brackets against processor time]({PICTURE})")
     for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
         paragraphs.append(
             f"The width of the bracket of the {order['what']} goes with the number of triangles to"
@@ -230,6 +268,8 @@ def main() -> None:
             flags=re.DOTALL,
         )
         PAGE.write_text(text, encoding="utf-8")
+        if widths(records(kept)):
+            picture(records(kept), PAGE.parent / PICTURE)
 
 
 def _line(cells: Any) -> str:

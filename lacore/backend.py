@@ -26,6 +26,10 @@ GROUP = "lacore.backends"
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
 
 
+TRUE_GAP = 25.0
+"""Gap of a solve, recomputed, per nominal tolerance: docs/measured.md."""
+
+
 @dataclass(frozen=True, repr=False)
 class Capabilities(Compact):
     """What a backend can do, and what to ask of it. Duals are no choice: certificates live on them.
@@ -45,6 +49,8 @@ class Capabilities(Compact):
         slow_surfaces: it takes them, in many times its usual time: checks of all cases ask it about
             the first variants only.
         dense: its time grows with the cube of the unknowns: a first look leaves meshes out.
+        true_gap: its tolerance is the gap, recomputed; that of others is nominal, and their gap ten
+            to a hundred times as large.
         paths: it is quick enough for comparisons to follow paths with it, tens of solves each.
         packages: that it computes with, as they are installed. Their versions are recorded beside
             its numbers, which are found again where one has changed.
@@ -61,6 +67,7 @@ class Capabilities(Compact):
     surfaces: bool = False
     slow_surfaces: bool = False
     dense: bool = False
+    true_gap: bool = False
     paths: bool = False
     packages: tuple[str, ...] = ()
 
@@ -309,3 +316,9 @@ def read_options(backend: Backend, given: Mapping[str, Any]) -> Any:
         if name not in known:
             require_known(f"options of backend {backend.name!r}", name, known)
     return backend.Options(**given)
+
+
+def nominal_tolerance(backend: Backend, options: Any) -> float:
+    """The tolerance in options as a nominal one, whatever the backend means by it; 0 without."""
+    tolerance = float(getattr(options, "tolerance", 0.0))
+    return tolerance / TRUE_GAP if backend.capabilities.true_gap else tolerance

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lacore.backend import find_backend
+from lacore.backend import TRUE_GAP, find_backend
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.limit.solve import solve
@@ -39,7 +39,7 @@ class Asked:
     Attributes:
         kind: ``lower`` or ``upper``.
         problem: on its mesh.
-        tolerance: of the backend; it is asked once more with its own where nothing is proven.
+        tolerance: nominal; the backend is asked once more with its own where nothing is proven.
         affordable: of load factors, what a bound may lose as what the solver found is made
             admissible; where it loses more, the backend is asked once more, with a tolerance as
             much tighter.
@@ -95,13 +95,14 @@ class Solver:
 
     def answer(self, asked: Asked) -> Answer:
         """The answer to one question."""
-        bound = self._bound(asked, {"tolerance": asked.tolerance})
+        tolerance = asked.tolerance * self._nominal
+        bound = self._bound(asked, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
             return Answer(self._bound(asked, {}))
         sharper = self._sharper(asked, bound)
         if sharper > _WORTH:
             return Answer(bound)
-        again = self._bound(asked, {"tolerance": sharper * asked.tolerance})
+        again = self._bound(asked, {"tolerance": sharper * tolerance})
         closer = again.status is Status.SOLVED and again.lost < bound.lost
         return Answer(again if closer else bound, sharper)
 
@@ -113,6 +114,11 @@ class Solver:
             return 1.0
         needed = _AIM * asked.affordable / bound.lost
         return max(needed, min(TIGHTEST / asked.tolerance, 1.0))
+
+    @property
+    def _nominal(self) -> float:
+        """What the backend calls a nominal tolerance of 1."""
+        return TRUE_GAP if find_backend(self.backend).capabilities.true_gap else 1.0
 
     @property
     def _known(self) -> set[str]:

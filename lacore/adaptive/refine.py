@@ -47,7 +47,7 @@ def bracket(
     target_width: float = 0.01,
     max_elements: int = 20_000,
     time_limit: float = 600.0,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     options: Mapping[str, Any] | None = None,
     meshes: str | None = None,

@@ -17,7 +17,7 @@ _SMALL = 0.5  # of the elements of the other mesh: below it a solve costs little
 _GROWTH = 3.4  # of a mesh at most: marks see no further ahead
 _LEAST_GROWTH = 1.2  # below it a solve is not worth its time
 _FAR = 1e6  # times the elements: farther nobody looks
-_ORDERS = (0.7, 1.3)  # of widths in elements: even meshes have 0.45, adapted ones 1.0 to 1.3
+_ORDERS = (0.7, 2.0)  # of widths in elements: even meshes have 0.45, adapted ones 1.0 to 1.3
 _COST = 1.25  # power of elements with which the time of a solve rises
 _LEAST_REST = 0.1  # of the largest: what any mesh leaves to gain, as bounds rise in steps
 # Of the target, where the last meshes are to land: a miss takes another round.

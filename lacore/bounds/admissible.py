@@ -1,7 +1,6 @@
 """Exactly admissible stresses from those of a solver (T26c), without a second solve if possible."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -22,11 +21,11 @@ _NOTHING = 1e-9  # load factor, dimensionless: what a solver leaves of zero
 _BELOW = 4 * np.finfo(float).eps  # of its terms: so that a scaled stress is not above by round-off
 
 
-def margins(program: KinematicProgram, options: Any) -> list[float]:
-    """Shares to take off all strengths; none where scaling makes any stress admissible."""
+def margins(program: KinematicProgram, tolerance: float) -> list[float]:
+    """Shares to take off all strengths, by a nominal tolerance; none where scaling is enough."""
     if not (np.any(program.dead_load) or np.any(program.contact.dilatancy)):
         return [0.0]
-    least = max(_MARGIN, 4 * float(getattr(options, "tolerance", 0.0)))
+    least = max(_MARGIN, 4 * tolerance)
     shares = [min(factor * least, _WIDEST) for factor in _WIDER]
     return [*shares, *_LENT] if program.presses else shares
 

@@ -11,7 +11,14 @@ import pandas as pd
 from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.water import pore_pressures, total_stress
-from lacore.backend import InnerSolution, check_capable, checked_answer, find_backend, read_options
+from lacore.backend import (
+    InnerSolution,
+    check_capable,
+    checked_answer,
+    find_backend,
+    nominal_tolerance,
+    read_options,
+)
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
 from lacore.bounds.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.precision import exactness, smallest_angle
@@ -21,6 +28,7 @@ from lacore.certificate import Certificate, certify
 from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.inner.preparing import preparing
+from lacore.limit.conversion import in_si
 from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
@@ -242,11 +250,11 @@ def _found(
     built = time.perf_counter()
     check_capable(engine, program)
     exact = exactness(dofs.body for dofs in model.bodies.values())
-    attempts: list[_Attempt] = []
-    status = Status.NOT_CERTIFIED
-    good = max(_GOOD, _LEFT * float(getattr(engine_options, "tolerance", 0.0)))
+    attempts, status = list[_Attempt](), Status.NOT_CERTIFIED
+    tolerance = nominal_tolerance(engine, engine_options)
+    good = max(_GOOD, _LEFT * tolerance)
     with preparing(engine, engine_options, good=good) as prepare:
-        tried = margins(program, engine_options)
+        tried = margins(program, tolerance)
         for margin in tried:
             if attempts and margin < min(attempts[-1].lacks, tried[-1]):
                 continue  # it would lack as much again
@@ -384,17 +392,5 @@ def _bound(
         options=dict(options),
         message=message,
         model=model,
-        point=None if last.state is None else _in_si(program, last.state),
-    )
-
-
-def _in_si(program: KinematicProgram, state: ProgramState) -> ProgramState:
-    scales = program.scales
-    return ProgramState(
-        velocity=state.velocity * scales.velocity,
-        load_factor=state.load_factor * scales.load_factor,
-        stress=tuple(stress * scales.stress for stress in state.stress),
-        mean_stress=tuple(mean * scales.stress for mean in state.mean_stress),
-        normal_reaction=state.normal_reaction * scales.stress,
-        tangential_reaction=state.tangential_reaction * scales.stress,
+        point=None if last.state is None else in_si(program.scales, last.state),
     )

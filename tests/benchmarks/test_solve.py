@@ -20,7 +20,7 @@ RUNS = [
     ("clarabel-regularised", {"r": 1e-3}, SMALL),
     ("ipopt", {"r": 1e-3}, SMALL),
     ("ipopt-static", {}, SMALL),
-    ("cvxpy", {}, SMALL),
+    *[(name, {}, SMALL) for name in ("cvxpy", "cvxpy:ECOS", "cvxpy:QOCO", "interior_point")],
     ("slsqp", {"r": 0.1}, DENSE),
     ("trust-constr", {"r": 0.1}, DENSE),
 ]
@@ -28,7 +28,7 @@ RUNS = [
 
 def label(run):
     name, _, (nx, ny) = run
-    return f"{name}-{4 * nx * ny}"
+    return f"{name}-{4 * nx * ny}".replace(":", "-")
 
 
 @pytest.mark.slow

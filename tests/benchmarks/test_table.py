@@ -99,11 +99,11 @@ def test_page_shows_what_was_kept(script):
     assert shown[0] + script.shown(kept) + shown[1] in page
 
 
-def test_kinds_that_were_not_run_again_stay(script):
+def test_benchmarks_that_were_not_run_again_stay(script):
     before = script.condensed(SAMPLE)
     anew = {
         "measured": before["measured"] | {"date": "2000-01-02"},
-        "records": [{"kind": "loop", "what": "block", "own_share": 0.5}],
+        "records": [{"kind": "loop", "what": "block", "triangles": 5000, "own_share": 0.5}],
     }
     joined = script.joined(before, anew)
     assert joined["measured"]["date"] == "2000-01-01 to 2000-01-02"
@@ -124,3 +124,19 @@ def test_a_run_of_brackets_alone_has_its_table(script):
     shown = script.shown(script.condensed(SAMPLE) | {"records": [bracket | sizes | times]})
     row = "| cut | 3.77000 | 3.78000 | 0.26% | 900 | 1000 | 9 | 1.2 | 1.5 | 0.040 | 31 |"
     assert row in shown.splitlines()
+
+
+def test_widths_are_drawn_against_time(script, tmp_path):
+    """A line a problem that was asked for several widths, the widest first."""
+    names = {"cut, 0.5%": (0.004, 2.5), "cut, 1%": (0.008, 1.1), "notched-strip, 0.5%": (0.004, 3)}
+    records = [
+        {"kind": "bracket", "what": name, "width": width, "seconds": seconds}
+        for name, (width, seconds) in names.items()
+    ]
+    frame = script.records({"records": [record | {"options": {}} for record in records]})
+    drawn = script.widths(frame)
+    assert {told: list(rows["seconds"]) for told, rows in drawn.items()} == {
+        "vertical cut": [1.1, 2.5]
+    }
+    script.picture(frame, tmp_path / "widths.png")
+    assert (tmp_path / "widths.png").stat().st_size > 1000

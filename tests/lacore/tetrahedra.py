@@ -11,11 +11,11 @@ SPACES = ("p2-vertex", "p1-disc", "p2-disc")
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 
-def cube(space="p2-disc", n=1, crossed=False, mesh=None, load=None):
+def cube(space="p2-disc", n=1, crossed=False, mesh=None, load=None, criterion=CRITERION):
     """An eighth of a block between smooth platens: sqrt(3) k."""
     mesh = la.meshes.box((0, 1), (0, 1), (0, 1), n, n, n, crossed) if mesh is None else mesh
     return la.Problem(
-        bodies={"block": la.Body(mesh, CRITERION, kinematics="3d", space=space)},
+        bodies={"block": la.Body(mesh, criterion, kinematics="3d", space=space)},
         reference_loads=[load or la.Pressure("block", "top")],
         supports=[la.Fix("block", side, "normal") for side in ("left", "front", "bottom")],
     )

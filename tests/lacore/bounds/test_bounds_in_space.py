@@ -198,3 +198,32 @@ def test_torsion_from_above_and_below_is_of_second_order(space):
     assert min(above + below) > 0
     assert np.log2(above[0] / above[1]) >= 1.7
     assert np.log2(below[0] / below[1]) >= 1.5
+
+
+def test_a_soil_in_compression_exactly_from_both_sides():
+    """Drucker-Prager that meets Mohr-Coulomb there: 2 c cos(phi)/(1 - sin(phi))."""
+    angle = np.radians(20.0)
+    exact = 2 * np.cos(angle) / (1 - np.sin(angle))
+    problem = cube("p2-vertex", criterion=la.DruckerPrager(1.0, 20.0, "compression"))
+    low, high = la.lower_bound(problem), la.upper_bound(problem)
+    assert low.load_factor == pytest.approx(exact, rel=SOLVED)
+    assert high.load_factor == pytest.approx(exact, rel=SOLVED)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_strengths_that_vary_are_bounded_from_both_sides(space):
+    """Linear with height, steeper than linear, and by regions: the weakest place yields first."""
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 2), 1, 1, 2).with_subdomains(
+        {"weak": lambda x: x[2] < 1, "strong": lambda x: x[2] > 1}
+    )
+    for criterion in (
+        la.VonMises(shear_strength=la.Field(lambda x: 1 + x[2])),
+        la.VonMises(shear_strength=la.Field(lambda x: 1 + x[2] ** 2 / 20, steepest=0.2)),
+        {"weak": la.VonMises(1.0), "strong": la.VonMises(2.0)},
+    ):
+        problem = cube(space, mesh=mesh, criterion=criterion)
+        low, high = (f(problem, "interior_point") for f in (la.lower_bound, la.upper_bound))
+        assert low.load_factor <= sqrt(3) * (1 + SOLVED) or not isinstance(criterion, dict)
+        assert high.rigor is la.Rigor.UPPER
+        assert low.load_factor < high.load_factor
+        assert la.gap_identity(high, low).least >= -1e-8

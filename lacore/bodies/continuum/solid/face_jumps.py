@@ -22,6 +22,8 @@ from lacore.bodies.continuum.solid.holding import HeldFaces
 from lacore.bodies.continuum.solid.lattice import divided
 from lacore.bodies.continuum.solid.normal_flow import nodes_of_faces
 from lacore.errors import InputError
+from lacore.materials.conic_form import of_elements
+from lacore.materials.fields import Field
 from lacore.numerics.interleaving import interleaved
 from lacore.program import DissipationGroup
 
@@ -144,8 +146,11 @@ def _strengths(region: Region) -> Floats:
             "take 'p2-vertex', or VonMises",
         )
     slope = float(np.abs(np.linalg.svd(form.rows[:, 1:], compute_uv=False)).max())
-    bound = np.asarray(region.seen(form.bound))
-    largest = bound if bound.ndim < 2 else bound.max(axis=1)
+    if isinstance(form.bound, Field):
+        most = region.of(form.bound).above_if_known().max(axis=1)
+        largest = of_elements(form.bound.factor, region.elements) * most
+    else:
+        largest = np.asarray(region.seen(form.bound))
     return np.asarray(slope * np.broadcast_to(largest, region.elements.shape))
 
 
