@@ -8,6 +8,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementTetP1, ElementTriP1, FacetBasis, LinearForm
 from skfem.assembly.basis import AbstractBasis
 from skfem.mesh import MeshTet1, MeshTri1
+from skfem.refdom import RefQuad, RefTet, RefTri
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.body_forces import elements_of, force_field
@@ -145,8 +146,8 @@ def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
 
 def _linear(basis: AbstractBasis) -> AbstractBasis:
     """For values at vertices, at the points of a basis."""
-    known = {MeshTri1: ElementTriP1(), MeshTet1: ElementTetP1()}
-    return basis.with_element(known.get(type(basis.mesh), ElementQuad1()))
+    known = {RefTri: ElementTriP1(), RefQuad: ElementQuad1(), RefTet: ElementTetP1()}
+    return basis.with_element(known[basis.mesh.refdom])
 
 
 def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Floats:

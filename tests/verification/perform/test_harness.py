@@ -15,6 +15,7 @@ from verification.campaigns.comparison import capabilities, plan
 from verification.campaigns.run_all import run_all
 from verification.case import Band, Reference, Variant
 from verification.catalogue.catalogue import find
+from verification.perform import limit_state
 from verification.perform.one_run import lost, run_here
 from verification.runs.outcome import NO_EVIDENCE
 from verification.runs.run import Run
@@ -211,7 +212,7 @@ def test_a_backend_that_breaks_is_a_failed_row_and_the_run_goes_on(monkeypatch):
             raise ZeroDivisionError("planted")
         return solve(problem, backend, **options)
 
-    monkeypatch.setattr(harness.la, "solve", breaks)
+    monkeypatch.setattr(limit_state, "solve", breaks)
     runs = [Run(CASE, VARIANT, "coarse", name) for name in ("broken", "clarabel")]
     first, second = run_here(runs)
     assert (first.row.status, first.row.verdict) == ("failed", FAIL)
@@ -223,7 +224,7 @@ def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
     def cannot(problem, **options):
         raise la.CapabilityError("too big: take a coarser mesh")
 
-    monkeypatch.setattr(harness.la, "solve", cannot)
+    monkeypatch.setattr(limit_state, "solve", cannot)
     outcomes = list(run_here([Run(CASE, VARIANT, "coarse", "small")]))
     assert outcomes[0].row.verdict == SKIPPED
     assert outcomes[0].row.message == "too big: take a coarser mesh"
