@@ -16,12 +16,12 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import root
 from scipy.sparse import diags_array
-from threadpoolctl import threadpool_limits
 
 from backends._answers import told
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution
 from lacore.errors import CapabilityError, require_count, require_positive
+from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.regularization import (
     Penalties,
@@ -184,7 +184,7 @@ class PreconditionedSolver:
 
         try:
             # More BLAS threads than idle cores make these small dense steps ten times slower.
-            with threadpool_limits(1, user_api="blas"):
+            with one_thread_each():
                 return self._minimise(objective, start, self._load, self._options, watch)
         except _Ran:
             return Minimum(np.nan_to_num(last), AWAY, AWAY, 0, float("nan"))
@@ -215,7 +215,7 @@ class PreconditionedSolver:
                 break
             start = np.append(end.y, end.multiplier)
             try:
-                with threadpool_limits(1, user_api="blas"):
+                with one_thread_each():
                     found: Any = root(  # type: ignore[call-overload]  # a method by name
                         unbalanced, start, method=method, tol=1e-15, options=limits
                     )

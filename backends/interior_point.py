@@ -24,6 +24,7 @@ from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.certificate import certify
 from lacore.errors import require_count, require_positive
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
+from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
 
@@ -111,7 +112,8 @@ class InteriorPointSolver:
             self._known = own, Stiffness(own.conic.kinds, self._loops)
         system = System(own.conic, self._known[1], self._solver)
         goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
-        with np.errstate(all="ignore"):  # a step that overflows is refused
+        # Vectors and small blocks: more BLAS threads only wait for each other.
+        with one_thread_each(), np.errstate(all="ignore"):  # a step that overflows is refused
             found = follow(own.conic, system, goal)
         native = found.native
         status = STATUS_MAP[native]

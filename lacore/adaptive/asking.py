@@ -13,6 +13,7 @@ from lacore.backend import TRUE_GAP, find_backend
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound, upper_bound
 from lacore.limit.solve import solve
+from lacore.numerics.threads import one_thread_each
 from lacore.problem.problem import Problem
 from lacore.status import Status
 
@@ -90,7 +91,7 @@ class Solver:
         if jobs < 2:
             yield from map(self.answer, asked)
             return
-        with ThreadPoolExecutor(jobs) as pool:  # backends let go of the interpreter
+        with one_thread_each(), ThreadPoolExecutor(jobs) as pool:  # they let go of the interpreter
             yield from pool.map(self.answer, asked)
 
     def answer(self, asked: Asked) -> Answer:

@@ -14,6 +14,7 @@ from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError
 from lacore.limit.solve import solve
+from lacore.numerics.threads import one_thread_each
 from lacore.problem.problem import Problem
 from lacore.questions.worth import error, worth
 from lacore.questions.yield_surface.components import Components
@@ -80,7 +81,7 @@ class Asking:
         at_once = min(self.jobs, len(ways))
         if at_once < 2:
             return [self.answer(centre, way, self.jobs) for way in ways]
-        with ThreadPoolExecutor(at_once) as pool:  # backends let go of the interpreter
+        with one_thread_each(), ThreadPoolExecutor(at_once) as pool:  # free of the interpreter
             return list(pool.map(lambda way: self.answer(centre, way, 1), ways))
 
     def answer(self, centre: Floats, direction: Floats, jobs: int) -> Answer:
