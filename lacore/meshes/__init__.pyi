@@ -11,6 +11,7 @@ from .patches import Patch as Patch
 from .patches import patches as patches
 from .reading import read as read
 from .solid.box import box as box
+from .solid.extruded import extruded as extruded
 from .structured import fan as fan
 from .structured import graded as graded
 from .structured import quadrilaterals as quadrilaterals

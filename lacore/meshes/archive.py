@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
+from skfem.mesh import MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
 
 from lacore.errors import InputError
 from lacore.meshes.polygonal import geometry_of, labelled
+from lacore.meshes.solid.roundness import solid_geometry_of
 
-_KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
+_KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2, MeshTet1)}
+_OUTLINES = {2: geometry_of, 3: solid_geometry_of}
 _NAMES = {"boundaries": "with_boundaries", "subdomains": "with_subdomains"}
 
 
@@ -25,7 +27,7 @@ def save(mesh: Any, path: str | PathLike[str]) -> None:
     for what in _NAMES:
         named = getattr(mesh, what) or {}
         arrays |= {f"{what}/{name}": np.asarray(own, dtype=np.int64) for name, own in named.items()}
-    kind, geometry = np.array(type(mesh).__name__), np.array(geometry_of(mesh))
+    kind, geometry = np.array(type(mesh).__name__), np.array(_OUTLINES[mesh.p.shape[0]](mesh))
     try:
         with place.open("wb") as file:
             np.savez_compressed(file, **{"kind": kind, "geometry": geometry, **arrays})

@@ -16,6 +16,7 @@ _DEGENERATE = 1e-10  # area over squared longest edge; below it gradients lose a
 # certificates ask for: they grow as 1e-13 / quality.
 SLIVER = 1e-6
 _ON = 1e-6  # of an edge: nearer to it a vertex lies on the edge; files write 6 digits at least
+_FACET = {2: "edge", 3: "face"}
 _NO_AREA = 1e-12  # of the squared size: overlaps by the round-off of coordinates
 
 
@@ -45,25 +46,76 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
         InputError: vertices that are not finite or not used, elements without area, slivers,
             elements that are not convex, inverted or overlapping, hanging nodes, parts.
     """
-    if not np.all(np.isfinite(mesh.doflocs)):
-        raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
-    require_range(field, mesh.doflocs, np.ptp(mesh.p, axis=1))
+    check_finite(mesh, field)
     if is_curved(mesh):
         _check_curved(mesh, field)
         return
+    check_used(mesh, field)
+    _check_shapes(mesh, field)
+    _check_facets(mesh, field)
+    _check_hanging(mesh, field)
+    _check_overlaps(mesh, field)
+    check_connected(mesh, field)
+
+
+def check_finite(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
+    """Refuse coordinates that are no numbers, or that cannot be multiplied."""
+    if not np.all(np.isfinite(mesh.doflocs)):
+        raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
+    require_range(field, mesh.doflocs, np.ptp(mesh.p, axis=1))
+
+
+def check_used(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
+    """Refuse vertices that no element uses."""
     unused = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.t)
     if unused.size:
         raise InputError(
             field,
             unused[:5].tolist(),
-            f"vertices that no element uses, the first at {_at(mesh.p[:, unused[0]])}",
+            f"vertices that no element uses, the first at {at(mesh.p[:, unused[0]])}",
             "remove them (mesh.remove_unused_nodes())",
         )
-    _check_shapes(mesh, field)
-    _check_facets(mesh, field)
-    _check_hanging(mesh, field)
-    _check_overlaps(mesh, field)
-    _check_connected(mesh, field)
+
+
+def check_slivers(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
+    """Refuse elements whose shape is below `SLIVER`."""
+    shape = quality(mesh)
+    slivers = np.flatnonzero(shape < SLIVER)
+    if slivers.size:
+        worst = slivers[np.argmin(shape[slivers])]
+        raise InputError(
+            field,
+            slivers[:5].tolist(),
+            f"slivers, the worst of quality {shape[worst]:.1e} at {centre(mesh, worst)}, where"
+            f" {SLIVER:.0e} is the least (lacore.meshes.quality)",
+            "move or merge their vertices, or mesh anew",
+        )
+
+
+def check_connected(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
+    """Refuse parts that no edge of an element, in space no face, joins."""
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    links = coo_matrix((np.ones(inner.shape[1]), inner), shape=(mesh.nelements,) * 2)
+    parts, part = connected_components(links, directed=False)
+    if parts > 1:
+        places = [centre(mesh, np.flatnonzero(part == number)[0]) for number in range(2)]
+        raise InputError(
+            field,
+            int(parts),
+            f"disconnected parts (joined by no element {_FACET[mesh.p.shape[0]]}), with elements at"
+            f" {places[0]} and {places[1]}",
+            "make each part a Body of its own, or merge coincident vertices",
+        )
+
+
+def at(place: Floats) -> str:
+    """A place in a message."""
+    return "(" + ", ".join(f"{own:.6g}" for own in place) + ")"
+
+
+def centre(mesh: MeshTri | MeshQuad | MeshTet, element: int) -> str:
+    """That of an element in a message."""
+    return at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
 
 
 def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
@@ -75,11 +127,11 @@ def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
             field,
             wrong[:5].tolist(),
             f"inverted elements, det J <= 0 somewhere inside, the first at"
-            f" {_centre(mesh, wrong[0])}",
+            f" {centre(mesh, wrong[0])}",
             "move their vertices or midside nodes, or mesh anew",
         )
     _check_crowded(mesh, field)
-    _check_connected(mesh, field)
+    check_connected(mesh, field)
     straight = subdivided(mesh)
     _check_hanging(straight, field)
     _check_overlaps(straight, field)
@@ -95,7 +147,7 @@ def _check_shapes(mesh: MeshTri | MeshQuad, field: str) -> None:
         raise InputError(
             field,
             flat[:5].tolist(),
-            f"elements without area, the first at {_centre(mesh, flat[0])}",
+            f"elements without area, the first at {centre(mesh, flat[0])}",
             "remove or move their vertices",
         )
     bent = np.flatnonzero(turn.min(axis=0) < least)
@@ -103,20 +155,10 @@ def _check_shapes(mesh: MeshTri | MeshQuad, field: str) -> None:
         raise InputError(
             field,
             bent[:5].tolist(),
-            f"quadrilaterals that are not convex, the first at {_centre(mesh, bent[0])}",
+            f"quadrilaterals that are not convex, the first at {centre(mesh, bent[0])}",
             "move their vertices, or cut them into triangles",
         )
-    shape = quality(mesh)
-    slivers = np.flatnonzero(shape < SLIVER)
-    if slivers.size:
-        worst = slivers[np.argmin(shape[slivers])]
-        raise InputError(
-            field,
-            slivers[:5].tolist(),
-            f"slivers, the worst of quality {shape[worst]:.1e} at {_centre(mesh, worst)}, where"
-            f" {SLIVER:.0e} is the least (lacore.meshes.quality)",
-            "move or merge their vertices, or mesh anew",
-        )
+    check_slivers(mesh, field)
 
 
 def _check_crowded(mesh: MeshTri | MeshQuad, field: str) -> None:
@@ -173,7 +215,7 @@ def _check_hanging(mesh: MeshTri | MeshQuad, field: str) -> None:
         raise InputError(
             field,
             np.unique(vertices[near[inside]])[:5].tolist(),
-            f"hanging nodes, the first at {_at(mesh.p[:, vertices[near[first]]])} inside the edge"
+            f"hanging nodes, the first at {at(mesh.p[:, vertices[near[first]]])} inside the edge"
             f" {_edge(mesh, facets[edge[first]])}",
             "split the element with that edge there, or make the sides Bodies with an Interface",
         )
@@ -198,24 +240,9 @@ def _check_overlaps(mesh: MeshTri | MeshQuad, field: str) -> None:
             raise InputError(
                 field,
                 elements[:5].tolist(),
-                f"elements that overlap at {_at(place)}",
+                f"elements that overlap at {at(place)}",
                 "move or remove elements until each place is in one, or make Bodies of the layers",
             )
-
-
-def _check_connected(mesh: MeshTri | MeshQuad, field: str) -> None:
-    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
-    links = coo_matrix((np.ones(inner.shape[1]), inner), shape=(mesh.nelements,) * 2)
-    parts, part = connected_components(links, directed=False)
-    if parts > 1:
-        places = [_centre(mesh, np.flatnonzero(part == number)[0]) for number in range(2)]
-        raise InputError(
-            field,
-            int(parts),
-            "disconnected parts (joined by no element edge), with elements at"
-            f" {places[0]} and {places[1]}",
-            "make each part a Body of its own, or merge coincident vertices",
-        )
 
 
 def _around(mesh: MeshTri | MeshQuad) -> tuple[Floats, Floats, Floats]:
@@ -241,14 +268,6 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[0] * b[1] - a[1] * b[0])
 
 
-def _at(place: Floats) -> str:
-    return f"({place[0]:.6g}, {place[1]:.6g})"
-
-
-def _centre(mesh: MeshTri | MeshQuad, element: int) -> str:
-    return _at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
-
-
 def _edge(mesh: MeshTri | MeshQuad, facet: int) -> str:
     start, end = mesh.p[:, mesh.facets[:, facet]].T
-    return f"from {_at(start)} to {_at(end)}"
+    return f"from {at(start)} to {at(end)}"

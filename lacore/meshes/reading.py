@@ -1,4 +1,4 @@
-"""Triangle meshes from files, with the names of physical groups."""
+"""Meshes of triangles or tetrahedra from files, with the names of physical groups."""
 
 from collections.abc import Iterator
 from os import PathLike, fspath
@@ -9,18 +9,33 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-from skfem import MeshTri
+from skfem import MeshTet, MeshTri
 
 from lacore.arrays import Floats, Ints
 from lacore.errors import InputError, is_number, require_range, suggest_all
 
 _FLAT = 1e-9  # of a length: what counts as plane or straight in files with 16 digits
-_CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3}
+_CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "tetra": 4, "tetra10": 4}
+_MADE = {2: MeshTri, 3: MeshTet}
+# Ends of edges, in the order in which midside nodes follow the vertices.
+_EDGES = {
+    2: ((0, 1), (1, 2), (2, 0)),
+    3: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+}
+_NAMES = {
+    2: ("line", "edge", "triangle", "curve in the surface", "surfaces"),
+    3: ("triangle", "face", "tetrahedron", "surface in the volume", "volumes"),
+}
 _FIRST_ORDER = "save a mesh of first order (of gmsh: Mesh.ElementOrder = 1)"
 
 
-def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1e-9) -> MeshTri:
+def read(
+    path: str | PathLike[str], surface: str | None = None, merge: float = 1e-9
+) -> MeshTri | MeshTet:
     """Triangle mesh from a file: .msh of gmsh, version 2.2 or 4.1, and whatever meshio reads.
+
+    Of a file with tetrahedra these: what is said of lines, triangles and surfaces is true of
+    triangles, tetrahedra and volumes there.
 
     Physical groups of lines (sets of line elements) become named boundaries, those of surfaces
     named subdomains; groups without a name are left out. Nodes that no triangle uses are dropped,
@@ -44,18 +59,20 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
         raise InputError("merge", merge, "not a share of the size", "give 1e-9, or 0 for none")
     file = loaded(Path(fspath(path)))
     shown = fspath(path)
-    lines, triangles, groups = _cells(file, shown)
-    points = _plane(np.asarray(file.points, dtype=float), triangles, shown)
-    _check_straight(points, triangles, shown)
-    number, kept = _numbering(points, triangles[:, :3], lines, merge)
-    vertices = number[triangles[:, :3]]
-    collapsed = np.flatnonzero(np.any(vertices == np.roll(vertices, 1, axis=1), axis=1))
+    dimension = 3 if any(block.dim == 3 and len(block.data) for block in file.cells) else 2
+    sides, whole, groups = _cells(file, dimension, shown)
+    points = _places(np.asarray(file.points, dtype=float), whole, dimension, shown)
+    _check_straight(points, whole, dimension, shown)
+    elements = whole[:, : dimension + 1]
+    number, kept = _numbering(points, elements, sides, merge)
+    vertices = number[elements]
+    collapsed = np.flatnonzero(np.any(np.diff(np.sort(vertices, axis=1), axis=1) == 0, axis=1))
     if collapsed.size:
-        place = points[triangles[collapsed[0], :3]].mean(axis=0)
+        place = points[elements[collapsed[0]]].mean(axis=0)
         raise InputError(
             "path",
             shown,
-            f"a triangle at {place} has two vertices in one place",
+            f"a {_NAMES[dimension][2]} at {place} has two vertices in one place",
             "remove it, or give a smaller `merge`",
         )
     # Formats that know one group an element write those of several groups as often.
@@ -65,12 +82,17 @@ def read(path: str | PathLike[str], surface: str | None = None, merge: float = 1
     order = np.argsort(first)
     element = np.argsort(order)[copy.ravel()]
     # In the order of memory that scikit-fem would report to change.
-    mesh = MeshTri(*map(np.ascontiguousarray, (points[kept].T, vertices[first[order]].T)))
-    facets = _facets(mesh, number, lines, points, groups, shown)
+    arrays = map(np.ascontiguousarray, (points[kept].T, vertices[first[order]].T))
+    mesh = _MADE[dimension](*arrays)
+    facets = _facets(mesh, number, sides, points, groups, shown)
     named = mesh.with_boundaries(
-        {name: np.unique(facets[rows]) for (dim, name), rows in groups.items() if dim == 1}
+        {
+            name: np.unique(facets[rows])
+            for (dim, name), rows in groups.items()
+            if dim == dimension - 1
+        }
     ).with_subdomains(
-        {name: np.unique(element[rows]) for (dim, name), rows in groups.items() if dim == 2}
+        {name: np.unique(element[rows]) for (dim, name), rows in groups.items() if dim == dimension}
     )
     return named if surface is None else _restricted(named, surface)
 
@@ -105,35 +127,38 @@ def loaded(path: Path) -> Any:
     )
 
 
-def _cells(file: Any, shown: str) -> tuple[Ints, Ints, dict[tuple[int, str], Ints]]:
-    """Nodes of lines (n, 2) and of triangles (n, 3 or 6), and rows of groups by (dim, name)."""
-    found: dict[int, list[Ints]] = {1: [], 2: []}
+def _cells(file: Any, dimension: int, shown: str) -> tuple[Ints, Ints, dict[tuple[int, str], Ints]]:
+    """Nodes of sides (n, d) and of elements (n, all of them), and rows of groups by (dim, name)."""
+    found: dict[int, list[Ints]] = {dimension - 1: [], dimension: []}
     groups: dict[tuple[int, str], list[Ints]] = {}
+    plane = ", of plane triangles only (without recombination)" if dimension == 2 else ""
     for number, block in enumerate(file.cells):
         nodes = np.asarray(block.data, dtype=np.int64)
-        if block.dim < 1 or not nodes.size:
+        if block.dim not in found or not nodes.size:
             continue
         if block.type not in _CORNERS:
             raise InputError(
                 "path",
                 shown,
                 f"holds elements of the kind {block.type!r}",
-                f"{_FIRST_ORDER}, of plane triangles only (without recombination)",
+                f"{_FIRST_ORDER}{plane or ', of tetrahedra only'}",
             )
         if nodes.min() < 0 or nodes.max() >= len(file.points):
             raise InputError("path", shown, "elements have nodes that it lacks", "write it anew")
         before = sum(map(len, found[block.dim]))
-        found[block.dim].append(nodes[:, :2] if block.dim == 1 else nodes)
+        found[block.dim].append(nodes if block.dim == dimension else nodes[:, :dimension])
         for name, rows in _groups(file, number, block.dim):
             groups.setdefault((block.dim, name), []).append(rows + before)
-    if not found[2]:
+    if not found[dimension]:
         raise InputError("path", shown, "holds no triangles", "mesh the surfaces, and save them")
-    if len({nodes.shape[1] for nodes in found[2]}) > 1:
-        raise InputError("path", shown, "holds triangles of two orders", _FIRST_ORDER)
-    lines = np.concatenate([np.empty((0, 2), dtype=np.int64), *found[1]])
+    kinds = {nodes.shape[1] for nodes in found[dimension]}
+    if len(kinds) > 1:
+        name = {2: "triangles", 3: "tetrahedra"}[dimension]
+        raise InputError("path", shown, f"holds {name} of two orders", _FIRST_ORDER)
+    none = np.empty((0, dimension), dtype=np.int64)
     return (
-        lines,
-        np.concatenate(found[2]),
+        np.concatenate([none, *found[dimension - 1]]),
+        np.concatenate(found[dimension]),
         {key: np.unique(np.concatenate(rows)) for key, rows in groups.items()},
     )
 
@@ -153,13 +178,13 @@ def _groups(file: Any, block: int, dim: int) -> Iterator[tuple[str, Ints]]:
                 yield names[tag, dim], np.flatnonzero(tags == tag)
 
 
-def _plane(points: Floats, triangles: Ints, shown: str) -> Floats:
-    """Coordinates (n, 2) of nodes in a plane of constant z."""
+def _places(points: Floats, elements: Ints, dimension: int, shown: str) -> Floats:
+    """Coordinates of nodes, (n, 3), or (n, 2) of those in a plane of constant z."""
     if not np.all(np.isfinite(points)):
         raise InputError("path", shown, "has nodes that are not finite", "mend their coordinates")
     require_range(f"path = {shown!r}, coordinates", points)
-    used = points[np.unique(triangles)]
-    if points.shape[1] == 3:
+    used = points[np.unique(elements)]
+    if points.shape[1] > dimension:
         height = used[:, 2]
         if np.ptp(height) > _FLAT * np.linalg.norm(np.ptp(used, axis=0)):
             raise InputError(
@@ -168,17 +193,19 @@ def _plane(points: Floats, triangles: Ints, shown: str) -> Floats:
                 f"is not plane: z goes from {height.min():.6g} to {height.max():.6g}",
                 "draw the surface in the plane of x and y",
             )
-    return points[:, :2]
+    return points[:, :dimension]
 
 
-def _check_straight(points: Floats, triangles: Ints, shown: str) -> None:
+def _check_straight(points: Floats, elements: Ints, dimension: int, shown: str) -> None:
     """Midside nodes, where there are any, must lie on the straight edge between the vertices."""
-    for corner, middle in enumerate(range(3, triangles.shape[1])):
-        start, end = points[triangles[:, corner]], points[triangles[:, (corner + 1) % 3]]
-        at, along = points[triangles[:, middle]] - start, end - start
-        off = np.abs(at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0])
+    midside = range(dimension + 1, elements.shape[1])
+    for (one, other), middle in zip(_EDGES[dimension], midside, strict=False):
+        start, end = points[elements[:, one]], points[elements[:, other]]
+        at, along = points[elements[:, middle]] - start, end - start
         squares = np.sum(along**2, axis=1)
-        curved = np.flatnonzero(off > _FLAT * squares)
+        share = np.sum(at * along, axis=1) / np.where(squares > 0, squares, 1.0)
+        off = np.linalg.norm(at - share[:, None] * along, axis=1)
+        curved = np.flatnonzero(off > _FLAT * np.sqrt(squares))
         if curved.size:
             first = curved[0]
             raise InputError(
@@ -189,13 +216,13 @@ def _check_straight(points: Floats, triangles: Ints, shown: str) -> None:
             )
 
 
-def _numbering(points: Floats, triangles: Ints, lines: Ints, merge: float) -> tuple[Ints, Ints]:
+def _numbering(points: Floats, elements: Ints, sides: Ints, merge: float) -> tuple[Ints, Ints]:
     """Number of the vertex that each node is (-1: none), and the node that each vertex is.
 
-    Vertices keep the order of the first node of a triangle that they are made of.
+    Vertices keep the order of the first node of an element that they are made of.
     """
-    corners = np.unique(triangles)
-    used = np.union1d(corners, lines)
+    corners = np.unique(elements)
+    used = np.union1d(corners, sides)
     size = float(np.linalg.norm(np.ptp(points[corners], axis=0)))
     cluster: Ints = np.arange(len(points))
     if merge > 0:
@@ -204,47 +231,57 @@ def _numbering(points: Floats, triangles: Ints, lines: Ints, merge: float) -> tu
         cluster = np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
     clusters, first = np.unique(cluster[corners], return_index=True)
     order = np.argsort(first)
-    vertex = np.full(len(points), -1)  # of each cluster; none where no triangle has a node of it
+    vertex = np.full(len(points), -1)  # of each cluster; none where no element has a node of it
     vertex[clusters[order]] = np.arange(clusters.size)
     return vertex[cluster], corners[first[order]]
 
 
 def _facets(
-    mesh: MeshTri,
+    mesh: MeshTri | MeshTet,
     number: Ints,
-    lines: Ints,
+    sides: Ints,
     points: Floats,
     groups: dict[tuple[int, str], Ints],
     shown: str,
 ) -> Ints:
-    """Facet of each line, -1 of those in no group."""
-    names = {int(row): name for (dim, name), rows in groups.items() if dim == 1 for row in rows}
+    """Facet of each side, -1 of those in no group."""
+    dimension = mesh.p.shape[0]
+    side, edge, element, within, _ = _NAMES[dimension]
+    names = {
+        int(row): name
+        for (dim, name), rows in groups.items()
+        if dim == dimension - 1
+        for row in rows
+    }
     known = {ends: facet for facet, ends in enumerate(map(tuple, mesh.facets.T.tolist()))}
-    facets = np.full(len(lines), -1)
+    facets = np.full(len(sides), -1)
     for row, name in names.items():
-        facet = known.get(tuple(sorted(number[lines[row]].tolist())))
+        facet = known.get(tuple(sorted(number[sides[row]].tolist())))
         if facet is None:
-            start, end = points[lines[row]]
+            first, *others = points[sides[row]]
+            where = " and ".join(map(str, others))
             raise InputError(
                 "path",
                 shown,
-                f"a line of the group {name!r}, from {start} to {end}, is no edge of a triangle",
-                "embed its curve in the surface, or take it out of the group",
+                f"a {side} of the group {name!r}, from {first} to {where}, is no {edge}"
+                f" of a {element}",
+                f"embed its {within}, or take it out of the group",
             )
         facets[row] = facet
     return facets
 
 
-def _restricted(mesh: MeshTri, surface: str) -> MeshTri:
-    """The triangles of one group; groups of lines elsewhere are forgotten."""
+def _restricted(mesh: MeshTri | MeshTet, surface: str) -> MeshTri | MeshTet:
+    """The elements of one group; groups of sides elsewhere are forgotten."""
     groups = mesh.subdomains or {}
+    kinds = _NAMES[mesh.p.shape[0]][4]
     if surface not in groups:
-        mend = suggest_all(surface, groups) if groups else "give none: the file names no surfaces"
-        raise InputError("surface", surface, "no such group of surfaces", mend)
+        mend = suggest_all(surface, groups) if groups else f"give none: the file names no {kinds}"
+        raise InputError("surface", surface, f"no such group of {kinds}", mend)
     part = mesh.restrict(groups[surface])
-    lines = {name: facets for name, facets in (part.boundaries or {}).items() if facets.size}
+    sides = {name: facets for name, facets in (part.boundaries or {}).items() if facets.size}
     return (
-        MeshTri(part.p, part.t)
-        .with_boundaries(lines)
+        type(mesh)(part.p, part.t)
+        .with_boundaries(sides)
         .with_subdomains({surface: np.arange(part.nelements)})
     )

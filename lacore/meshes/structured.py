@@ -12,7 +12,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, is_number, require_range
+from lacore.errors import InputError, is_number, is_vector, require_range
 from lacore.meshes.polygonal import geometry_of, labelled
 from lacore.meshes.refinement import with_named_elements
 
@@ -33,23 +33,46 @@ def graded(
     Raises:
         InputError: an empty row, no cells, a point outside the row, a ratio below 1.
     """
+    return _row(start, stop, cells, grade, ("extent", "cells", "grade"))
+
+
+def along_axis(
+    axis: str, ends: tuple[float, float], cells: int, grade: tuple[float, float] | None
+) -> Floats:
+    """The same of an axis ``x``: errors name ``x``, ``nx``, ``grade_x``.
+
+    Raises:
+        InputError: see `graded`; `ends` that are no pair.
+    """
+    if not is_vector(ends) or len(ends) != 2:
+        raise InputError(axis, ends, "not an interval", f"give ({axis}0, {axis}1), two numbers")
+    return _row(ends[0], ends[1], cells, grade, (axis, f"n{axis}", f"grade_{axis}"))
+
+
+def _row(
+    start: float,
+    stop: float,
+    cells: int,
+    grade: tuple[float, float] | None,
+    fields: tuple[str, str, str],
+) -> Floats:
+    """See `graded`; `fields` are what errors call its arguments."""
+    extent, count_of, graded_by = fields
     if not (is_number(start) and is_number(stop) and start < stop):
-        raise InputError(
-            "extent", (start, stop), "not an interval", "give (start, stop), start<stop"
-        )
-    require_range("extent", (start, stop))
+        raise InputError(extent, (start, stop), "not an interval", "give (start, stop), start<stop")
+    require_range(extent, (start, stop))
     if not (isinstance(cells, (int, np.integer)) and cells >= 1):
-        raise InputError("cells", cells, "not a positive whole number", "give at least one cell")
+        raise InputError(count_of, cells, "not a positive whole number", "give at least one cell")
     if grade is None:
         return np.linspace(start, stop, cells + 1)
     at, ratio = grade
     if not start <= at <= stop:
         raise InputError(
-            "grade", grade, f"the point lies outside [{start}, {stop}]", "move it inside"
+            graded_by, grade, f"the point lies outside [{start}, {stop}]", "move it inside"
         )
     if not (isfinite(ratio) and ratio >= 1):
         raise InputError(
-            "grade", grade, "the ratio of largest to smallest cell is below 1", "give ratio >= 1"
+            graded_by, grade, "the ratio of largest to smallest cell is below 1", "give ratio >= 1"
         )
     reach = max(at - start, stop - at)
     growth = ratio - 1
@@ -68,7 +91,7 @@ def graded(
     count = min(max(count, 1 if left > 0 else 0), cells - 1 if right > 0 else cells)
     if left > 0 and right > 0 and cells < 2:
         raise InputError(
-            "cells", cells, f"one cell cannot have a vertex at {at}", "give at least two"
+            count_of, cells, f"one cell cannot have a vertex at {at}", "give at least two"
         )
     row = np.concatenate(
         [at - one_side(left, count)[:0:-1], [at], at + one_side(right, cells - count)[1:]]
@@ -363,4 +386,4 @@ def _cells(
     grade_x: tuple[float, float] | None = None,
     grade_y: tuple[float, float] | None = None,
 ) -> MeshQuad:
-    return MeshQuad.init_tensor(graded(x[0], x[1], nx, grade_x), graded(y[0], y[1], ny, grade_y))
+    return MeshQuad.init_tensor(along_axis("x", x, nx, grade_x), along_axis("y", y, ny, grade_y))

@@ -7,7 +7,7 @@ import numpy as np
 from skfem import MeshTet
 
 from lacore.arrays import Floats, Ints
-from lacore.meshes.structured import graded
+from lacore.meshes.structured import along_axis
 
 _SIDES = (("left", "right"), ("front", "back"), ("bottom", "top"))
 
@@ -38,8 +38,9 @@ def box(
         InputError: see `graded`.
     """
     rows = [
-        graded(own[0], own[1], count, grade)
-        for own, count, grade in ((x, nx, grade_x), (y, ny, grade_y), (z, nz, grade_z))
+        along_axis("x", x, nx, grade_x),
+        along_axis("y", y, ny, grade_y),
+        along_axis("z", z, nz, grade_z),
     ]
     points = np.stack([axis.ravel() for axis in np.meshgrid(*rows, indexing="ij")])
     number = np.arange(points.shape[1]).reshape([own.size for own in rows])

@@ -2,14 +2,19 @@
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import MeshTet
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, require_range
-from lacore.meshes.checks import SLIVER
-from lacore.meshes.solid.shape import ENDS, shapes, signed_volumes
+from lacore.errors import InputError
+from lacore.meshes.checks import (
+    at,
+    centre,
+    check_connected,
+    check_finite,
+    check_slivers,
+    check_used,
+)
+from lacore.meshes.solid.shape import ENDS, signed_volumes
 
 _FLAT = 1e-10  # volume over the cubed longest edge; below it gradients lose all their digits
 _ON = 1e-6  # of a face: nearer to it a vertex lies on the face; files write 6 digits at least
@@ -23,22 +28,13 @@ def check_tetrahedra(mesh: MeshTet, field: str) -> None:
         InputError: vertices that are not finite or not used, elements without volume, slivers,
             inverted or overlapping elements, hanging nodes, parts.
     """
-    if not np.all(np.isfinite(mesh.p)):
-        raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
-    require_range(field, mesh.p, np.ptp(mesh.p, axis=1))
-    unused = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.t)
-    if unused.size:
-        raise InputError(
-            field,
-            unused[:5].tolist(),
-            f"vertices that no element uses, the first at {_at(mesh.p[:, unused[0]])}",
-            "remove them (mesh.remove_unused_nodes())",
-        )
+    check_finite(mesh, field)
+    check_used(mesh, field)
     _check_shapes(mesh, field)
     _check_facets(mesh, field)
     _check_hanging(mesh, field)
     _check_overlaps(mesh, field)
-    _check_connected(mesh, field)
+    check_connected(mesh, field)
 
 
 def _check_shapes(mesh: MeshTet, field: str) -> None:
@@ -49,20 +45,10 @@ def _check_shapes(mesh: MeshTet, field: str) -> None:
         raise InputError(
             field,
             flat[:5].tolist(),
-            f"elements without volume, the first at {_centre(mesh, flat[0])}",
+            f"elements without volume, the first at {centre(mesh, flat[0])}",
             "remove or move their vertices",
         )
-    shape = shapes(mesh)
-    slivers = np.flatnonzero(shape < SLIVER)
-    if slivers.size:
-        worst = slivers[np.argmin(shape[slivers])]
-        raise InputError(
-            field,
-            slivers[:5].tolist(),
-            f"slivers, the worst of shape {shape[worst]:.1e} at {_centre(mesh, worst)}, where"
-            f" {SLIVER:.0e} is the least",
-            "move or merge their vertices, or mesh anew",
-        )
+    check_slivers(mesh, field)
 
 
 def _check_facets(mesh: MeshTet, field: str) -> None:
@@ -116,7 +102,7 @@ def _check_hanging(mesh: MeshTet, field: str) -> None:
         raise InputError(
             field,
             np.unique(vertices[near[inside]])[:5].tolist(),
-            f"hanging nodes, the first at {_at(place[first])} in the face around"
+            f"hanging nodes, the first at {at(place[first])} in the face around"
             f" {_face(mesh, facets[face[first]])}",
             "split the element with that face there",
         )
@@ -146,7 +132,7 @@ def _check_overlaps(mesh: MeshTet, field: str) -> None:
         raise InputError(
             field,
             element[inside[:5]].tolist(),
-            f"elements that overlap at {_at(places[:, near[first]])}",
+            f"elements that overlap at {at(places[:, near[first]])}",
             "move or remove elements until each place is in one",
         )
 
@@ -161,27 +147,5 @@ def _in_boxes(places: Floats, corner: Floats, room: Floats) -> tuple[Ints, Ints]
     return near[kept], element[kept]
 
 
-def _check_connected(mesh: MeshTet, field: str) -> None:
-    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
-    links = coo_matrix((np.ones(inner.shape[1]), inner), shape=(mesh.nelements,) * 2)
-    parts, part = connected_components(links, directed=False)
-    if parts > 1:
-        places = [_centre(mesh, np.flatnonzero(part == number)[0]) for number in range(2)]
-        raise InputError(
-            field,
-            int(parts),
-            f"disconnected parts (joined by no face), with elements at {places[0]} and {places[1]}",
-            "make each part a Body of its own, or merge coincident vertices",
-        )
-
-
-def _at(place: Floats) -> str:
-    return f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
-
-
-def _centre(mesh: MeshTet, element: int) -> str:
-    return _at(mesh.p[:, mesh.t[:, element]].mean(axis=1))
-
-
 def _face(mesh: MeshTet, facet: int) -> str:
-    return _at(mesh.p[:, mesh.facets[:, facet]].mean(axis=1))
+    return at(mesh.p[:, mesh.facets[:, facet]].mean(axis=1))

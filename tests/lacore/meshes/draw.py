@@ -59,8 +59,30 @@ def layers(model):
     model.mesh.generate(2)
 
 
+def footing(model):
+    """An eighth of the ground under a square footing, of two regions, finer under its edge."""
+    corners = [(0, 0, 0.7), (1, 0, 0.5), (2, 0, 1.2), (2, 2, 1.2), (1, 1, 0.5)]
+    polygon(model, corners, {"under": [0, 1, 4], "beside": [1, 2, 3, 4]})
+    model.removePhysicalGroups()
+    model.geo.extrude([(2, 1), (2, 2)], 0, 0, -1)
+    model.geo.synchronize()
+    sides = {
+        "footing": ((0, 0, 0), (1, 1, 0)),
+        "front": ((0, 0, -1), (2, 0, 0)),
+        "right": ((2, 0, -1), (2, 2, 0)),
+        "bottom": ((0, 0, -1), (2, 2, -1)),
+    }
+    for name, (low, high) in sides.items():
+        box = (*(own - 1e-6 for own in low), *(own + 1e-6 for own in high))
+        own = model.getEntitiesInBoundingBox(*box, 2)
+        model.addPhysicalGroup(2, [tag for _, tag in own], name=name)
+    for number, name in enumerate(("under", "beside"), start=1):
+        model.addPhysicalGroup(3, [number], name=name)
+    model.mesh.generate(3)
+
+
 if __name__ == "__main__":
-    for draw in (punch, layers):
+    for draw in (punch, layers, footing):
         with session() as model:
             draw(model)
             gmsh.write(str(HERE / f"{draw.__name__}.msh"))

@@ -223,7 +223,7 @@ def test_second_order_is_reduced_to_its_vertices(tmp_path):
         ({"points": [*UNIT[:3], (0, 1, 0.1)]}, ("not plane", "0 to 0.1", "plane of x and y")),
         ({"triangles": []}, ("no triangles", "mesh the surfaces")),
         ({"quad": [(0, 1, 2, 3)]}, ("quad", "triangles only")),
-        ({"tetra": [(0, 1, 2, 3)]}, ("tetra", "triangles only")),
+        ({"pyramid": [(0, 1, 2, 3, 0)]}, ("pyramid", "tetrahedra only")),
         ({"lines": {"cut": [(1, 3)]}}, ("'cut'", "no edge of a triangle", "embed")),
         ({"lines": {"far": [(1, 4)]}, "points": [*UNIT, (5, 5)]}, ("'far'", "no edge")),
         ({"triangles": [*HALVES, (0, 4, 1)], "points": [*UNIT, (0, 0)]}, ("two vertices", "merge")),
