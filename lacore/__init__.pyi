@@ -25,12 +25,13 @@ from .bounds.upper import UpperBound as UpperBound
 from .bounds.upper import upper_bound as upper_bound
 from .certificate import Certificate as Certificate
 from .conditions.body_forces import BodyForce as BodyForce
+from .conditions.footings import RigidFooting as RigidFooting
+from .conditions.footings import Twist as Twist
 from .conditions.linear import ByLevel as ByLevel
 from .conditions.linear import Linear as Linear
 from .conditions.loads import Fix as Fix
 from .conditions.loads import PointForce as PointForce
 from .conditions.loads import Pressure as Pressure
-from .conditions.loads import RigidFooting as RigidFooting
 from .conditions.loads import Traction as Traction
 from .conditions.water import PorePressure as PorePressure
 from .conditions.water import StandingWater as StandingWater

@@ -39,8 +39,8 @@ class Discretisation(Shown):
         points: geometry of the contact points.
         shared_corners: contact points with friction at corners that are in contact on both sides:
             the reactions there, and with them the load factor, may not be unique, shape (m,).
-        footings: unknowns of the footings, each the speed of one along its direction, in the order
-            of the loads, shape (f,).
+        footings: unknowns of the footings, in the order of the loads: the speed of each along its
+            direction, in space then about the axes about which it turns, shape (f,).
         natural: scales in which the quantities of the answer are of order one (T20).
     """
 

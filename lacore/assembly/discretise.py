@@ -60,8 +60,7 @@ def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -
     if own.body.dimension == 2:
         return jumps(name, own, unknowns.n, slip)
     asked = face_conditions(own.body, problem.supports, footings, name)
-    speeds = np.array(list(unknowns.footings.values()), dtype=np.int64)
-    return face_jumps(name, own, held_faces(own, asked, footings), speeds, unknowns.n)
+    return face_jumps(name, own, held_faces(own, asked, footings), unknowns.speeds, unknowns.n)
 
 
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
@@ -135,6 +134,6 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         seams=seaming,
         points=points,
         shared_corners=shared_corners(program.contact, points, problem, continua),
-        footings=np.array(list(unknowns.footings.values()), dtype=np.int64),
+        footings=unknowns.speeds,
         natural=natural_scales(program, unknowns, 1 / size),
     )

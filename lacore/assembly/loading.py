@@ -1,14 +1,14 @@
 """Loads as forces on unknowns, of velocities and of multipliers alike."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
 from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.conditions.loads import Load, RigidFooting, footings
+from lacore.conditions.footings import Footing, RigidFooting, Twist, footings
+from lacore.conditions.loads import Load
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 
@@ -36,22 +36,34 @@ class Loaded(Protocol):
 class UnderFooting(Loaded, Protocol):
     """Those of a body that a footing can stand on."""
 
-    def area(self, footing: RigidFooting) -> float:
+    def area(self, footing: Footing) -> float:
         """Of what a footing touches, m^2; m per unit thickness."""
         ...
 
 
-def footings_of(problem: Problem) -> tuple[RigidFooting, ...]:
-    """The footings of all loads, each once whatever its pressure."""
+def footings_of(problem: Problem) -> tuple[Footing, ...]:
+    """The footings of all loads, each once whatever its load."""
     loads = [*problem.reference_loads, *problem.dead_loads]
-    return tuple(dict.fromkeys(map(_unloaded, footings(loads))))
+    return tuple(dict.fromkeys(footing.unloaded for footing in footings(loads)))
+
+
+def numbered_speeds(problem: Problem, first: int) -> dict[Footing, int]:
+    """The first unknown of each footing, from a number on, see `footings_of`."""
+    own = footings_of(problem)
+    starts = np.cumsum([first, *(footing.speeds for footing in own)])
+    return dict(zip(own, starts[:-1].tolist(), strict=True))
+
+
+def count_speeds(footings: Iterable[Footing]) -> int:
+    """How many speeds footings have."""
+    return sum(footing.speeds for footing in footings)
 
 
 def load_vector(
     loads: Sequence[Load],
     bodies: Mapping[str, Loaded],
     standing: Mapping[str, UnderFooting],
-    speeds: Mapping[RigidFooting, int],
+    speeds: Mapping[Footing, int],
     n: int,
 ) -> Floats:
     """Forces of loads on n unknowns, N/m.
@@ -60,7 +72,7 @@ def load_vector(
         loads: of one kind.
         bodies: all of them.
         standing: those that footings stand on.
-        speeds: the unknown of each footing, see `footings_of`: its load acts there.
+        speeds: the first unknown of each footing, see `numbered_speeds`: its load acts there.
         n: unknowns.
     """
     total = np.zeros(n)
@@ -75,7 +87,7 @@ def _placed(
     load: Load,
     bodies: Mapping[str, Loaded],
     standing: Mapping[str, UnderFooting],
-    speeds: Mapping[RigidFooting, int],
+    speeds: Mapping[Footing, int],
 ) -> tuple[int, Floats]:
     """The first unknown that a load acts on, and its forces from there on, N/m."""
     own = bodies[load.body]
@@ -83,14 +95,14 @@ def _placed(
 
 
 @_placed.register(RigidFooting)
+@_placed.register(Twist)
 def _on_footing(
-    load: RigidFooting,
+    load: Footing,
     bodies: Mapping[str, Loaded],
     standing: Mapping[str, UnderFooting],
-    speeds: Mapping[RigidFooting, int],
+    speeds: Mapping[Footing, int],
 ) -> tuple[int, Floats]:
-    force = load.pressure * standing[load.body].area(load)
-    return speeds[_unloaded(load)], np.array([force])
+    return speeds[load.unloaded], np.array([load.driven_by(standing[load.body].area(load))])
 
 
 class NoPowerError(InputError):
@@ -112,7 +124,3 @@ def require_power(free: Floats, size: float) -> None:
             "they do no power (F0 = 0): they cancel, or act where supports hold the body",
             "load a boundary that can move, or release the support",
         )
-
-
-def _unloaded(footing: RigidFooting) -> RigidFooting:
-    return replace(footing, pressure=1.0)

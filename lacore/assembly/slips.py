@@ -21,7 +21,7 @@ from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.slip import Slip
 from lacore.conditions.elimination import NodeConditions, contradictory, join
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.footings import Footing
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.problem.matching import glued
 from lacore.problem.problem import Problem
@@ -34,7 +34,7 @@ _PARALLEL = 1e-12  # squared sine between directions that count as one, as in `e
 def slips(
     problem: Problem,
     bodies: Mapping[str, BodyDofs],
-    footings: Sequence[RigidFooting],
+    footings: Sequence[Footing],
     first: int,
 ) -> dict[str, Slip]:
     """Where the bodies of a problem slip, by name; those that slip nowhere are left out.
@@ -70,7 +70,7 @@ def slips(
     part = _parts(np.concatenate(ends, axis=1), owner)
     slipping = np.isin(part, part[np.concatenate([own.must for own in able])])
     masks = np.split(slipping, np.cumsum([own.facets.size for own in able])[:-1])
-    motion = np.array([*(footing.direction for footing in footings), (0.0, 0.0)])
+    motion = np.array([*(footing.motion(np.zeros(2)) for footing in footings), (0.0, 0.0)])
     return {
         own.name: own.slip(mask, first, motion)
         for own, mask in zip(able, masks, strict=True)
@@ -79,7 +79,7 @@ def slips(
 
 
 def asked_of(
-    problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[RigidFooting]
+    problem: Problem, name: str, dofs: BodyDofs, footings: Sequence[Footing]
 ) -> tuple[NodeConditions, Ints]:
     """Conditions on facets, numbered in place of nodes, and whose: of a footing, -1 of supports."""
     parts = []
@@ -142,7 +142,7 @@ def _able(
     dofs: BodyDofs,
     asked: NodeConditions,
     asking: Ints,
-    footings: Sequence[RigidFooting],
+    footings: Sequence[Footing],
     contact: Ints,
 ) -> _Able:
     mesh = dofs.body.mesh

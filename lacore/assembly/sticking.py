@@ -15,7 +15,7 @@ import numpy as np
 
 from lacore.assembly.slips import asked_of, contact_facets, meetings
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.footings import Footing
 from lacore.contact.interfaces import Interface
 from lacore.materials.friction import STICK, Tresca
 from lacore.problem.problem import Problem
@@ -23,7 +23,7 @@ from lacore.status import Status
 
 
 def yielding(
-    problem: Problem, bodies: Mapping[str, BodyDofs], footings: Sequence[RigidFooting]
+    problem: Problem, bodies: Mapping[str, BodyDofs], footings: Sequence[Footing]
 ) -> tuple[Interface, ...]:
     """The interfaces of a problem, those that stick against what moves otherwise as Tresca's.
 

@@ -11,7 +11,7 @@ from math import fsum
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.assembly.loading import footings_of
+from lacore.assembly.loading import count_speeds, numbered_speeds
 from lacore.bodies.any_body import Dofs, RigidParts, numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
@@ -21,7 +21,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.bodies.frames.frame import Frame
-from lacore.conditions.loads import RigidFooting
+from lacore.conditions.footings import Footing
 from lacore.problem.problem import Problem
 
 
@@ -31,7 +31,7 @@ class Unknowns:
 
     Attributes:
         continua, assemblies, frames, solids: those of bodies, by name; solids are blocks in space.
-        footings: the unknown of each, its speed along its direction.
+        footings: the first unknown of each, the speed that its load drives.
         n: how many there are.
     """
 
@@ -39,29 +39,34 @@ class Unknowns:
     assemblies: Mapping[str, RigidDofs]
     frames: Mapping[str, FrameDofs]
     solids: Mapping[str, RigidDofs3D]
-    footings: Mapping[RigidFooting, int]
+    footings: Mapping[Footing, int]
     n: int
 
     @classmethod
     def of(cls, problem: Problem) -> "Unknowns":
         """Number all, one after the other."""
-        footings = footings_of(problem)
         continua = numbered(of_kind(problem.bodies, Body), BodyDofs.at)
         first = sum(own.count for own in continua.values())
-        n = first + len(footings)
+        footings = numbered_speeds(problem, first)
+        n = first + count_speeds(footings)
         assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, n)
         n += sum(own.count for own in assemblies.values())
         frames = numbered(of_kind(problem.bodies, Frame), FrameDofs, n)
         n += sum(own.count for own in frames.values())
         solids = numbered(of_kind(problem.bodies, BlockAssembly3D), RigidDofs3D, n)
         n += sum(own.count for own in solids.values())
-        numbers = {footing: first + place for place, footing in enumerate(footings)}
-        return cls(continua, assemblies, frames, solids, numbers, n)
+        return cls(continua, assemblies, frames, solids, footings, n)
 
     @property
     def dimension(self) -> int:
         """2 of the plane, 3 in space."""
         return max(own.body.dimension for own in self.dofs.values())
+
+    @property
+    def speeds(self) -> Ints:
+        """Unknowns of footings, all of them, shape (f,)."""
+        own = [place + np.arange(one.speeds) for one, place in self.footings.items()]
+        return np.concatenate([np.zeros(0, dtype=np.int64), *own])
 
     @cached_property
     def rigid(self) -> dict[str, RigidParts]:
@@ -93,7 +98,7 @@ class Unknowns:
             parts[own.offset : own.offset + own.count] = count + pieces
             count += int(pieces.max(initial=-1)) + 1
         for footing, place in self.footings.items():
-            parts[place] = first[footing.body]
+            parts[place : place + footing.speeds] = first[footing.body]
         return parts
 
     def load_size(self, load: Floats) -> float:

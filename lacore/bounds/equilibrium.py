@@ -24,7 +24,8 @@ from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.regions.varying import Varying
 from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.bounds.static_loads import multiplied
-from lacore.conditions.loads import Load, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Load
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
 
@@ -156,7 +157,7 @@ class EquilibriumDofs(Compact):
         """Forces of a load on the multipliers, shape (count,), N/m."""
         return multiplied(load, self)
 
-    def area(self, footing: RigidFooting) -> float:
+    def area(self, footing: Footing) -> float:
         """Length of what a footing touches, m: m^2 per unit thickness; in space area, m^2."""
         return float(self.lengths(facets_of(footing, self.body)).sum())
 

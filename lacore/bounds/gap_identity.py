@@ -9,7 +9,6 @@ import numpy as np
 from lacore import views
 from lacore.arrays import Floats, Ints
 from lacore.assembly.discretisation import Discretisation
-from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -156,9 +155,8 @@ def _restricted(
 ) -> tuple[Ints, Floats]:
     dofs = discretisation.bodies[name]
     if dofs.body.dimension == 3:
-        problem = discretisation.problem
-        moving = dict(zip(footings_of(problem), discretisation.footings.tolist(), strict=True))
-        return solid_restriction(name, dofs, multipliers, velocity, problem, moving)
+        speeds = velocity[discretisation.footings]
+        return solid_restriction(name, dofs, multipliers, velocity, discretisation.problem, speeds)
     return restriction(dofs, multipliers, velocity, discretisation.slips.get(name))
 
 

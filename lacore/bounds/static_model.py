@@ -10,7 +10,7 @@ from skfem.mesh import MeshTet1, MeshTri1
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.assembly.bonds import rigid_basis, supports_of
-from lacore.assembly.loading import footings_of, load_vector, require_power
+from lacore.assembly.loading import count_speeds, load_vector, numbered_speeds, require_power
 from lacore.assembly.natural import strengths_of
 from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
@@ -32,7 +32,8 @@ from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
 from lacore.bounds.static_corners import check_corners
 from lacore.conditions.elimination import free_basis, join
-from lacore.conditions.loads import Fix, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
@@ -127,9 +128,10 @@ def static_model(problem: Problem) -> StaticModel:
     bodies = numbered(_continua(problem), EquilibriumDofs.at)
     _check_statable(problem)
     first = sum(dofs.count for dofs in bodies.values())
-    footings = {footing: first + place for place, footing in enumerate(footings_of(problem))}
-    assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, first + len(footings))
-    n = first + len(footings) + sum(own.count for own in assemblies.values())
+    footings = numbered_speeds(problem, first)
+    after = first + count_speeds(footings)
+    assemblies = numbered(of_kind(problem.bodies, BlockAssembly), RigidDofs, after)
+    n = after + sum(own.count for own in assemblies.values())
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
     plane = {} if solid else bodies  # in space body forces are uniform in each element
     bulging = Bulging.of(problem, plane)
@@ -183,7 +185,7 @@ def static_model(problem: Problem) -> StaticModel:
 def _in_plane(
     problem: Problem,
     bodies: Mapping[str, EquilibriumDofs],
-    footings: Mapping[RigidFooting, int],
+    footings: Mapping[Footing, int],
     assemblies: Mapping[str, RigidDofs],
     n: int,
 ) -> tuple[StaticBonds, Sparse]:
@@ -301,7 +303,7 @@ def _check_statable(problem: Problem) -> None:
             )
 
 
-def _ends(dofs: EquilibriumDofs, part: Fix | RigidFooting) -> tuple[Ints, Floats]:
+def _ends(dofs: EquilibriumDofs, part: Fix | Footing) -> tuple[Ints, Floats]:
     """Nodes at the ends of facets and the outward normal there: (2 k,), (2 k, 2)."""
     facets = facets_of(part, dofs.body)
     _, _, outward = facet_geometry(dofs.body, facets)

@@ -6,25 +6,22 @@ Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all 
 are those of the whole circumference, in N.
 """
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from math import hypot
 from typing import ClassVar
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.conditions.body_forces import BodyForce, acting
+from lacore.conditions.footings import RigidFooting, Twist, check_size, check_vector
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.conditions.where import Where, where_name
 from lacore.errors import (
     InputError,
-    is_number,
     is_vector,
     require_known,
     require_place,
-    require_range,
 )
 from lacore.showing import Compact, short
 
@@ -34,19 +31,6 @@ COMPONENTS = {
 }
 """What a support may hold, by the dimension of its body."""
 _NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3])))
-
-
-def _check_vector(field: str, vector: Sequence[float], unit: str) -> None:
-    if not is_vector(vector):
-        mend = f"give two finite numbers in {unit}, in space three"
-        raise InputError(field, vector, "not a vector", mend)
-    require_range(field, vector)
-
-
-def _check_size(field: str, value: float, unit: str) -> None:
-    if not is_number(value):
-        raise InputError(field, value, "not a number", f"give a finite value in {unit}")
-    require_range(field, value)
 
 
 @dataclass(frozen=True, repr=False)
@@ -104,7 +88,7 @@ class Traction(Compact):
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        _check_vector("Traction.vector", self.vector, "Pa")
+        check_vector("Traction.vector", self.vector, "Pa")
 
     @property
     def boundary(self) -> Where:
@@ -132,7 +116,7 @@ class Pressure(Compact):
     point: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        _check_size("Pressure.value", self.value, "Pa")
+        check_size("Pressure.value", self.value, "Pa")
 
     @property
     def boundary(self) -> Where:
@@ -168,7 +152,7 @@ class PointForce(Compact):
     boundary: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        _check_vector("PointForce.vector", self.vector, "N/m")
+        check_vector("PointForce.vector", self.vector, "N/m")
         if not (isinstance(self.at, str) or is_vector(self.at)):
             mend = "give (x, y), in space (x, y, z), or a name"
             raise InputError("PointForce.at", self.at, "not a point", mend)
@@ -188,81 +172,17 @@ class PointForce(Compact):
         return f"{short(self.vector)} {per} at {short(self.at)}{unit} of {self.body}"
 
 
-@dataclass(frozen=True, repr=False)
-class RigidFooting(Compact):
-    """A rigid footing that moves along `direction` without rotating, and loads what it touches.
-
-    The load is a force of mean pressure `pressure` [Pa] along `direction`, so that the load factor
-    is the mean footing pressure in units of `pressure`.
-
-    Attributes:
-        body, where: the part of the boundary under the footing; its ends fall on vertices.
-        direction: of motion and force; normalised.
-        pressure: mean pressure, force over the area of `where` (of the whole ring or disc, where
-            the body is axisymmetric; then it moves along z).
-        rough: the body sticks to the footing; else it slides along it without friction. Either
-            way it does not lift off.
-    """
-
-    body: str
-    where: Where
-    direction: tuple[float, ...]
-    pressure: float = 1.0
-    rough: bool = True
-    point: ClassVar[None] = None
-
-    def __post_init__(self) -> None:
-        _check_vector("RigidFooting.direction", self.direction, "any unit")
-        _check_size("RigidFooting.pressure", self.pressure, "Pa")
-        for name, given in (("direction", self.direction), ("pressure", self.pressure)):
-            if not np.any(given):
-                raise InputError(
-                    f"RigidFooting.{name}",
-                    given,
-                    "is zero: a footing is driven by its load, and held by a Fix",
-                    f"give a {name} != 0",
-                )
-        # Footings are told apart by value, so a direction given as a list has to be hashable.
-        length = hypot(*self.direction)
-        object.__setattr__(self, "direction", tuple(float(c / length) for c in self.direction))
-
-    @property
-    def boundary(self) -> Where:
-        """The part of the boundary under it."""
-        return self.where
-
-    def motion(self, places: Floats) -> Floats:
-        """Velocity per its speed at places of shape (d, ...), of that shape."""
-        direction = np.reshape(self.direction, (-1, *(1,) * (places.ndim - 1)))
-        return np.broadcast_to(direction, places.shape)
-
-    def held(self, outward: Floats) -> tuple[Floats, ...]:
-        """Directions in which it holds faces in space of outward normals (e, 3), (e, 3) each."""
-        if not self.rough:
-            return (outward,)
-        return tuple(np.broadcast_to(axis, outward.shape) for axis in np.eye(3))
-
-    @property
-    def name(self) -> str:
-        """For messages: ``soil: footing``."""
-        return f"{self.body}: {where_name(self.where)}"
-
-    @property
-    def told(self) -> str:
-        """In a few words."""
-        return (
-            f"footing on {self.body}.{where_name(self.where)} along {short(self.direction)},"
-            f" {short(self.pressure)} Pa"
-        )
-
-
-Load = Traction | Pressure | BodyForce | PointForce | RigidFooting | PorePressure | StandingWater
+Load = (
+    Traction
+    | Pressure
+    | BodyForce
+    | PointForce
+    | RigidFooting
+    | Twist
+    | PorePressure
+    | StandingWater
+)
 """Each says its `boundary`, None where it acts on none, and its `point`, None where on none."""
-
-
-def footings(loads: Iterable[Load]) -> tuple[RigidFooting, ...]:
-    """The rigid footings among loads, which hold what they load."""
-    return tuple(load for load in loads if isinstance(load, RigidFooting))
 
 
 @singledispatch

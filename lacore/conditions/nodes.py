@@ -4,7 +4,8 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.conditions.elimination import NodeConditions, held, join
-from lacore.conditions.loads import Fix, RigidFooting
+from lacore.conditions.footings import Footing, RigidFooting
+from lacore.conditions.loads import Fix
 
 
 def support_conditions(support: Fix, nodes: Ints, outward: Floats) -> NodeConditions:
@@ -27,9 +28,10 @@ def support_conditions(support: Fix, nodes: Ints, outward: Floats) -> NodeCondit
 
 
 def footing_conditions(
-    footing: RigidFooting, nodes: Ints, outward: Floats, number: int
+    footing: Footing, nodes: Ints, outward: Floats, number: int
 ) -> NodeConditions:
     """Conditions of the footing with a number; nodes and normals as in `support_conditions`."""
+    assert isinstance(footing, RigidFooting)  # plates are of space
     motion = np.array(footing.direction)
     across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
     carried = np.broadcast_to(motion, outward.shape) if footing.rough else outward

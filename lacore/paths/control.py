@@ -11,7 +11,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
-from lacore.conditions.loads import footings
+from lacore.conditions.footings import footings
 from lacore.errors import InputError, is_plane_vector, require_range
 from lacore.problem.problem import Problem
 from lacore.showing import Compact

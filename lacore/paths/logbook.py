@@ -9,7 +9,7 @@ import pandas as pd
 
 from lacore.bodies.any_body import numbered
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.conditions.loads import footings
+from lacore.conditions.footings import footings
 from lacore.limit.state import LimitState
 from lacore.paths import drift
 from lacore.paths.approach import gaps

@@ -18,7 +18,7 @@ from skfem import Mesh
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
-from lacore.conditions.loads import footings
+from lacore.conditions.footings import footings
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
 from lacore.paths.path import Path, Snapshot

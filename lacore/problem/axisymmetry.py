@@ -8,7 +8,8 @@ import numpy as np
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body, on_axis
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.conditions.loads import Fix, Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.footings import RigidFooting
+from lacore.conditions.loads import Fix, Load, PointForce, Pressure, Traction
 from lacore.conditions.water import StandingWater
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface

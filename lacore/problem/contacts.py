@@ -6,7 +6,7 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.touching import Touched
-from lacore.conditions.loads import footings
+from lacore.conditions.footings import footings
 from lacore.errors import InputError
 
 if TYPE_CHECKING:

@@ -5,14 +5,8 @@ from functools import singledispatch
 from typing import Protocol
 
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import (
-    COMPONENTS,
-    Fix,
-    Load,
-    PointForce,
-    RigidFooting,
-    Traction,
-)
+from lacore.conditions.footings import RigidFooting, Twist
+from lacore.conditions.loads import COMPONENTS, Fix, Load, PointForce, Traction
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
 
@@ -97,12 +91,6 @@ def check_interface_dimension(interface: Interface, field: str, dimension: int) 
         _require(f"{field}.master.point", obstacle.point, dimension)
 
 
-def require_plane(dimension: int, field: str, mend: str) -> None:
-    """Raise `InputError` for what is made of problems of the plane only."""
-    if dimension == 3:
-        raise InputError(field, None, "not made in space yet", mend)
-
-
 def _require(field: str, given: Sequence[object], dimension: int) -> None:
     if len(given) != dimension:
         why = f"{len(given)} numbers, where the body is one of {SPACES[dimension]}"
@@ -130,3 +118,8 @@ def _force(load: PointForce) -> Mapping[str, Sequence[object]]:
 @_vectors.register(RigidFooting)
 def _footing(load: RigidFooting) -> Mapping[str, Sequence[object]]:
     return {"direction": load.direction}
+
+
+@_vectors.register(Twist)
+def _twist(load: Twist) -> Mapping[str, Sequence[object]]:
+    return {"axis": load.axis}

@@ -16,13 +16,8 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import (
-    Load,
-    PointForce,
-    Pressure,
-    RigidFooting,
-    Traction,
-)
+from lacore.conditions.footings import RigidFooting, Twist
+from lacore.conditions.loads import Load, PointForce, Pressure, Traction
 from lacore.errors import is_number
 from lacore.materials.fields import Field
 from lacore.problem.problem import Problem
@@ -227,6 +222,11 @@ def _pressure(load: RigidFooting) -> float:
     return abs(load.pressure)
 
 
+@size_of.register(Twist)
+def _torque(load: Twist) -> float:
+    return abs(load.torque)
+
+
 @singledispatch
 def unit_of(load: Load, bodies: Mapping[str, AnyBody]) -> str:
     """The unit of the size of a load: of a pressure, if it is no other one."""
@@ -242,6 +242,11 @@ def _along_members(load: Traction, bodies: Mapping[str, AnyBody]) -> str:
 def _of_force(load: PointForce, bodies: Mapping[str, AnyBody]) -> str:
     own = bodies[load.body]
     return "N" if own.axisymmetric or own.dimension == 3 else "N/m"
+
+
+@unit_of.register(Twist)
+def _of_torque(load: Twist, bodies: Mapping[str, AnyBody]) -> str:
+    return "N m"
 
 
 @unit_of.register(BodyForce)
@@ -269,6 +274,11 @@ def _heavier(load: BodyForce, factor: float) -> Load:
 @times.register(Pressure)
 def _pressed(load: Pressure, factor: float) -> Load:
     return replace(load, value=factor * load.value)
+
+
+@times.register(Twist)
+def _turned(load: Twist, factor: float) -> Load:
+    return replace(load, torque=factor * load.torque)
 
 
 @times.register(RigidFooting)

@@ -110,6 +110,8 @@ def values():
         *(la.PorePressure(LONG, np.full(1000, 1 / 3)), la.PorePressure(LONG, lambda x: x[0])),
         Interpolated(la.meshes.rectangle((0, 1), (0, 1), 1, 1), np.full(5, 1 / 3)),
         *(la.RigidFooting(LONG, lambda x: x[0] > 0, (0, -1), wide), plane, la.RigidObstacle()),
+        la.RigidFooting(LONG, MANY, (0, 0, wide), wide, turning="xy", through=(wide, 1 / 3, 0)),
+        la.Twist(LONG, MANY, (1 / 3, wide, 0), (wide, 0, 0), wide),
         *(
             la.Interface((LONG, MANY), (LONG[1:], MANY), la.Tresca(wide)),
             la.SMOOTH,

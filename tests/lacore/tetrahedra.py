@@ -1,7 +1,5 @@
 """Small problems of tetrahedra, and checks of their bounds from mesh and fields alone."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 import lacore as la
@@ -222,26 +220,11 @@ def upper_residuals(flow, footing, smooth, held, speed, parts=400):
     }, power
 
 
-@dataclass(frozen=True, repr=False)
-class Twist(la.RigidFooting):
-    """A plate that turns about its normal through the origin, and leaves it free to warp."""
-
-    def motion(self, places):
-        axis = np.reshape(self.direction, (3, *(1,) * (places.ndim - 1)))
-        return np.cross(np.broadcast_to(axis, places.shape), places, axis=0)
-
-    def held(self, outward):
-        along = np.eye(3)[np.argmin(np.abs(outward), axis=1)]
-        along = np.cross(outward, along)
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
-        return along, np.cross(outward, along)
-
-
 def torsion(space, n, crossed=False):
     """A bar of 2 by 2 by 1, one end held along its section: torque k a^3/3 = 8/3, a = 2."""
     mesh = la.meshes.box((-1, 1), (-1, 1), (0, 1), 2 * n, 2 * n, n, crossed)
     return la.Problem(
         bodies={"bar": la.Body(mesh, CRITERION, kinematics="3d", space=space)},
-        reference_loads=[Twist("bar", "top", (0, 0, 1), 1 / 4)],  # times the area 1: a torque
+        reference_loads=[la.Twist("bar", "top", (0, 0, 1))],
         supports=[la.Fix("bar", "bottom", axis) for axis in ("x", "y")],
     )

@@ -9,7 +9,8 @@ import shapely
 
 from lacore.arrays import Floats, Ints
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.footings import Footing, RigidFooting, Twist
+from lacore.conditions.loads import Load, PointForce, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError, suggest
 
@@ -67,11 +68,12 @@ def _boundary(load: Traction | Pressure, body: "BlockAssembly") -> Carried:
 
 
 @carried.register(RigidFooting)
-def _footing(load: RigidFooting, body: "BlockAssembly") -> Carried:
+@carried.register(Twist)
+def _footing(load: Footing, body: "BlockAssembly") -> Carried:
     raise refuse_footing(load)
 
 
-def refuse_footing(load: RigidFooting) -> InputError:
+def refuse_footing(load: Footing) -> InputError:
     """What is wrong with a footing on blocks."""
     return InputError(
         "RigidFooting.body", load.body, "its blocks are rigid already", "load the blocks"

@@ -10,7 +10,8 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.loaded import loaded_block, named, refuse_footing, refuse_water
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import Load, PointForce, Pressure, RigidFooting, Traction
+from lacore.conditions.footings import Footing, RigidFooting, Twist
+from lacore.conditions.loads import Load, PointForce, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
 
@@ -46,7 +47,8 @@ def _boundary(load: Traction | Pressure, body: "BlockAssembly3D") -> Carried:
 
 
 @carried.register(RigidFooting)
-def _footing(load: RigidFooting, body: "BlockAssembly3D") -> Carried:
+@carried.register(Twist)
+def _footing(load: Footing, body: "BlockAssembly3D") -> Carried:
     raise refuse_footing(load)
 
 

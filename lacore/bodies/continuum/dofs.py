@@ -12,7 +12,8 @@ from lacore.bodies.continuum.loaded import area, facets_of, force
 from lacore.bodies.continuum.plasticity import plasticity
 from lacore.bodies.continuum.solid.faces import face_nodes
 from lacore.bodies.continuum.spaces import VelocitySpace, spaces_of
-from lacore.conditions.loads import Load, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Load
 from lacore.meshes.curved import EdgeCurves, edge_curves, is_curved
 from lacore.program import DissipationGroup
 from lacore.showing import Compact
@@ -91,7 +92,7 @@ class BodyDofs(Compact):
         """Nodal forces of a load, shape (count,), N/m."""
         return force(load, self)
 
-    def area(self, footing: RigidFooting) -> float:
+    def area(self, footing: Footing) -> float:
         """Of what a footing touches, m^2; m per unit thickness."""
         return area(self, facets_of(footing, self.body))
 

@@ -8,7 +8,8 @@ from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.slip import Slip
 from lacore.conditions.elimination import NodeConditions
-from lacore.conditions.loads import Fix, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.errors import InputError
 
@@ -52,9 +53,7 @@ def _require_straight(support: Fix, dofs: BodyDofs, facets: Ints) -> None:
         )
 
 
-def footing_of(
-    footing: RigidFooting, dofs: BodyDofs, slip: Slip | None, number: int
-) -> NodeConditions:
+def footing_of(footing: Footing, dofs: BodyDofs, slip: Slip | None, number: int) -> NodeConditions:
     """What the footing with a number asks of the nodes of a body, where that does not slip."""
     facets = facets_of(footing, dofs.body)
     if slip is not None:

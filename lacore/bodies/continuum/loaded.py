@@ -15,14 +15,8 @@ from lacore.bodies.continuum.body_forces import elements_of, force_field
 from lacore.bodies.continuum.boundaries import boundary_facets, vertex_at
 from lacore.bodies.continuum.water import in_pores, on_facets
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import (
-    Fix,
-    Load,
-    PointForce,
-    Pressure,
-    RigidFooting,
-    Traction,
-)
+from lacore.conditions.footings import Footing, RigidFooting, Twist
+from lacore.conditions.loads import Fix, Load, PointForce, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
 from lacore.meshes.curved import is_curved
@@ -45,7 +39,8 @@ def check_load(load: Load, body: "Body", field: str) -> None:
 @check_load.register(Traction)
 @check_load.register(Pressure)
 @check_load.register(RigidFooting)
-def _check_boundary(load: Traction | Pressure | RigidFooting, body: "Body", field: str) -> None:
+@check_load.register(Twist)
+def _check_boundary(load: Traction | Pressure | Footing, body: "Body", field: str) -> None:
     boundary_facets(body, load.where, f"{field}.where")
 
 
@@ -167,7 +162,7 @@ def _places(basis: Basis, centre: Floats) -> Floats:
     return np.asarray(basis.global_coordinates()) + centre[:, None, None]
 
 
-Part = Traction | Pressure | RigidFooting | StandingWater | Fix
+Part = Traction | Pressure | Footing | StandingWater | Fix
 
 
 def facets_of(part: Part, body: "Body") -> Ints:

@@ -1,15 +1,13 @@
 """Velocities in space as multipliers of equilibrium elements that do the same power (T26, T91)."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from lacore.arrays import Floats, Ints
+from lacore.assembly.loading import footings_of
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.solid.faces import face_nodes
 from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
 from lacore.bounds.equilibrium import EquilibriumDofs
-from lacore.conditions.loads import RigidFooting
 from lacore.problem.problem import Problem
 
 # 3/A int N_a u dA at the corners of a face, from the nodes there: corners, then `SIDES`.
@@ -31,11 +29,16 @@ def solid_restriction(
     multipliers: EquilibriumDofs,
     velocity: Floats,
     problem: Problem,
-    speeds: dict[RigidFooting, int],
+    speeds: Floats,
 ) -> tuple[Ints, Floats]:
     """As `lacore.bounds.gap_identity.restriction`: nodes, shape (k,), and velocities, (3, k).
 
     Where velocities jump past what holds a face, that of what holds it.
+
+    Args:
+        name, dofs, multipliers, velocity: of a body.
+        problem: that it is one of.
+        speeds: of all footings, shape (s,).
     """
     mesh = dofs.body.mesh
     u = velocity[dofs.dofs]
@@ -46,12 +49,11 @@ def solid_restriction(
     other = _at_corners(dofs, u, weights, inner, 1)
     total[:, :, inner] = (total[:, :, inner] + other) / 2
     if dofs.space.jumps:
-        footings: Sequence[RigidFooting] = tuple(speeds)
+        footings = footings_of(problem)
         held = held_faces(
             dofs, face_conditions(dofs.body, problem.supports, footings, name), footings
         )
-        speed = np.array([*(velocity[number] for number in speeds.values()), 0.0])[held.footing]
-        moving = np.einsum("xfn,an->xaf", held.motion, weights) * speed
+        moving = np.einsum("sxfn,s,an->xaf", held.motion, speeds, weights)
         away = moving - total[:, :, held.facets]
         for axis in held.along:
             along = np.sum(axis[:, None] * away, axis=0)

@@ -5,19 +5,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
 
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.arrays import Ints, Sparse
 from lacore.bodies.continuum.solid.faces import face_corners
 from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
-from lacore.bodies.continuum.solid.holding import face_conditions
+from lacore.bodies.continuum.solid.holding import face_conditions, moved_along, speed_names
 from lacore.bounds.equilibrium import EquilibriumDofs
-from lacore.conditions.elimination import NodeConditions
-from lacore.conditions.loads import Fix, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
 
 
 def static_free_basis(
     bodies: Mapping[str, EquilibriumDofs],
     supports: Sequence[Fix],
-    footings: Sequence[RigidFooting],
+    footings: Sequence[Footing],
 ) -> Sparse:
     """All multipliers and speeds of footings from the free ones, shape (n, free), speeds last.
 
@@ -28,32 +28,23 @@ def static_free_basis(
         InputError: a footing that its supports, or another footing, keep from moving.
     """
     free, driven = [], []
-    names = [footing.name for footing in footings]
+    names = speed_names(footings)
     for name, dofs in bodies.items():
         asked = face_conditions(dofs.body, supports, footings, name)
         nodes = dofs.facet_nodes(asked.nodes) - dofs.first_node
-        factors = np.zeros((3, asked.nodes.size))
-        for number, footing in enumerate(footings):
-            mine = asked.footing == number
-            moved = _followed(footing, face_corners(dofs.body.mesh, asked.nodes[mine]))
-            factors[:, mine] = np.sum(asked.directions[mine].T[:, None] * moved, axis=0)
-        spread = NodeConditions(
-            nodes.ravel(),
-            np.tile(asked.directions, (3, 1)),
-            np.tile(asked.footing, 3),
-            factors.ravel(),
-        )
+        corner = face_corners(dofs.body.mesh, asked.nodes)
+        # Of what is linear over a face the same weights give the motion at each of its corners.
+        own = [
+            moved_along(asked.directions, asked.footing, corner[:, end], footings)
+            for end in range(3)
+        ]
+        wanted = np.concatenate([(one + sum(own)) / 4 for one in own])
+        directions = np.tile(asked.directions, (3, 1))
         node_dofs: Ints = np.arange(dofs.count).reshape(-1, 3).T
-        parts = flowing_between_nodes(spread, node_dofs, names)
+        parts = flowing_between_nodes(nodes.ravel(), directions, wanted, node_dofs, names)
         free.append(parts[0])
         driven.append(parts[1])
     first = hstack([block_diag(free, format="csr"), vstack(driven)], format="csr")
-    count = len(footings)
+    count = len(names)
     speeds = hstack([csr_matrix((count, first.shape[1] - count)), eye_array(count, format="csr")])
     return csr_matrix(vstack([first, speeds], format="csr"))
-
-
-def _followed(footing: RigidFooting, corner: Floats) -> Floats:
-    """Multipliers at the corners of faces that a footing moves, per its speed, (3, 3, faces)."""
-    motion = footing.motion(corner)
-    return np.asarray((motion + motion.sum(axis=1, keepdims=True)) / 4)

@@ -9,7 +9,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames import sections
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
-from lacore.conditions import loads, water
+from lacore.conditions import footings, loads, water
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.within import Along, Beyond, Within
@@ -81,7 +81,7 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.Pressure": loads.Pressure,
     "la.BodyForce": BodyForce,
     "la.PointForce": loads.PointForce,
-    "la.RigidFooting": loads.RigidFooting,
+    "la.RigidFooting": footings.RigidFooting,
     "la.PorePressure": water.PorePressure,
     "la.StandingWater": water.StandingWater,
     "la.WaterTable": water.WaterTable,

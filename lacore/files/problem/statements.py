@@ -9,7 +9,7 @@ from typing import Any
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.section import Section
-from lacore.conditions import loads, water
+from lacore.conditions import footings, loads, water
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.linear import ByLevel, Linear
 from lacore.conditions.where import Where
@@ -33,7 +33,7 @@ _TAGS: Mapping[type, tuple[str, str]] = {
     loads.Traction: ("load", "traction"),
     loads.Pressure: ("load", "pressure"),
     loads.PointForce: ("load", "point-force"),
-    loads.RigidFooting: ("load", "rigid-footing"),
+    footings.RigidFooting: ("load", "rigid-footing"),
 }
 _LAWS: Mapping[type, str] = {
     hardening.Perfect: "perfect",

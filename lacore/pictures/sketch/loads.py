@@ -21,14 +21,8 @@ from lacore.bodies.frames.frame import Frame
 from lacore.bodies.frames.loaded import line_load
 from lacore.bodies.touching import Edges
 from lacore.conditions.body_forces import BodyForce
-from lacore.conditions.loads import (
-    Load,
-    PointForce,
-    Pressure,
-    RigidFooting,
-    Traction,
-    acts,
-)
+from lacore.conditions.footings import RigidFooting
+from lacore.conditions.loads import Load, PointForce, Pressure, Traction, acts
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis

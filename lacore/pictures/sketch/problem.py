@@ -19,8 +19,8 @@ from lacore.pictures.sketch.conditions import (
 )
 from lacore.pictures.sketch.loads import draw_load
 from lacore.pictures.sketch.sheet import Sheet
+from lacore.pictures.space.acting import sketch_of_faces
 from lacore.pictures.space.problem import sketch_in_space
-from lacore.problem.dimensions import require_plane
 from lacore.problem.problem import Problem
 
 _POINTS = 72.0  # an inch
@@ -44,9 +44,8 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     """
     units = units or Units(fitting(problem.sizes))
     if problem.dimension == 3:
-        for own in of_kind(problem.bodies, Body).values():
-            require_plane(own.dimension, "Problem.plot", "print it, which says what it is")
-        return sketch_in_space(problem, units)
+        drawn = sketch_of_faces if of_kind(problem.bodies, Body) else sketch_in_space
+        return drawn(problem, units)
     corners = np.array([body.box for body in problem.bodies.values()])
     extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     extent = np.maximum(extent, _FLAT * np.linalg.norm(extent))

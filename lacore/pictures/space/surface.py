@@ -20,7 +20,7 @@ from lacore.pictures.space.drawing import explain, eye, page, space
 
 _STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
 _WIDE = 7.4  # inches, with the scale of colours
-_PLAIN = "#ece2cd"
+PLAIN = "#ece2cd"
 _FEW = 10  # boundaries that have a colour
 _SHADOW = 0.72  # of the colour that is left on sides that the light does not meet
 _LIGHT = np.array([-0.35, -0.6, 0.72]) / np.linalg.norm([-0.35, -0.6, 0.72])
@@ -31,7 +31,7 @@ def surface_by_name(body: Body) -> Figure:
     """The faces of a body that one sees, coloured by the names of its boundaries."""
     mesh = body.mesh
     facets = mesh.boundary_facets().astype(np.int64)
-    colours = np.tile(to_rgb(_PLAIN), (facets.size, 1))
+    colours = np.tile(to_rgb(PLAIN), (facets.size, 1))
     handles = []
     for number, (name, own) in enumerate(list((mesh.boundaries or {}).items())[:_FEW]):
         colour = matplotlib.colormaps["tab10"](number)[:3]
@@ -39,7 +39,7 @@ def surface_by_name(body: Body) -> Figure:
         handles.append(Patch(facecolor=colour, label=str(name)))
     figure, (place,) = page(1, "")
     axes = space(figure, place, *body.box, _SI)
-    _fill(axes, body, face_corners(mesh, facets), colours)
+    fill_faces(axes, body, face_corners(mesh, facets), colours)
     explain(axes, handles)
     return figure
 
@@ -104,14 +104,14 @@ def _coloured(
     scale = ScalarMappable(Normalize(0.0, top if top > 0 else 1.0), colours)
     for name, body in bodies.items():
         behind = body.mesh.f2t[0, body.mesh.boundary_facets()]
-        _fill(axes, body, corners[name], scale.to_rgba(values[name][behind])[:, :3])
+        fill_faces(axes, body, corners[name], scale.to_rgba(values[name][behind])[:, :3])
     bar = figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.12, aspect=25)
     bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8)
     return figure
 
 
-def _fill(axes: Axes3D, body: Body, corners: Floats, colours: Floats) -> None:
+def fill_faces(axes: Axes3D, body: Body, corners: Floats, colours: Floats) -> None:
     """Boundary faces with corners (3, 3, k) that look at the eye, shaded, in colours (k, 3)."""
     facets = body.mesh.boundary_facets()
     _, normal = face_geometry(body.mesh, facets)

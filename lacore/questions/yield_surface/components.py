@@ -9,7 +9,8 @@ from scipy.sparse.linalg import lsqr
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.conditions.loads import Load, footings
+from lacore.conditions.footings import footings
+from lacore.conditions.loads import Load
 from lacore.errors import InputError
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram

@@ -212,7 +212,6 @@ def test_kinematics_of_the_plane_stay_three():
 def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend():
     problem = cube("p1-disc")
     for ask in (
-        problem.plot,
         lambda: la.sequential(problem, 0.1),
         lambda: la.Problem(
             dict(problem.bodies),
@@ -230,13 +229,16 @@ def test_pictures_show_the_faces_that_one_sees():
     state = la.solve(problem, "interior_point")
     bound = la.lower_bound(problem, "interior_point")
     body = problem.bodies["block"]
-    for shown in (body, state, bound, la.gap_identity(state, bound)):
+    for shown in (body, problem, state, bound, la.gap_identity(state, bound)):
         figure = shown.plot()
         (faces,) = [own for own in figure.axes[0].collections if own.get_facecolor().size]
         # Three sides of a cube of 2 by 2 faces of two triangles each look at any eye.
         assert len(faces.get_facecolor()) == 3 * 2 * 2 * 2
         assert np.all(np.isfinite(faces.get_facecolor()))
     assert body.plot().axes[0].get_legend() is not None
+    told = [text.get_text() for text in problem.plot().axes[0].get_legend().get_texts()]
+    assert told[-1] == "pressure 1 Pa on block.top"
+    assert len(told) == 4
     assert state.plot().get_suptitle().startswith(f"load factor {state.load_factor:.6g}")
 
 

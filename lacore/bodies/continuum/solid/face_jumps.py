@@ -164,10 +164,13 @@ def _in_faces(corner: Floats) -> Floats:
 
 def _held_rows(held: HeldFaces, past: Ints, speeds: Ints, n: int) -> Sequence[Sparse]:
     """Rows of u_x, u_y, u_z of what holds faces, at their control values, (e copies, n) each."""
-    motion = held.motion[:, past]
-    count = motion[0].size
-    owner = held.footing[past]
-    columns = np.where(owner < 0, 0, speeds[owner] if speeds.size else 0)
-    columns = np.repeat(columns, motion.shape[2])
-    start = np.arange(count + 1)
-    return [csr_matrix((own.ravel(), columns, start), (count, n)) for own in motion]
+    motion = held.motion[:, :, past]  # (s, 3, e, copies)
+    count = past.size * motion.shape[3]
+    columns = np.tile(speeds, count)
+    start = speeds.size * np.arange(count + 1)
+    found = []
+    for own in motion.transpose(1, 2, 3, 0):
+        rows = csr_matrix((own.ravel(), columns, start), (count, n))
+        rows.eliminate_zeros()
+        found.append(rows)
+    return found

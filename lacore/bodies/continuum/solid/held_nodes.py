@@ -6,8 +6,7 @@ As `lacore.conditions.elimination` in the plane; a node keeps the directions tha
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from lacore.arrays import Ints, Sparse
-from lacore.conditions.elimination import NodeConditions
+from lacore.arrays import Floats, Ints, Sparse
 from lacore.errors import InputError
 
 _PARALLEL = 1e-12  # of squared sizes: directions that count as one, far above round-off
@@ -15,25 +14,23 @@ _CONFLICT = 1e-9
 
 
 def flowing_between_nodes(
-    conditions: NodeConditions, node_dofs: Ints, footings: list[str]
+    at: Ints, d: Floats, wanted: Floats, node_dofs: Ints, footings: list[str]
 ) -> tuple[Sparse, Sparse]:
     """Velocities of nodes by their free unknowns, and by the speeds of footings.
 
     Args:
-        conditions: on nodes, directions of shape (c, 3).
+        at: nodes of conditions, shape (c,).
+        d: their directions, shape (c, 3).
+        wanted: velocity along these per speed of the footings, shape (c, s).
         node_dofs: the three unknowns of each node, shape (3, nodes), from 0 on.
-        footings: names, for messages.
+        footings: names, one for each speed, for messages.
 
     Raises:
         InputError: a footing that its supports, or another footing, keep from moving.
     """
     count = node_dofs.shape[1]
-    d, at = conditions.directions, conditions.nodes
     gram = np.zeros((count, 3, 3))
     np.add.at(gram, at, d[:, :, None] * d[:, None, :])
-    wanted = np.zeros((at.size, len(footings)))
-    moving = np.flatnonzero(conditions.footing >= 0)
-    wanted[moving, conditions.footing[moving]] = conditions.factors[moving]
     moved = np.zeros((count, 3, len(footings)))
     np.add.at(moved, at, d[:, :, None] * wanted[:, None, :])
     size, axes = np.linalg.eigh(gram)  # axes[node, :, k] of size[node, k]

@@ -14,7 +14,8 @@ from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
 from lacore.bodies.continuum.solid.normal_flow import flowing, nodes_of_faces
 from lacore.conditions.elimination import NodeConditions
-from lacore.conditions.loads import Fix, RigidFooting
+from lacore.conditions.footings import Footing
+from lacore.conditions.loads import Fix
 from lacore.errors import InputError
 from lacore.showing import Compact
 
@@ -29,8 +30,8 @@ class HeldFaces(Compact):
         facets: of its mesh, shape (e,).
         normal: outward unit normals, shape (3, e).
         footing: number of the footing that holds each, -1 of supports, shape (e,).
-        motion: velocity of what holds, per speed of the footing, at the control values of the
-            faces, shape (3, e, copies); of supports 0.
+        motion: velocity of what holds, per each speed of the footings, at the control values of
+            the faces, shape (s, 3, e, copies); of supports 0.
         pressed: whether it holds the normal velocity, shape (e,).
         along: orthonormal directions in each face that it holds, 0 for none, shape (2, 3, e).
     """
@@ -49,7 +50,7 @@ class HeldFaces(Compact):
 
 
 def face_conditions(
-    body: Body, supports: Sequence[Fix], footings: Sequence[RigidFooting], name: str
+    body: Body, supports: Sequence[Fix], footings: Sequence[Footing], name: str
 ) -> NodeConditions:
     """Conditions of all that holds a body, on its faces in place of nodes, directions (c, 3).
 
@@ -71,9 +72,7 @@ def face_conditions(
     return _joined(parts)
 
 
-def held_faces(
-    dofs: BodyDofs, asked: NodeConditions, footings: Sequence[RigidFooting]
-) -> HeldFaces:
+def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing]) -> HeldFaces:
     """Faces that conditions hold, see `face_conditions`.
 
     Args:
@@ -113,10 +112,10 @@ def held_faces(
     size, axes = np.linalg.eigh(gram - across[:, None, None] * n[:, :, None] * n[:, None, :])
     along = np.where(size[:, None, 1:] > _ALONG, axes[:, :, 1:], 0.0)  # the largest two of three
     places = face_places(dofs, facets)
-    motion = np.zeros_like(places)
-    for number, footing in enumerate(footings):
+    motion = np.zeros((len(_speeds(footings)), *places.shape))
+    for row, (number, footing, speed) in enumerate(_speeds(footings)):
         mine = owner == number
-        motion[:, mine] = footing.motion(places[:, mine])
+        motion[row][:, mine] = footing.motion(places[:, mine], speed)
     return HeldFaces(facets, normal, owner, motion, across > _ALONG, along.transpose(2, 1, 0))
 
 
@@ -131,7 +130,7 @@ def face_places(dofs: BodyDofs, facets: Ints) -> Floats:
 def solid_free_basis(
     bodies: Mapping[str, BodyDofs],
     supports: Sequence[Fix],
-    footings: Sequence[RigidFooting],
+    footings: Sequence[Footing],
 ) -> tuple[Sparse, Bools]:
     """All velocities of bodies and speeds of footings from the free ones, and which nodes are held.
 
@@ -149,38 +148,52 @@ def solid_free_basis(
             own = held_faces(dofs, asked, footings)
             pressed = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
             pressed[own.facets] = own.pressed
-            carried = np.zeros((pressed.size, nodes_of_faces(dofs), len(footings)))
+            carried = np.zeros((pressed.size, nodes_of_faces(dofs), len(own.motion)))
             # Of normals as the mesh has them, out of the first element: of these faces the only.
-            along = np.sum(own.normal[:, :, None] * own.motion, axis=0)
-            for number in range(len(footings)):
-                mine = own.footing == number
-                carried[own.facets[mine], :, number] = along[mine]
+            carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
             parts = flowing(dofs, pressed, carried)
         else:
-            spread = _at_nodes(dofs, asked, nodes, footings)
-            names = [footing.name for footing in footings]
-            parts = flowing_between_nodes(spread, dofs.dofs - dofs.offset, names)
+            at, directions = nodes.ravel(), np.tile(asked.directions, (len(nodes), 1))
+            wanted = moved_along(
+                directions, np.tile(asked.footing, len(nodes)), dofs.nodes[:, at], footings
+            )
+            node_dofs = dofs.dofs - dofs.offset
+            parts = flowing_between_nodes(at, directions, wanted, node_dofs, speed_names(footings))
         free.append(parts[0])
         driven.append(parts[1])
         touched.append(np.isin(np.arange(dofs.nodes.shape[1]), nodes))
     first = vstack([hstack([block_diag(free, format="csr"), vstack(driven)])])
-    count = len(footings)
+    count = len(_speeds(footings))
     speeds = hstack([csr_matrix((count, first.shape[1] - count)), eye_array(count, format="csr")])
     return csr_matrix(vstack([first, speeds], format="csr")), np.concatenate(touched)
 
 
-def _at_nodes(
-    dofs: BodyDofs, asked: NodeConditions, nodes: Ints, footings: Sequence[RigidFooting]
-) -> NodeConditions:
-    """Conditions on faces as such on their nodes, shape (a, c), a node as often as it is asked."""
-    at, copies = nodes.ravel(), len(nodes)
-    directions, owner = np.tile(asked.directions, (copies, 1)), np.tile(asked.footing, copies)
-    factors = np.zeros(at.size)
-    for number, footing in enumerate(footings):
+def moved_along(
+    directions: Floats, owner: Ints, places: Floats, footings: Sequence[Footing]
+) -> Floats:
+    """Velocity along directions (c, 3) at places (3, c) per speed of what holds, shape (c, s)."""
+    own = _speeds(footings)
+    wanted = np.zeros((owner.size, len(own)))
+    for column, (number, footing, speed) in enumerate(own):
         mine = owner == number
-        motion = footing.motion(dofs.nodes[:, at[mine]])
-        factors[mine] = np.sum(directions[mine].T * motion, axis=0)
-    return NodeConditions(at, directions, owner, factors)
+        wanted[mine, column] = np.sum(
+            directions[mine].T * footing.motion(places[:, mine], speed), axis=0
+        )
+    return wanted
+
+
+def speed_names(footings: Sequence[Footing]) -> list[str]:
+    """For messages: that of its footing for each speed."""
+    return [footing.name for _, footing, _ in _speeds(footings)]
+
+
+def _speeds(footings: Sequence[Footing]) -> list[tuple[int, Footing, int]]:
+    """Numbers of footings, these, and numbers of speeds of each: one for each speed of all."""
+    return [
+        (number, footing, speed)
+        for number, footing in enumerate(footings)
+        for speed in range(footing.speeds)
+    ]
 
 
 def _directions(support: Fix, outward: Floats) -> list[Floats]:

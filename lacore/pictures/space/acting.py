@@ -1,0 +1,81 @@
+"""Sketch of a problem of tetrahedra: what holds, touches and loads which faces."""
+
+from collections.abc import Iterator
+
+import matplotlib
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from lacore.arrays import Ints
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import boundary_facets
+from lacore.bodies.continuum.solid.faces import face_corners
+from lacore.conditions.where import Where
+from lacore.numerics.quantities import Units
+from lacore.pictures.space.drawing import explain, page, space
+from lacore.pictures.space.surface import PLAIN, fill_faces
+from lacore.problem.problem import Problem
+from lacore.showing import cut
+
+_HELD = ("#a8a8a8", "#8fa3b0", "#7d8c7a", "#b0a58f", "#6f6f7f", "#c2c2b0")
+_LOADED, _DEAD, _TOUCHED = "Greens", "Purples", "Oranges"
+_LONGEST = 45  # characters of a legend
+
+
+def sketch_of_faces(problem: Problem, units: Units) -> Figure:
+    """Faces of bodies in the colours of what acts on them; the legend says what each is.
+
+    Args:
+        problem: of bodies of tetrahedra.
+        units: that sizes are told in.
+    """
+    bodies = of_kind(problem.bodies, Body)
+    boxes = np.array([body.box for body in bodies.values()])
+    figure, (place,) = page(1, "")
+    axes = space(figure, place, boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), units)
+    handles: list[Artist] = []
+    colours = {}
+    for name, body in bodies.items():
+        facets = body.mesh.boundary_facets().astype(np.int64)
+        colours[name] = np.tile(to_rgb(PLAIN), (facets.size, 1))
+    for told, colour, places in _acting(problem):
+        for name, own in places:
+            facets = bodies[name].mesh.boundary_facets()
+            colours[name][np.isin(facets, own)] = to_rgb(colour)
+        label = cut(units.rewritten(told, framed=True), _LONGEST)
+        handles.append(Patch(facecolor=colour, edgecolor="#555555", label=label))
+    for name, body in bodies.items():
+        fill_faces(axes, body, face_corners(body.mesh, body.mesh.boundary_facets()), colours[name])
+    explain(axes, handles, 2)
+    return figure
+
+
+def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]]]:
+    """What acts: in words, its colour, and on which faces of which bodies."""
+    bodies = of_kind(problem.bodies, Body)
+
+    def faces(name: str, where: Where) -> list[tuple[str, Ints]]:
+        return [(name, boundary_facets(bodies[name], where, "where"))]
+
+    for number, support in enumerate(problem.supports):
+        colour = _HELD[number % len(_HELD)]
+        yield f"held: {support.told}", colour, faces(support.body, support.where)
+    for number, (interface, touching) in enumerate(
+        zip(problem.interfaces, problem.touching, strict=True)
+    ):
+        sides = zip(interface.sides, touching.edges, strict=False)
+        parts = [(name, facets) for (name, _), facets in sides if name in bodies]
+        yield interface.name, _shade(_TOUCHED, number), parts
+    for loads, colours in ((problem.dead_loads, _DEAD), (problem.reference_loads, _LOADED)):
+        for number, load in enumerate(loads):
+            where = load.boundary
+            own = [] if where is None else faces(load.body, where)
+            yield load.told, _shade(colours, number), own
+
+
+def _shade(name: str, number: int) -> str:
+    return matplotlib.colors.to_hex(matplotlib.colormaps[name](0.45 + 0.15 * (number % 4)))
