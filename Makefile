@@ -17,7 +17,7 @@ FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regulari
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
-.PHONY: help compare verify fuzz test test-all test-kernels test-browser lint bench bench-page readme architecture reference clean
+.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site lint bench bench-page readme architecture reference docs results clean
 
 help:
 	@echo "make compare   a first look at every case with every backend, and reports/compare/index.html"
@@ -27,12 +27,15 @@ help:
 	@echo "make test-all  run all tests"
 	@echo "make test-kernels   run the numerically fragile ones under the BLAS kernels of other processors"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
+	@echo "make test-site   build the site without pictures, follow its links, open it in Chromium"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-page   write docs/benchmarks.md from that JSON"
 	@echo "make readme    write the table, the times and the pictures of README and guide afresh"
 	@echo "make architecture   draw the rooms and their imports for docs/architecture.md"
 	@echo "make reference  write the committed report under reports/reference afresh"
+	@echo "make docs      the site: reports/site/html/index.html"
+	@echo "make results   verify, and keep what the manual of the site is built of"
 	@echo "make clean     remove the environment and all generated reports"
 	@sed -n '/<!-- times -->/,/<!-- end times -->/{//!p}' README.md
 
@@ -70,6 +73,10 @@ test-kernels: $(READY)
 test-browser: $(READY)
 	$(BIN)/python -m pytest tests/verification/report/test_page_browser.py --require-browser
 
+test-site: $(READY)
+	$(BIN)/python -m pytest tests/test_site.py -m "slow or not slow" $(PYTEST_ARGS) \
+		"tests/test_guide.py::test_quick_code_runs_as_printed[examples]"
+
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -91,6 +98,12 @@ architecture: $(READY)
 
 reference: $(READY)
 	$(BIN)/python docs/reference_report.py
+
+docs: $(READY)
+	$(BIN)/python docs/site/build.py
+
+results: verify
+	$(BIN)/python docs/site/results.py reports/verify
 
 clean:
 	git clean -fdX reports

@@ -15,6 +15,8 @@ from lacore.showing import Compact
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator, PPoly
 
+__all__ = ["HardeningLaw", "Linear", "Perfect", "Swift", "Table", "Voce"]
+
 _SAMPLES = np.concatenate([[0.0], np.geomspace(1e-6, 10.0, 71)])
 _KINKS = 0.25  # of the samples may lie at corners of a law
 

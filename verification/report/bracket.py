@@ -79,7 +79,7 @@ def widths(outcome: Outcome) -> pd.DataFrame:
 
 def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
     """Width against elements, with its order where there are enough narrow ones."""
-    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
+    found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.history]
     frames, fits = [], []
     for outcome in {one.run.variant.name: one for one in found}.values():
         frame = widths(outcome)

@@ -1,0 +1,82 @@
+"""Pages of the API, a room a page: the public names as `lacore/__init__.pyi` groups them."""
+
+import ast
+from collections.abc import Mapping
+from importlib import import_module
+from types import ModuleType
+
+import lacore as la
+from pages import ROOT
+
+_STUB = ROOT / "lacore" / "__init__.pyi"
+
+
+def by_room() -> dict[str, list[str]]:
+    """Public names by the room of lacore that they are from, in the order of the stub."""
+    found: dict[str, list[str]] = {}
+    for node in ast.parse(_STUB.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                own = alias.name if isinstance(getattr(la, alias.name), ModuleType) else ""
+                room = own or (node.module or alias.name).split(".")[0]
+                found.setdefault(room, []).append(alias.name)
+    return found
+
+
+def pages() -> Mapping[str, str]:
+    """A page a room, and one that leads to them."""
+    rooms = by_room()
+    found = {f"api/{room}.md": _page(room, names) for room, names in rooms.items()}
+    lines = ["# API reference", "", "All public names, by the room that they are from.", ""]
+    for room, names in rooms.items():
+        shown = ", ".join(f"{{any}}`{name} <lacore.{name}>`" for name in names)
+        if isinstance(getattr(la, room, None), ModuleType) and names == [room]:
+            shown = ", ".join(
+                f"{{py:obj}}`{name} <lacore.{room}.{name}>`" for name in public(getattr(la, room))
+            )
+        lines += [f"[{_title(room)}]({room}.md)", f": {shown}", ""]
+    lines += [":::{toctree}", ":hidden:", *rooms, ":::", ""]
+    return found | {"api/index.md": "\n".join(lines)}
+
+
+def public(module: ModuleType) -> list[str]:
+    """Names that a module shows: those that it lists, else what is written in it."""
+    listed = getattr(module, "__all__", None)
+    own = (name for name, thing in vars(module).items() if _of(thing) == module.__name__)
+    return list(listed) if listed else [name for name in own if not name.startswith("_")]
+
+
+def _of(thing: object) -> str:
+    return str(getattr(thing, "__module__", ""))
+
+
+def _title(room: str) -> str:
+    module = getattr(la, room, None)
+    if isinstance(module, ModuleType) and room in la.__all__:
+        return f"la.{room}"
+    return room
+
+
+def _page(room: str, names: list[str]) -> str:
+    lines = [f"# {_title(room)}", "", _first_line(room, names), "", "```{eval-rst}"]
+    for name in names:
+        thing = getattr(la, name)
+        if isinstance(thing, ModuleType):
+            lines += [f".. module:: lacore.{name}", ""]
+            for own in public(thing):
+                lines += [_directive(f"lacore.{name}.{own}", getattr(thing, own)), ""]
+        else:
+            lines += [_directive(f"lacore.{name}", thing), ""]
+    return "\n".join([*lines, "```", ""])
+
+
+def _first_line(room: str, names: list[str]) -> str:
+    thing = getattr(la, names[0])
+    module = thing if isinstance(thing, ModuleType) else import_module(f"lacore.{room}")
+    return (module.__doc__ or "").strip().partition("\n\n")[0].replace("\n", " ")
+
+
+def _directive(name: str, thing: object) -> str:
+    if isinstance(thing, type):
+        return f".. autoclass:: {name}"
+    return f".. autofunction:: {name}" if callable(thing) else f".. autodata:: {name}"

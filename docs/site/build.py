@@ -1,0 +1,82 @@
+"""Put the pages of the site together and have Sphinx make it: ``make docs``.
+
+Sources lie in reports/site/sources, the site in reports/site/html; what did not change is kept.
+"""
+
+import argparse
+import re
+import sys
+import time
+from pathlib import Path
+
+from sphinx.cmd.build import main as sphinx
+
+import api
+import gallery
+import links
+import manual
+import pictures
+import results
+from pages import EXTRA, ROOT, Site, sources
+from verification.case import Case
+from verification.catalogue.catalogue import catalogue
+from verification.report import document
+
+FOLDER = ROOT / "reports" / "site"
+
+
+def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
+    """The site in a folder, with at most so many pictures that were not drawn before.
+
+    Returns:
+        what is wrong with it: that Sphinx warned, links that lead nowhere.
+    """
+    site = Site(folder / "sources", sources())
+    site.copy()
+    site.put(f"{EXTRA}/_static/charts.css", _charts_css())
+    for page, text in {**api.pages(), **_of_cases(site, [*catalogue().values()], most)}.items():
+        site.write(page, text)
+    here = str(Path(__file__).parent)
+    places = [str(folder / name) for name in ("doctrees", "sources", "html")]
+    copied = f"html_extra_path={folder / 'sources' / EXTRA}"
+    failed = sphinx(["-q", "-W", "--keep-going", "-c", here, "-D", copied, "-d", *places])
+    return [*(["Sphinx warned"] if failed else []), *links.broken(folder / "html")]
+
+
+def _charts_css() -> bytes:
+    """The colours that charts name, as our reports have them, in the light and in the dark."""
+    style = (Path(document.__file__).parent / "style.html.j2").read_text(encoding="utf-8")
+    light, dark = (own.replace("\n", " ") for own in re.findall(r":root \{([^}]*)\}", style)[:2])
+    light = light.partition(";")[2]  # the scheme is chosen by the theme
+    auto = "@media (prefers-color-scheme: dark) { body:not([data-theme=light])"
+    return (f"body {{{light}}}\nbody[data-theme=dark] {{{dark}}}\n{auto} {{{dark}}} }}\n").encode()
+
+
+def _of_cases(site: Site, cases: list[Case], most: int) -> dict[str, str]:
+    kept, found = pictures.Kept(site.folder.parent / "drawn"), results.load()
+    shown = kept.drawn(cases, most)
+    for file, data in {**pictures.files(shown), **gallery.thumbnails(cases, shown)}.items():
+        site.put(file, data)
+    return {
+        **{f"manual/{case.id}.md": manual.page(case, found, shown) for case in cases},
+        manual.INDEX: manual.index(cases, found),
+        "manual/excluded.md": manual.excluded(cases, found),
+        "gallery.md": gallery.page(cases, shown),
+    }
+
+
+def main() -> int:
+    """Build, and say what is wrong; the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, default=FOLDER)
+    parser.add_argument("--most", type=int, default=sys.maxsize, help="pictures that are drawn")
+    asked = parser.parse_args()
+    begin = time.perf_counter()
+    wrong = build(asked.folder.resolve(), asked.most)
+    spent = time.perf_counter() - begin
+    print(*wrong, f"{asked.folder / 'html' / 'index.html'}: {spent:.0f} s", sep="\n")  # noqa: T201
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""A Sphinx extension for our docstrings: links of names, lists of fields, an example of each."""
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+
+_SHORT = {"la": "lacore"}
+_EXAMPLE = re.compile(r"^### (\S+)\n\n```python\n(.*?)```", re.MULTILINE | re.DOTALL)
+_SEVERAL = re.compile(r"( +)(\w+(?:, \w+)+): (.*)")
+
+
+def resolve(
+    app: Sphinx, env: BuildEnvironment, node: addnodes.pending_xref, content: nodes.Element
+) -> nodes.Element | None:
+    """`la.solve`, `lacore.limit.boxed.solve`, `Body.space` as links, as far as they are there."""
+    if node.get("refdomain") != "py":
+        return None
+    first, _, rest = node["reftarget"].partition(".")
+    target = f"{_SHORT.get(first, first)}.{rest}" if rest else first
+    objects = env.domains.python_domain.objects
+    name = target.rpartition(".")[2]
+    for known in (target, f"lacore.{target}", f"lacore.{name}" if target.count(".") > 1 else ""):
+        if known in objects:
+            entry = objects[known]
+            uri = app.builder.get_relative_uri(node["refdoc"], entry.docname)
+            link = nodes.reference("", "", refuri=f"{uri}#{entry.node_id}", internal=True)
+            link += content
+            return link
+    return None
+
+
+def one_by_one(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """``low, high: ends of it``: a field each, with the same words; in place."""
+    lines[:] = _repeated(lines)
+
+
+def _repeated(lines: Sequence[str]) -> Iterator[str]:
+    number = 0
+    while number < len(lines):
+        found = _SEVERAL.fullmatch(lines[number])
+        number += 1
+        if found is None:
+            yield lines[number - 1]
+            continue
+        margin, names, text = found.groups()
+        rest = []
+        while number < len(lines) and lines[number].startswith(f"{margin} "):
+            rest.append(lines[number])
+            number += 1
+        for name in names.split(", "):
+            yield from (f"{margin}{name}: {text}", *rest)
+
+
+@cache
+def examples() -> dict[str, str]:
+    """The code of each example by the name of its function, such as ``lacore.meshes.fan``."""
+    text = (Path(__file__).parent / "examples.md").read_text(encoding="utf-8")
+    return {f"lacore.{name}": code for name, code in _EXAMPLE.findall(text)}
+
+
+def with_example(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """The example of a function, below what is said of it."""
+    if name in examples():
+        code = [f"   {line}" for line in examples()[name].splitlines()]
+        lines += ["", ".. rubric:: Example", "", ".. code-block:: python", "", *code, ""]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.connect("missing-reference", resolve)
+    app.connect("autodoc-process-docstring", one_by_one, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", with_example, priority=900)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

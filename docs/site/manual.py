@@ -1,0 +1,197 @@
+"""The verification manual as pages of the site: of each case, and what leads to them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite
+
+import pandas as pd
+
+from myst import Writer, escaped
+from pictures import mechanism
+from results import Results
+from verification.analysis.summary import VariantSummary, summaries
+from verification.case import KINDS, Case
+from verification.case.bracketing import BRACKET
+from verification.report.blocks import Block, Columns, Details, Facts, Preformatted, Section
+from verification.report.drawing import Drawn
+from verification.report.manual import page_of
+from verification.report.overview import proven
+from verification.runs.row import Row
+from verification.verdicts.bracket import STRICT
+from verification.verdicts.words import PASS
+
+_MACHINE = "machine"
+INDEX = "manual/index.md"
+
+
+def page(case: Case, results: Results, drawn: Drawn) -> str:
+    """The page of a case."""
+    outcomes = [own for own in results.outcomes if own.run.case.id == case.id]
+    checks = results.checks
+    asked = checks[checks["case"] == case.id] if len(checks) else checks
+    document = page_of(case, outcomes, asked, results.provenance, drawn)
+    write = Writer({name: f"../pictures/{name}.png" for name in drawn})
+    parts = [f"# {document.title}", escaped(document.lead), write.page(document.summary)]
+    sketches = [block for block in _every(document.sections) if _is_sketch(block)]
+    for section in document.sections:
+        if section.id == _MACHINE:
+            continue
+        blocks = [*_without_sketches(section.blocks)]
+        if section.id == "problem":
+            blocks += _moving(case, drawn)
+            blocks += [Details("The same in letters", sketches)] if sketches else []
+        parts += [f"## {section.title}", write.page(blocks)]
+    if not outcomes:
+        parts.append(
+            "It is not among the committed results, which are older:"
+            f" `lacore verify {case.id}` solves it."
+        )
+    return "\n\n".join(parts) + "\n"
+
+
+def _moving(case: Case, drawn: Drawn) -> Iterator[Block]:
+    found = drawn.get(mechanism(case).name)
+    if found is not None:
+        yield found
+
+
+def _every(sections: Sequence[Section]) -> Iterator[Block]:
+    for section in sections:
+        for block in section.blocks:
+            yield from block.left if isinstance(block, Columns) else (block,)
+
+
+def _is_sketch(block: Block) -> bool:
+    return isinstance(block, Preformatted) and bool(block.sketch)
+
+
+def _without_sketches(blocks: Sequence[Block]) -> Iterator[Block]:
+    for block in blocks:
+        if isinstance(block, Columns):
+            left = [one for one in block.left if not _is_sketch(one)]
+            yield replace(block, left=left)
+        else:
+            yield block
+
+
+def index(cases: Sequence[Case], results: Results) -> str:
+    """The front table, and where all that is from."""
+    rows = {(one.case, one.variant): one for one in summaries(results.outcomes)}
+    parts = [
+        "# Verification manual",
+        "A page a case: the problem as its model has it, the calculation by hand, the reference"
+        " with its source, what lacore found with every backend, and why that is allowed."
+        " `lacore verify` finds all of it again.",
+        "[Published values that our bounds exclude](excluded.md)",
+    ]
+    for kind in (*KINDS, ""):
+        own = [case for case in cases if _kind(case) == kind]
+        if own:
+            parts += [f"## {(kind or 'others').capitalize()}", _front(own, rows)]
+    about = Writer({}).block(Facts(results.provenance))
+    parts += ["## Machine and versions", "Of the results in these tables:", about]
+    contents = [":::{toctree}", ":hidden:", *(case.id for case in cases), "excluded", ":::"]
+    return "\n\n".join([*parts, "\n".join(contents)]) + "\n"
+
+
+def _kind(case: Case) -> str:
+    return next((tag for tag in case.tags if tag in KINDS), "")
+
+
+def _front(cases: Sequence[Case], rows: Mapping[tuple[str, str], VariantSummary]) -> str:
+    lines = [
+        "| case | variant | reference | ours | proven width | verdict |",
+        "|---|---|---|---|--:|---|",
+    ]
+    for case in cases:
+        found = [rows[case.id, one.name] for one in case.variants if (case.id, one.name) in rows]
+        for number, own in enumerate(found[:_MOST]):
+            name = "" if number else f"[{escaped(case.title)}]({case.id}.md)"
+            cells = (name, own.variant, own.expected, proven(own), _width(own), own.verdict)
+            lines.append("| " + " | ".join([cells[0], *map(escaped, cells[1:])]) + " |")
+        if len(found) > _MOST:
+            lines.append(f"| | [and {len(found) - _MOST} more]({case.id}.md) | | | | |")
+        if not found:
+            lines.append(f"| [{escaped(case.title)}]({case.id}.md) | | | | | not run yet |")
+    return "\n".join(lines)
+
+
+_MOST = 8
+"""Variants of a case in the front table."""
+
+
+def _width(own: VariantSummary) -> str:
+    """Of a proven bracket, per its mean, in per cent; nothing of what has no two sides."""
+    if not (isfinite(own.lower) and isfinite(own.upper)):
+        return ""
+    mean = (abs(own.upper) + abs(own.lower)) / 2
+    return f"{100 * (own.upper - own.lower) / mean:.2g} %" if mean else ""
+
+
+def excluded(cases: Sequence[Case], results: Results) -> str:
+    """Values of others that lie outside of what is proven of the continuum, with the run."""
+    compared = list(_compared(cases, results))
+    if not compared:
+        raise ValueError("nothing is proven of any case: no value can be held against it")
+    rows = list(_outside(compared))
+    table = pd.DataFrame(rows, columns=["case", "variant", "who says", "value", "proven", "by"])
+    head = (
+        "# Published values that our bounds exclude\n\nEach value that a case takes from others,"
+        " its reference and what stands beside it, is held against the bounds that are proven of"
+        " the same problem. One that lies outside, by more than its own uncertainty and what the"
+        " proof lets through, is listed here with the run that proves it.\n\n"
+    )
+    counted = f"{len(compared)} values were compared with proven bounds. "
+    if not rows:
+        return head + counted + "**None lies outside.**\n"
+    lines = ["| " + " | ".join(table.columns) + " |", "|" + "---|" * len(table.columns)]
+    lines += ["| " + " | ".join(map(str, row)) + " |" for row in table.to_numpy()]
+    return head + counted + f"{len(rows)} lie outside:\n\n" + "\n".join(lines) + "\n"
+
+
+_ROUND_OFF = 1e-6
+"""Relative: what a certificate lets through."""
+
+
+Told = tuple[Case, str, str, float, float]
+
+
+def _told(cases: Sequence[Case]) -> Iterator[Told]:
+    """Case, variant, who says it, and the ends of what is said."""
+    for case in cases:
+        for variant in case.variants:
+            one = case.reference_of(variant)
+            if isfinite(one.low) and isfinite(one.high):
+                yield case, variant.name, one.source, one.low, one.high
+            for other in case.beside_of(variant):
+                if not other.name.endswith(("at least", "at most")):
+                    yield (
+                        case,
+                        variant.name,
+                        f"{other.name}: {other.source}",
+                        other.value,
+                        other.value,
+                    )
+
+
+def _compared(cases: Sequence[Case], results: Results) -> Iterator[tuple[Told, Row]]:
+    """What is said of a variant, with the run that proves strict bounds of it."""
+    proofs = {
+        (own.row.case, own.row.variant): own.row
+        for own in results.outcomes
+        if own.row.coupling == BRACKET and own.row.rigor == STRICT and own.row.verdict == PASS
+    }
+    for told in _told(cases):
+        row = proofs.get((told[0].id, told[1]))
+        if row is not None:
+            yield told, row
+
+
+def _outside(compared: Sequence[tuple[Told, Row]]) -> Iterator[tuple[str, ...]]:
+    for (case, variant, who, low, high), row in compared:
+        slack = _ROUND_OFF * max(abs(row.lower), abs(row.upper))
+        if high < row.lower - slack or low > row.upper + slack:
+            value = f"{low:.7g}" if low == high else f"[{low:.7g}, {high:.7g}]"
+            bounds = f"[{row.lower:.7g}, {row.upper:.7g}]"
+            by = f"{row.backend}, {row.n_elements_lower:g} and {row.n_elements:g} elements"
+            yield f"[{escaped(case.title)}]({case.id}.md)", variant, escaped(who), value, bounds, by

@@ -1,0 +1,119 @@
+"""Pages of the repository as sources of the site: the same text, links led to where things are.
+
+A page says where a thing is in the repository, so that it is read there as well. On the site other
+pages are pages, pictures lie where they lay, and a file of code is copied to be opened.
+"""
+
+import posixpath
+import re
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+EXTRA = "extra"
+"""Folder of what is copied to the site as it is."""
+_LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
+_FOLDERS = {
+    "verification/cases": "manual/index.md",
+    "docs/guide": "guide/index.md",
+}
+_GUIDE = _FOLDERS["docs/guide"]
+_KEPT = {"reports/reference": "reference"}
+"""Folders that are copied whole, with a page of their own."""
+
+
+def sources() -> dict[str, str]:
+    """Pages of the site by the files of the repository that they are from."""
+    found = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
+    for path in sorted((ROOT / "docs").rglob("*.md")):
+        own = path.relative_to(ROOT / "docs")
+        found[f"docs/{own.as_posix()}"] = own.as_posix().removeprefix("site/")
+    return found
+
+
+def guide() -> str:
+    """What leads to the pages of the guide, as README does."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    _, _, rest = text.partition("## Where to go on\n\n")
+    questions, behind, _ = rest.partition("`make docs`")
+    if not behind:
+        raise ValueError("README.md does not say any more where to go on")
+    names = dict.fromkeys(re.findall(r"\]\(docs/guide/([\w-]+)\.md", questions))
+    contents = "\n".join([":::{toctree}", ":hidden:", *names, ":::"])
+    return f"# Guide\n\n{questions}\n{contents}\n"
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where things of the repository are on the site.
+
+    Attributes:
+        folder: of the sources that Sphinx reads.
+        pages: by file of the repository.
+    """
+
+    folder: Path
+    pages: Mapping[str, str]
+
+    def copy(self) -> None:
+        """All pages of the repository, and what they show."""
+        for source, page in self.pages.items():
+            text = (ROOT / source).read_text(encoding="utf-8")
+            self.write(page, self._led(text, source, page))
+        self.write(_GUIDE, self._led(guide(), "README.md", _GUIDE))
+        for source, folder in _KEPT.items():
+            shutil.copytree(ROOT / source, self.folder / EXTRA / folder, dirs_exist_ok=True)
+
+    def write(self, page: str, text: str) -> None:
+        """A page."""
+        self.put(page, text.encode())
+
+    def put(self, file: str, data: bytes) -> None:
+        """A file, if it is another one than before: Sphinx reads again what is newer."""
+        path = self.folder / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_bytes() != data:
+            path.write_bytes(data)
+
+    def _led(self, text: str, source: str, page: str) -> str:
+        def link(found: re.Match[str]) -> str:
+            picture, words, file, anchor = (part or "" for part in found.groups())
+            if not file or ":" in file:
+                return found[0]
+            target = posixpath.normpath(posixpath.join(posixpath.dirname(source), file))
+            if not (ROOT / target).exists():
+                raise FileNotFoundError(f"{source}: {target} is linked and not there")
+            if picture or target.endswith(".svg"):
+                return f"{picture}[{words}]({self._beside(page, self._picture(target))})"
+            own = self.pages.get(target, _FOLDERS.get(target, ""))
+            if own:
+                return f"[{words}]({self._beside(page, own)}{anchor})"
+            return f'<a href="{self._beside(page, self._copied(target))}">{words}</a>'
+
+        return _LINK.sub(link, text)
+
+    @staticmethod
+    def _beside(page: str, target: str) -> str:
+        return posixpath.relpath(target, posixpath.dirname(page) or ".")
+
+    def _picture(self, target: str) -> str:
+        own = target.removeprefix("docs/")
+        self._copy(target, own)
+        return own
+
+    def _copied(self, target: str) -> str:
+        """A folder with a page of its own, or a file as it is; of another folder what it says."""
+        if target in _KEPT:
+            return f"{_KEPT[target]}/index.html"
+        if (ROOT / target).is_dir():
+            target = f"{target}/README.md"
+        own = f"files/{target}"
+        self._copy(target, f"{EXTRA}/{own}")
+        return own
+
+    def _copy(self, target: str, own: str) -> None:
+        path = self.folder / own
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / target, path)

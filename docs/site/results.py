@@ -1,0 +1,130 @@
+"""The committed results that the verification manual is built of, and how they are made.
+
+``python docs/site/results.py DIR`` keeps those of `lacore verify` in DIR: every run, its residuals
+and the history of brackets and paths, without states. ``results.jsonl.gz.sha256`` is of the whole
+file; of one that was changed by hand nothing is shown.
+"""
+
+import gzip
+import hashlib
+import json
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from verification.case.bracketing import BRACKET
+from verification.catalogue.catalogue import catalogue
+from verification.runs.outcome import Evidence, Outcome
+from verification.runs.row import Row
+from verification.runs.run import Run, canonical
+from verification.store.results import load_outcomes
+from verification.store.store import file_of, sessions
+
+FILE = Path(__file__).parent / "results.jsonl.gz"
+SEAL = Path(f"{FILE}.sha256")
+_DEFAULTS = {entry.name: entry.default for entry in fields(Row)}
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the manual shows.
+
+    Attributes:
+        provenance: of the runs: machine, versions, date.
+        outcomes: without states; of cases and variants that are in the catalogue.
+        checks: as `lacore verify` writes them.
+        left: lines of cases and variants that are not there any more, or changed since.
+    """
+
+    provenance: Mapping[str, str]
+    outcomes: list[Outcome]
+    checks: pd.DataFrame
+    left: int
+
+
+def load() -> Results:
+    """The committed results, whose checksum must be right.
+
+    Raises:
+        ValueError: it is not.
+    """
+    data = FILE.read_bytes()
+    if hashlib.sha256(data).hexdigest() != SEAL.read_text(encoding="ascii").strip():
+        raise ValueError(f"{FILE.name} is not what was kept: its checksum is another one")
+    first, checks, *lines = map(json.loads, gzip.decompress(data).decode().splitlines())
+    found = [_outcome(line) for line in lines]
+    known = [outcome for outcome in found if outcome is not None]
+    return Results(first, known, pd.DataFrame(checks), len(found) - len(known))
+
+
+def _outcome(line: Mapping[str, Any]) -> Outcome | None:
+    """A line as an outcome; None if its case is another one today."""
+    identity, row = line["identity"], line["row"]
+    case = catalogue().get(identity["case"])
+    variants = {one.name: one for one in case.variants} if case else {}
+    variant = variants.get(identity["variant"])
+    if case is None or variant is None or identity["mesh"] not in case.meshes:
+        return None
+    if canonical(dict(variant.parameters)) != canonical(identity["parameters"]):
+        return None
+    settings = {name: identity[name] for name in ("size", "settings", "options")}
+    run = Run(
+        case, variant, identity["mesh"], identity["backend"], identity["coupling"], **settings
+    )
+    evidence = Evidence(line.get("residuals", {}), tuple(line.get("history", ())), b"")
+    return Outcome(run, Row(**row), evidence)
+
+
+def _line(outcome: Outcome) -> dict[str, Any]:
+    """What is kept of an outcome: without what is not there, measured with few digits."""
+    row = {name: value for name, value in vars(outcome.row).items() if not _same(name, value)}
+    row |= {name: _short(row[name]) for name in _MEASURED & row.keys()}
+    residuals = {name: _short(value) for name, value in outcome.evidence.residuals.items()}
+    kept = {"residuals": residuals, "history": list(_history(outcome))}
+    return {"identity": outcome.run.identity, "row": row} | {n: v for n, v in kept.items() if v}
+
+
+_MEASURED = {"build_time", "solve_time", "peak_memory_mb", "contraction", "gap", "energy"}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.3g}")
+
+
+def _history(outcome: Outcome) -> Iterator[dict[str, Any]]:
+    """Of brackets and paths what charts show."""
+    names = ["bound", "elements", "width"] if outcome.row.coupling == BRACKET else []
+    if outcome.row.ending:
+        names = ["travel", outcome.run.case.following_of(outcome.run.variant).load, "exact"]
+    for step in outcome.evidence.history if names else ():
+        yield {name: step[name] for name in names}
+
+
+def _same(name: str, value: Any) -> bool:
+    default = _DEFAULTS[name]
+    nothing = isinstance(value, float) and isnan(value)
+    return bool(nothing if isinstance(default, float) else value == default)
+
+
+def _lines(folder: Path) -> Iterator[str]:
+    outcomes, _ = load_outcomes(folder, catalogue())
+    yield canonical(list(sessions(file_of(folder)).values())[-1])
+    yield canonical(json.loads(pd.read_csv(folder / "checks.csv").to_json(orient="records")))
+    yield from (canonical(_line(outcome)) for outcome in outcomes)
+
+
+def main(folder: Path) -> None:
+    """Keep the results of a folder."""
+    data = "".join(f"{line}\n" for line in _lines(folder)).encode()
+    packed = gzip.compress(data, mtime=0)
+    FILE.write_bytes(packed)
+    SEAL.write_text(hashlib.sha256(packed).hexdigest() + "\n", encoding="ascii")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

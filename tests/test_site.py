@@ -1,0 +1,201 @@
+"""The site: what it is put together of, and, built whole, what a reader meets in a browser."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from tests.conftest import ROOT
+from tests.verification.report.browser import chromium, idle_pages, visit
+from verification.catalogue.catalogue import catalogue
+
+__all__ = ["chromium", "idle_pages", "visit"]
+
+SITE = ROOT / "docs" / "site"
+
+
+@pytest.fixture(scope="module")
+def scripts():
+    """Modules of docs/site by name, as they import each other."""
+    before = set(sys.modules)
+    sys.path.insert(0, str(SITE))
+    yield lambda name: importlib.import_module(name)
+    sys.path.remove(str(SITE))
+    for name in set(sys.modules) - before:
+        if str(SITE) in str(getattr(sys.modules[name], "__file__", "")):
+            del sys.modules[name]
+
+
+@pytest.fixture(scope="module")
+def results(scripts):
+    return scripts("results").load()
+
+
+def test_committed_results_are_what_was_kept(results):
+    """Of nearly all cases: one that came since says on its page that it was not run."""
+    there = {outcome.run.case.id for outcome in results.outcomes}
+    runs = [case.id for case in catalogue().values() if not case.on_demand]
+    assert len(there & set(runs)) >= 0.9 * len(runs), "make results"
+    assert len(results.outcomes) >= 9 * results.left, "make results"
+    assert {outcome.row.verdict for outcome in results.outcomes} >= {"pass"}
+    assert "FAIL" not in {outcome.row.verdict for outcome in results.outcomes}
+
+
+def test_results_that_were_changed_are_not_shown(scripts, monkeypatch, tmp_path):
+    module = scripts("results")
+    changed = tmp_path / "results.jsonl.gz"
+    changed.write_bytes(module.FILE.read_bytes() + b"\0")
+    monkeypatch.setattr(module, "FILE", changed)
+    with pytest.raises(ValueError, match="checksum"):
+        module.load()
+
+
+def test_values_outside_of_proven_bounds_are_found(scripts, results):
+    """A reference that is moved by a tenth is excluded by the bracket of its variant."""
+    manual = scripts("manual")
+    case = catalogue()["vertical-cut"]
+    right = case.reference(**case.variants[0].parameters)
+    wrong = replace(case, reference=lambda: replace(right, value=1.1 * right.value))
+    assert "None lies outside" in manual.excluded([case], results)
+    told = manual.excluded([wrong], results)
+    assert "1 lie outside" in told
+    assert "| [4.15" in told
+    with pytest.raises(ValueError, match="nothing is proven"):
+        manual.excluded([catalogue()["wall-1"]], results)
+
+
+def test_a_case_without_results_says_so(scripts, results):
+    manual = scripts("manual")
+    case = catalogue()["wall-1"]
+    none = replace(results, outcomes=[])
+    drawn = {f"{case.id}-sketch": scripts("pictures").Text("not drawn")}
+    assert "not among the committed results" in manual.page(case, none, drawn)
+    assert "not run yet" in manual.index([case], none)
+    assert case.reference_of(case.variants[0]).text[1:6] in manual.page(case, results, drawn)
+
+
+def test_links_of_pages_lead_to_where_things_are_on_the_site(scripts, tmp_path):
+    pages = scripts("pages")
+    site = pages.Site(tmp_path, pages.sources())
+    led = site._led
+    text = "[a](../theory.md#laws) ![b](../wall.png) [c](../../tests/test_site.py) [d](#here)"
+    found = led(text, "docs/guide/friction.md", "guide/friction.md")
+    assert "[a](../theory.md#laws) ![b](../wall.png)" in found
+    assert 'href="../files/tests/test_site.py"' in found
+    assert "[d](#here)" in found
+    assert (tmp_path / "wall.png").is_file()
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        led("[a](nowhere.md)", "docs/theory.md", "theory.md")
+
+
+def test_links_that_lead_nowhere_are_found(scripts, tmp_path):
+    broken = scripts("links").broken
+    with pytest.raises(FileNotFoundError):
+        list(broken(tmp_path))
+    (tmp_path / "other.html").write_text('<p id="there">', encoding="utf-8")
+    links = ["other.html#there", "other.html#not", "none.html", "../out.html", "https://x.org"]
+    page = "".join(f'<a href="{link}">x</a>' for link in links)
+    (tmp_path / "index.html").write_text(page, encoding="utf-8")
+    wrong = [line.removeprefix("index.html: ") for line in broken(tmp_path)]
+    assert wrong == ["other.html#not", "none.html", "../out.html"]
+
+
+def test_every_case_is_in_the_gallery_in_one_group(scripts):
+    gallery = scripts("gallery")
+    page = gallery.page([*catalogue().values()], {})
+    for name in catalogue():
+        assert page.count(f":link: /manual/{name}\n") == 1
+    groups = {gallery.group(case) for case in catalogue().values()}
+    assert groups == {*gallery._SHOWN}
+
+
+def test_every_public_name_is_in_the_reference(scripts):
+    import lacore as la
+
+    api = scripts("api")
+    rooms = api.by_room()
+    assert sorted(name for names in rooms.values() for name in names) == sorted(la.__all__)
+    assert dir(la) == sorted(la.__all__)  # nothing else is shown to who looks
+
+
+WITHOUT = {"masonry.read", "masonry3d.read"}
+"""Functions that have no example yet: what they read is made on the pages of the guide."""
+
+
+def test_every_public_function_has_an_example(scripts):
+    """Run by tests/test_guide.py, and shown in the reference."""
+    from types import ModuleType
+
+    import lacore as la
+
+    public = scripts("api").public
+    found = {}
+    for name in la.__all__:
+        thing = getattr(la, name)
+        parts = {name: thing}
+        if isinstance(thing, ModuleType):
+            parts = {f"{name}.{own}": getattr(thing, own) for own in public(thing)}
+        found |= parts
+    functions = {n for n, own in found.items() if callable(own) and not isinstance(own, type)}
+    shown = {name.removeprefix("lacore.") for name in scripts("docstrings").examples()}
+    assert len(functions) > 60
+    assert functions - shown == WITHOUT
+    assert shown <= functions
+
+
+@pytest.fixture(scope="module")
+def html(tmp_path_factory):
+    """The whole site without pictures of cases; nothing may be wrong with it."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, str(SITE / "build.py"), str(folder), "--most", "0"]
+    made = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert made.returncode == 0, made.stdout + made.stderr
+    return folder / "html"
+
+
+@pytest.mark.slow
+def test_formulas_are_places_and_citations_links(html):
+    theory = (html / "theory.html").read_text(encoding="utf-8")
+    defined = re.findall(
+        r"\*\*\(?(T\d+[bcd]?)\b", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    )
+    assert len(defined) > 50
+    for number in defined:
+        assert f'id="{number.lower()}"' in theory, number
+    api = (html / "api" / "limit.html").read_text(encoding="utf-8")
+    assert 'href="../theory.html#t12"' in api
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark"), (390, "light")])
+@pytest.mark.parametrize(
+    "page",
+    [
+        "index.html",
+        "manual/index.html",
+        "manual/vertical-cut.html",
+        "gallery.html",
+        "theory.html",
+        "api/limit.html",
+        "guide/bounds.html",
+    ],
+)
+def test_pages_open_from_disk(html, visit, page, width, scheme):
+    seen = visit(html / page, width=width, scheme=scheme)
+    assert seen.complaints == []
+    assert all(url.startswith(html.as_uri()) for url in seen.requests)
+    assert seen.overflow <= 0
+    light = seen.page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert (light == "rgb(255, 255, 255)") == (scheme == "light")
+
+
+@pytest.mark.slow
+def test_the_start_page_is_small(html, visit):
+    """With all that it asks for."""
+    seen = visit(html / "index.html")
+    names = {url.removeprefix(html.as_uri() + "/").partition("?")[0] for url in seen.requests}
+    assert len(names) >= 5
+    assert sum((html / name).stat().st_size for name in names) < 1_000_000
