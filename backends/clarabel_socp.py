@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from backends._clarabel import STATUS_MAP, ConicSolver, version
-from lacore.backend import Capabilities, InnerSolution
+from backends._instances import write_cbf, write_npz
+from lacore.backend import Capabilities, InnerSolution, Writer
 from lacore.errors import require_count, require_positive
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
@@ -43,6 +44,7 @@ class Clarabel:
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = ClarabelOptions
+    writers: ClassVar[Mapping[str, Writer]] = {"npz": write_npz, "cbf": write_cbf}
 
     def unavailable(self) -> str:
         """Always there once imported."""

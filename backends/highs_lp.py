@@ -3,13 +3,14 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 import highspy
 import numpy as np
 
 from backends._linear_form import LinearForm
-from lacore.backend import Capabilities, InnerSolution
+from lacore.backend import Capabilities, InnerSolution, Writer
 from lacore.errors import InputError, require_count, require_known, require_positive
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
@@ -67,6 +68,23 @@ class HighsOptions:
         require_positive("highs.time_limit", self.time_limit)
 
 
+def write_mps(program: KinematicProgram, contact: FrozenContact, path: Path) -> None:
+    """The linear program of `backends._linear_form` in free MPS, velocities first.
+
+    Raises:
+        OSError: HiGHS could not write it.
+    """
+    form, model = LinearForm(program, contact), highspy.Highs()
+    model.setOptionValue("output_flag", False)
+    columns, rows = form.column_bounds(contact), form.row_bounds(contact)
+    lp = _model(form)
+    lp.col_cost_ = form.cost(contact)
+    (lp.col_lower_, lp.col_upper_), (lp.row_lower_, lp.row_upper_) = columns, rows
+    model.passModel(lp)
+    if model.writeModel(str(path)) == highspy.HighsStatus.kError:
+        raise OSError(f"{path}: HiGHS could not write it")
+
+
 class Highs:
     """Vertex solutions of linear programs, exact to round-off."""
 
@@ -78,6 +96,7 @@ class Highs:
     )
     statuses: ClassVar[Mapping[Any, Status]] = STATUS_MAP
     Options: ClassVar[type] = HighsOptions
+    writers: ClassVar[Mapping[str, Writer]] = {"mps": write_mps}
 
     def unavailable(self) -> str:
         """Always there once imported."""

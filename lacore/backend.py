@@ -6,10 +6,11 @@ group ``lacore.backends`` and written about nowhere else; docs/backends.md shows
 """
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -168,6 +169,19 @@ class Family(Protocol):
 
     def variant(self, name: str) -> Backend:
         """The backend of one of them."""
+
+
+Writer = Callable[[KinematicProgram, FrozenContact, Path], None]
+"""Writes the program of a frozen contact to a file."""
+
+
+@runtime_checkable
+class Writes(Protocol):
+    """A backend that writes the programs which it solves to files, for other solvers."""
+
+    @property
+    def writers(self) -> Mapping[str, Writer]:
+        """By format, as files of it end: ``{"cbf": write_cbf}``."""
 
 
 def backend_names() -> list[str]:

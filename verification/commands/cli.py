@@ -16,6 +16,7 @@ import lacore as la
 from verification.case import KINDS
 from verification.catalogue.catalogue import Catalogue, tagged
 from verification.commands.compare import compare
+from verification.commands.export import export
 from verification.commands.fuzz import fuzz
 from verification.commands.new import new
 from verification.commands.options import cases_option, json_option, name_list, print_json
@@ -169,6 +170,7 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
 
 main.add_command(compare)
+main.add_command(export)
 main.add_command(fuzz)
 main.add_command(manual)
 main.add_command(new)

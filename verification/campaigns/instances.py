@@ -1,0 +1,127 @@
+"""Programs of cases as files for other solvers, each with what is known of it."""
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+import lacore as la
+from lacore.backend import Writes, check_capable
+from lacore.errors import CapabilityError, require_known
+from lacore.program import associated_contact, dimensionless
+from verification.campaigns.comparison import check_names, pick
+from verification.case import Case, Variant
+from verification.catalogue.catalogue import Catalogue
+
+FORMATS = {"npz": "clarabel", "cbf": "clarabel", "mps": "highs"}
+"""By what a file of it ends with: the backend whose program it is."""
+INDEX = "index.csv"
+_KNOWN_BY = "clarabel"
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A row of the index.
+
+    Attributes:
+        file: name in the folder; empty where it was not written.
+        case, variant, mesh: what it is of.
+        unknowns: velocities, which come first among the columns.
+        status: of the associated problem, as solved by `backend`: `SOLVED`, `LOCKED` (the program
+            is infeasible), `UNSAFE` (it is unbounded).
+        value: the least value of the program as written, in its units; NaN where it is not solved.
+        load_factor: the same in units of the case.
+        residual: the largest of its certificate.
+        backend: that knows the value.
+        sha256: of the file.
+        left_out: why it was not written.
+    """
+
+    file: str
+    case: str
+    variant: str
+    mesh: str
+    unknowns: int
+    status: str
+    value: float
+    load_factor: float
+    residual: float
+    backend: str
+    sha256: str
+    left_out: str
+
+
+def write_instances(
+    names: Sequence[str],
+    meshes: Sequence[str],
+    formats: Sequence[str],
+    out: Path,
+    known: Catalogue,
+    done: Callable[[Instance], None],
+) -> pd.DataFrame:
+    """Programs of cases, friction associated, in each format; one row a file, also in `INDEX`.
+
+    The index is written after each file, so that what is there is known if it is stopped.
+
+    Raises:
+        InputError: an unknown name or format.
+    """
+    check_names((), (), meshes, known)
+    for name in formats:
+        require_known("--formats", name, FORMATS)
+    out.mkdir(parents=True, exist_ok=True)
+    rows: list[Instance] = []
+    for case, variants in pick(names, known):
+        for variant in variants:
+            for mesh in case.levels(variant, meshes):
+                for row in _written(case, variant, mesh, formats, out):
+                    rows.append(row)
+                    _table(rows).to_csv(out / INDEX, index=False)
+                    done(row)
+    return _table(rows)
+
+
+def _table(rows: Sequence[Instance]) -> pd.DataFrame:
+    return pd.DataFrame([asdict(row) for row in rows], columns=list(Instance.__annotations__))
+
+
+def _written(
+    case: Case, variant: Variant, mesh: str, formats: Sequence[str], out: Path
+) -> list[Instance]:
+    problem = case.problem(variant, mesh)
+    stated = la.discretise(problem)
+    program = dimensionless(stated.program, stated.natural).associated()
+    contact = associated_contact(program.contact)
+    state = la.solve(problem, _KNOWN_BY, coupling="associated")
+    proof = state.certificate
+    solved = state.status is la.Status.SOLVED and proof is not None
+    about = Instance(
+        file="",
+        case=case.id,
+        variant=variant.name,
+        mesh=mesh,
+        unknowns=program.n,
+        status=state.status.name,
+        value=state.load_factor / program.scales.load_factor if solved else float("nan"),
+        load_factor=state.load_factor,
+        residual=proof.worst[1] if proof is not None else float("nan"),
+        backend=_KNOWN_BY,
+        sha256="",
+        left_out="",
+    )
+    rows = []
+    for ending in formats:
+        name = f"{case.id}-{variant.name}-{mesh}.{ending}"
+        backend = la.find_backend(FORMATS[ending])
+        assert isinstance(backend, Writes)
+        try:
+            check_capable(backend, program)
+            backend.writers[ending](program, contact, out / name)
+        except (CapabilityError, la.InputError) as error:
+            rows.append(replace(about, left_out=str(error)))
+        else:
+            digest = hashlib.sha256((out / name).read_bytes()).hexdigest()
+            rows.append(replace(about, file=name, sha256=digest))
+    return rows
