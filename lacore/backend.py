@@ -176,7 +176,7 @@ Writer = Callable[[KinematicProgram, FrozenContact, Path], None]
 
 
 @runtime_checkable
-class Writes(Protocol):
+class Writes(Backend, Protocol):
     """A backend that writes the programs which it solves to files, for other solvers."""
 
     @property

@@ -1,7 +1,8 @@
 """Programs of cases as files for other solvers, each with what is known of it."""
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -15,10 +16,7 @@ from verification.campaigns.comparison import check_names, pick
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue
 
-FORMATS = {"npz": "clarabel", "cbf": "clarabel", "mps": "highs"}
-"""By what a file of it ends with: the backend whose program it is."""
 INDEX = "index.csv"
-_KNOWN_BY = "clarabel"
 
 
 @dataclass(frozen=True)
@@ -53,10 +51,21 @@ class Instance:
     left_out: str
 
 
+def formats() -> dict[str, Writes]:
+    """By what a file ends with: the first backend that writes it."""
+    found: dict[str, Writes] = {}
+    for name in la.backend_names():
+        with suppress(CapabilityError):
+            backend = la.find_backend(name)
+            if isinstance(backend, Writes):
+                found = dict.fromkeys(backend.writers, backend) | found
+    return found
+
+
 def write_instances(
     names: Sequence[str],
     meshes: Sequence[str],
-    formats: Sequence[str],
+    endings: Sequence[str],
     out: Path,
     known: Catalogue,
     done: Callable[[Instance], None],
@@ -69,14 +78,16 @@ def write_instances(
         InputError: an unknown name or format.
     """
     check_names((), (), meshes, known)
-    for name in formats:
-        require_known("--formats", name, FORMATS)
+    writers = formats()
+    for ending in endings:
+        require_known("--formats", ending, writers)
+    by = {ending: writers[ending] for ending in endings}
     out.mkdir(parents=True, exist_ok=True)
     rows: list[Instance] = []
     for case, variants in pick(names, known):
         for variant in variants:
             for mesh in case.levels(variant, meshes):
-                for row in _written(case, variant, mesh, formats, out):
+                for row in _written(case, variant, mesh, by, out):
                     rows.append(row)
                     _table(rows).to_csv(out / INDEX, index=False)
                     done(row)
@@ -88,13 +99,13 @@ def _table(rows: Sequence[Instance]) -> pd.DataFrame:
 
 
 def _written(
-    case: Case, variant: Variant, mesh: str, formats: Sequence[str], out: Path
+    case: Case, variant: Variant, mesh: str, by: Mapping[str, Writes], out: Path
 ) -> list[Instance]:
     problem = case.problem(variant, mesh)
     stated = la.discretise(problem)
     program = dimensionless(stated.program, stated.natural).associated()
     contact = associated_contact(program.contact)
-    state = la.solve(problem, _KNOWN_BY, coupling="associated")
+    state = la.solve(problem, coupling="associated")
     proof = state.certificate
     solved = state.status is la.Status.SOLVED and proof is not None
     about = Instance(
@@ -107,15 +118,13 @@ def _written(
         value=state.load_factor / program.scales.load_factor if solved else float("nan"),
         load_factor=state.load_factor,
         residual=proof.worst[1] if proof is not None else float("nan"),
-        backend=_KNOWN_BY,
+        backend=state.backend,
         sha256="",
         left_out="",
     )
     rows = []
-    for ending in formats:
+    for ending, backend in by.items():
         name = f"{case.id}-{variant.name}-{mesh}.{ending}"
-        backend = la.find_backend(FORMATS[ending])
-        assert isinstance(backend, Writes)
         try:
             check_capable(backend, program)
             backend.writers[ending](program, contact, out / name)
