@@ -3,17 +3,23 @@
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from skfem import MeshTri
+from matplotlib.gridspec import SubplotSpec
+from mpl_toolkits.mplot3d.axes3d import Axes3D
+from skfem import MeshTet, MeshTri
 
 from lacore.adaptive.bracket import Bracket
 from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
+from lacore.bodies.continuum.solid.faces import face_corners
 from lacore.numerics.quantities import Units
 from lacore.pictures.axis import label_lengths
+from lacore.pictures.space.drawing import space
+from lacore.pictures.space.surface import fill_faces
 
 _SI = Units()
 _PAGE = 9.0  # inches
@@ -41,9 +47,9 @@ def plot_bracket(bracket: Bracket, units: Units = _SI) -> Figure:
 
 def plot_shares(
     title: str,
-    above: MeshTri,
+    above: MeshTri | MeshTet,
     gap: Floats,
-    below: MeshTri,
+    below: MeshTri | MeshTet,
     varying: Floats,
     units: Units = _SI,
 ) -> Figure:
@@ -64,26 +70,49 @@ def plot_shares(
     figure = Figure(figsize=size, layout="constrained")
     figure.set_facecolor("white")
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+    cells = figure.add_gridspec(rows, columns)
     for place, (mesh, shares, title) in enumerate(
         (
             (above, gap, "upper bound: shares in the gap [%]"),
             (below, varying, "lower bound: shares it was refined by [%]"),
         )
     ):
-        axes = figure.add_subplot(rows, columns, place + 1)
-        _draw(figure, axes, mesh, shares, units)
+        drawn = _draw if len(extent) == 2 else _draw_in_space
+        axes = drawn(figure, cells[place], mesh, shares, units)
         axes.set_title(f"{title}, {mesh.nelements} elements", fontsize=9, loc="left")
     return figure
 
 
-def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats, units: Units) -> None:
+def _parts(shares: Floats) -> tuple[Floats, LogNorm]:
+    """Shares in per cent, none too small for the colours; the scale of these."""
     part = 100 * np.maximum(shares, 0.0) / max(float(np.maximum(shares, 0.0).sum()), 1e-300)
     peak = max(float(part.max()), 1e-12)
     low = float(np.clip(part.min(), peak * 10**-_DECADES, peak / 2))
+    return np.maximum(part, low), LogNorm(low, peak)
+
+
+def _draw_in_space(
+    figure: Figure, cell: SubplotSpec, mesh: MeshTet, shares: Floats, units: Units
+) -> Axes3D:
+    """By the elements behind the faces that one sees."""
+    part, norm = _parts(shares)
+    axes = space(figure, cell, mesh.p.min(axis=1), mesh.p.max(axis=1), units)
+    scale = ScalarMappable(norm, matplotlib.colormaps["YlOrRd"])
+    facets = mesh.boundary_facets()
+    colours = scale.to_rgba(part[mesh.f2t[0, facets]])[:, :3]
+    fill_faces(axes, mesh, face_corners(mesh, facets), colours)
+    bar = figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.12, aspect=25, extend="min")
+    bar.ax.tick_params(labelsize=8)
+    return axes
+
+
+def _draw(figure: Figure, cell: SubplotSpec, mesh: MeshTri, shares: Floats, units: Units) -> Axes:
+    part, norm = _parts(shares)
+    axes = figure.add_subplot(cell)
     picture = PolyCollection(
         list(mesh.p[:, mesh.t].transpose(2, 1, 0)),
-        array=np.maximum(part, low),
-        norm=LogNorm(low, peak),
+        array=part,
+        norm=norm,
         cmap=matplotlib.colormaps["YlOrRd"],
         edgecolors=(0, 0, 0, 0.45),
         linewidths=0.3 if mesh.nelements < _LINES else 0.15,
@@ -95,3 +124,4 @@ def _draw(figure: Figure, axes: Axes, mesh: MeshTri, shares: Floats, units: Unit
     label_lengths(axes, "xy", units)
     bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
     bar.ax.tick_params(labelsize=8)
+    return axes

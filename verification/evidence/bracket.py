@@ -18,7 +18,7 @@ class Shares:
 
     Attributes:
         mesh: ``uniform``, ``irregular``, or ``upper``, ``lower``: refined for that bound.
-        points, elements: of the mesh, shapes (2, n) and (3, e).
+        points, elements: of the mesh, shapes (2, n) and (3, e), in space one more each.
         shares: of elements in the gap, shape (e,), in the unit of load factors.
         interfaces: shares of interfaces.
         marks: shares that the mesh of a lower bound was refined by; empty for other meshes.
@@ -76,6 +76,6 @@ def unpacked_shares(data: bytes) -> list[Shares]:
 def _shares(mesh: str, arrays: Mapping[str, np.ndarray]) -> Shares:
     lower, upper, scale = map(float, arrays[f"{mesh}_numbers"])
     points, elements, shares, interfaces, marks = (arrays[f"{mesh}_{name}"] for name in _ARRAYS)
-    if points.shape[:1] != (2,) or elements.shape != (3, shares.size):
+    if len(points) not in (2, 3) or elements.shape != (len(points) + 1, shares.size):
         raise ValueError("shares of another mesh")
     return Shares(mesh, points, elements, shares, interfaces, marks, lower, upper, scale)

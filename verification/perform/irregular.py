@@ -1,31 +1,42 @@
 """Meshes without any order: what holds on them does not hold by symmetry."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
-from skfem import MeshTri
+from skfem import MeshTet, MeshTri
 
+from lacore.arrays import Floats
 from lacore.meshes.refinement import bisected
+from lacore.meshes.solid.bisection import bisected_tetrahedra
 
 _PART = 3  # one in so many elements is divided
 _MOVE = 0.25  # of the least height around a vertex: no element can turn over
+_DIVIDED = {2: bisected, 3: bisected_tetrahedra}
 
 
-def irregular(mesh: MeshTri, seed: int = 0) -> MeshTri:
+def irregular(mesh: MeshTri | MeshTet, seed: int = 0) -> MeshTri | MeshTet:
     """Elements divided at random, inner vertices moved at random; boundaries stay."""
     rng = np.random.default_rng(seed)
-    count = mesh.nelements
-    finer, _ = bisected(mesh, np.sort(rng.permutation(count)[: -(-count // _PART)]))
-    corner = finer.p[:, finer.t]
-    edges = np.roll(corner, -1, axis=1) - corner
-    twice = np.abs(edges[0, 0] * edges[1, 1] - edges[1, 0] * edges[0, 1])
-    height = twice / np.sqrt((edges**2).sum(axis=0)).max(axis=0)
+    count, d = mesh.nelements, mesh.p.shape[0]
+    finer, _ = _DIVIDED[d](mesh, np.sort(rng.permutation(count)[: -(-count // _PART)]))
     least = np.full(finer.p.shape[1], np.inf)
-    np.minimum.at(least, finer.t.ravel(), np.tile(height, 3))
+    np.minimum.at(least, finer.t.ravel(), np.tile(_heights(finer.p[:, finer.t]), d + 1))
     inner = finer.interior_nodes()
-    turn = rng.uniform(0, 2 * np.pi, inner.size)
-    size = _MOVE * least[inner] * np.sqrt(rng.uniform(0, 1, inner.size))
+    away = rng.normal(size=(d, inner.size))
+    size = _MOVE * least[inner] * rng.uniform(0, 1, inner.size) ** (1 / d)
     points = finer.p.copy()
-    points[:, inner] += size * np.stack([np.cos(turn), np.sin(turn)])
-    moved: MeshTri = replace(finer, doflocs=points)
+    points[:, inner] += size * away / np.linalg.norm(away, axis=0)
+    moved: MeshTri | MeshTet = replace(finer, doflocs=points)
     return moved
+
+
+def _heights(corner: Floats) -> Floats:
+    """Least heights of simplices with corners (d, d + 1, n), m, shape (n,)."""
+    d = corner.shape[0]
+    volume = np.abs(np.linalg.det(np.moveaxis(corner[:, 1:] - corner[:, :1], 2, 0)))
+    facets = []
+    for own in combinations(range(d + 1), d):
+        side = np.moveaxis(corner[:, own[1:]] - corner[:, own[:1]], 2, 0)
+        facets.append(np.sqrt(np.linalg.det(side.transpose(0, 2, 1) @ side)))
+    return np.asarray(volume / np.max(facets, axis=0))

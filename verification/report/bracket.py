@@ -6,14 +6,14 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from skfem import MeshTri
+from skfem import MeshTet, MeshTri
 
 from lacore.adaptive.bracket import BODY, POLYGON, heading
 from lacore.pictures.bracket import plot_shares
 from lacore.status import Rigor
 from verification.analysis import fit_slope
 from verification.case.bracketing import BRACKET
-from verification.evidence.bracket import unpacked_shares
+from verification.evidence.bracket import Shares, unpacked_shares
 from verification.report.blocks import Column, Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
@@ -58,11 +58,16 @@ def drawn_bracket(outcome: Outcome) -> Figure:
     bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
     return plot_shares(
         heading(row.lower, row.upper, row.width, row.message, bounded),
-        MeshTri(above.points, above.elements),
+        _mesh(above),
         above.shares,
-        MeshTri(below.points, below.elements),
+        _mesh(below),
         below.marks,
     )
+
+
+def _mesh(shares: Shares) -> MeshTri | MeshTet:
+    made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
+    return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:

@@ -49,7 +49,8 @@ def sketch_of_faces(problem: Problem, units: Units) -> Figure:
         label = cut(units.rewritten(told, framed=True), _LONGEST)
         handles.append(Patch(facecolor=colour, edgecolor="#555555", label=label))
     for name, body in bodies.items():
-        fill_faces(axes, body, face_corners(body.mesh, body.mesh.boundary_facets()), colours[name])
+        corner = face_corners(body.mesh, body.mesh.boundary_facets())
+        fill_faces(axes, body.mesh, corner, colours[name])
     explain(axes, handles, 2)
     return figure
 

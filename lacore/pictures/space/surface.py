@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
+from skfem import MeshTet
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
@@ -39,7 +40,7 @@ def surface_by_name(body: Body) -> Figure:
         handles.append(Patch(facecolor=colour, label=str(name)))
     figure, (place,) = page(1, "")
     axes = space(figure, place, *body.box, _SI)
-    fill_faces(axes, body, face_corners(mesh, facets), colours)
+    fill_faces(axes, mesh, face_corners(mesh, facets), colours)
     explain(axes, handles)
     return figure
 
@@ -104,17 +105,17 @@ def _coloured(
     scale = ScalarMappable(Normalize(0.0, top if top > 0 else 1.0), colours)
     for name, body in bodies.items():
         behind = body.mesh.f2t[0, body.mesh.boundary_facets()]
-        fill_faces(axes, body, corners[name], scale.to_rgba(values[name][behind])[:, :3])
+        fill_faces(axes, body.mesh, corners[name], scale.to_rgba(values[name][behind])[:, :3])
     bar = figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.12, aspect=25)
     bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8)
     return figure
 
 
-def fill_faces(axes: Axes3D, body: Body, corners: Floats, colours: Floats) -> None:
+def fill_faces(axes: Axes3D, mesh: MeshTet, corners: Floats, colours: Floats) -> None:
     """Boundary faces with corners (3, 3, k) that look at the eye, shaded, in colours (k, 3)."""
-    facets = body.mesh.boundary_facets()
-    _, normal = face_geometry(body.mesh, facets)
+    facets = mesh.boundary_facets()
+    _, normal = face_geometry(mesh, facets)
     seen = eye() @ normal > 0
     shade = _SHADOW + (1 - _SHADOW) * np.maximum(_LIGHT @ normal, 0.0)
     shaded = (shade[:, None] * colours)[seen]

@@ -39,6 +39,7 @@ def test_catalogue_holds_the_cases_of_the_references():
         "centre-crack",
         "circular-footing",
         "circular-footing-tresca",
+        "compression-free",
         "deformable-block",
         "earth-pressure",
         "hardening-cylinder",
@@ -54,10 +55,14 @@ def test_catalogue_holds_the_cases_of_the_references():
         "platens-square",
         "prandtl-punch",
         "pulled-under-stop",
+        "rectangular-footing",
         "punch-indentation",
         "ring-compression",
+        "rough-cube",
         "rough-platens-2",
         "shear-patch",
+        "slab-punch",
+        "square-footing",
         "stack-n",
         "stack-two",
         "strip-footing",
@@ -66,8 +71,12 @@ def test_catalogue_holds_the_cases_of_the_references():
         "tension",
         "thick-cylinder",
         "thick-sphere",
+        "thick-sphere-solid",
+        "torsion-round",
+        "torsion-square",
         "upsetting",
         "vertical-cut",
+        "vertical-cut-finite",
         "vertical-cut-phi",
         "wall-1",
         "wall-2",
@@ -116,10 +125,12 @@ STATIC = [case for case in CASES if case.meshed and case.path is None]
 @pytest.mark.parametrize("case", STATIC, ids=lambda case: case.id)
 def test_meshes_have_their_sizes(case):
     variant = case.variants[0]
-    sizes = {
-        name: next(iter(case.problem(variant, name).bodies.values())).mesh.nelements
-        for name in case.meshes
-    }
+    first = {name: next(iter(case.problem(variant, name).bodies.values())) for name in case.meshes}
+    sizes = {name: body.mesh.nelements for name, body in first.items()}
+    if first["coarse"].dimension == 3:  # no fine ones: every exact backend is asked
+        assert sizes["coarse"] <= 100
+        assert 90 <= sizes["medium"] <= 800
+        return
     assert sizes["coarse"] <= 40
     assert 550 <= sizes["medium"] <= 610
     assert 4500 <= sizes["fine"] <= 5000
@@ -268,7 +279,9 @@ def test_reactions_sum_to_the_loads(case, variant, mesh):
     outer = contact_force(full, state.point) + loads
     dofs = np.concatenate([body.dofs for body in discretisation.bodies.values()], axis=1)
     held = state.support_reactions.query("body in @discretisation.bodies.keys()")
-    held = held[["force_x", "force_y"]].to_numpy().sum(axis=0)  # blocks have rollers of their own
+    held = (
+        held[[f"force_{axis}" for axis in "xyz"[: len(dofs)]]].to_numpy().sum(axis=0)
+    )  # blocks have rollers of their own
     size = np.abs(state.load_factor * full.reference_load).sum() + np.abs(full.dead_load).sum()
     # Around an axis forces along r are carried by the hoop stress, and have no sum.
     round_ones = any(body.body.axisymmetric for body in discretisation.bodies.values())

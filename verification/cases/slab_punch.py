@@ -1,0 +1,98 @@
+r"""A strip footing of half width 1 on a slab of ground between two smooth walls.
+
+                      alpha
+                      | | |
+                      v v v  footing
+                  +-----------+----------------------+
+                 /           /                      /|
+                +-----------+----------------------+ |
+        u_x=0 o |                                  | |
+              o |          smooth walls            | |  u = 0
+              o |          in front and behind     | +
+                |                                  |/
+                +----------------------------------+
+                              u = 0
+                |<--- 1 --->|
+                |<------------ 2.5 --------------->|   depth 1.25
+
+One cell thick, in plane strain by its walls: tetrahedra have to find the load of Prandtl, which is
+that of the plane, for smooth and rough footings. Velocities jump between tetrahedra in two spaces.
+"""
+
+from math import pi
+
+import numpy as np
+
+import lacore as la
+from lacore.arrays import Bools, Floats
+from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case.bracketing import Bracketing
+from verification.cases.shared.tetrahedra import CLAY
+
+_ERRORS = {
+    ("p2-vertex", False): Convergence(
+        1.4, 0.42, "36, 72, 120, 252 tetrahedra: 27.8, 26.7, 17.0, 12.3 % above"
+    ),
+    ("p2-disc", False): Convergence(
+        0.221, 0.391, "36, 72, 120, 252 tetrahedra: 5.44, 4.11, 3.45, 2.54 % above"
+    ),
+    ("p2-vertex", True): Convergence(
+        1.7, 0.391, "36, 72, 120, 252 tetrahedra: 38.3, 34.3, 23.7, 17.9 % above"
+    ),
+}
+
+
+def build(n: int, rough: bool, space: str) -> la.Problem:
+    """Half of the slab, with a vertex row under the edge of the footing."""
+    mesh = la.meshes.box((0, 2.5), (0, 0.5), (-1.25, 0), n + 1, 1, n, False, (1.0, 2.0))
+    return la.Problem(
+        bodies={"soil": la.Body(mesh, CLAY, kinematics="3d", space=space)},
+        supports=[
+            *(la.Fix("soil", side, "normal") for side in ("left", "front", "back")),
+            *(la.Fix("soil", side, "xyz") for side in ("right", "bottom")),
+        ],
+        reference_loads=[la.RigidFooting("soil", under_footing, (0, 0, -1), rough=rough)],
+    )
+
+
+def under_footing(x: Floats) -> Bools:
+    """What the footing stands on."""
+    return np.asarray((x[2] == 0) & (x[0] <= 1))
+
+
+def reference(rough: bool, space: str) -> Reference:
+    """Prandtl's solution, for either footing."""
+    return Reference(
+        2 + pi, "(2 + pi) k", "Prandtl 1920; Hill, The Mathematical Theory of Plasticity", "exact"
+    )
+
+
+def band(elements: int, rough: bool, space: str) -> Band:
+    """Strict; the box holds the mechanism of a smooth footing, which is one of a rough one, too."""
+    return _ERRORS[space, rough].strict(elements)
+
+
+CASE = Case(
+    id="slab-punch",
+    title="Strip footing on a slab of tetrahedra",
+    tags=("continuum", "space", "singular point", "upper bound"),
+    unit="mean footing pressure / k",
+    explanation=__doc__,
+    hand_calculation="""\
+smooth walls:   no shear stress on them, no motion across: plane strain
+Prandtl:        alpha = (2 + pi) k = 5.141593 k
+""",
+    meshes={"coarse": {"n": 2}, "medium": {"n": 5}},
+    build=build,
+    reference=reference,
+    band=band,
+    bracket=Bracketing(target_width=0.25),
+    variants=tuple(
+        Variant(
+            f"{'rough' if rough else 'smooth'}-{space}",
+            {"rough": rough, "space": space},
+            ("coarse",),
+        )
+        for rough, space in ((False, "p2-vertex"), (False, "p2-disc"), (True, "p2-vertex"))
+    ),
+)

@@ -1,0 +1,75 @@
+r"""A thick hollow sphere, radii a = 1 and b = 2, bursts under internal pressure: tetrahedra.
+
+        z
+        |
+        | - _
+        |     ` .        an eighth of it, three planes of symmetry
+        |         `.
+        | - _       `
+        |     ` .    \    a = 1, b = 2
+        | alpha  `.   \
+        |  -->     \   |
+        |           |  |
+        +-----------o--o---- x
+
+Flat faces stand for its surfaces: their bore is wider, its skin nearer than those of the sphere,
+and no value bounds that of the sphere.
+"""
+
+from math import log
+
+import lacore as la
+from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.cases.shared.tetrahedra import hollow_octant
+
+INNER, OUTER = 1.0, 2.0
+_ERROR = Convergence(
+    0.887, 0.714, "24, 81, 192, 540 tetrahedra: 9.18, 3.79, 2.12, 0.995 %, all above"
+)
+
+
+def build(across: int, through: int) -> la.Problem:
+    """An eighth; yield stress 1, so the load factor is in units of s0."""
+    mesh = hollow_octant(INNER, OUTER, across, through)
+    sphere = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="3d")
+    return la.Problem(
+        bodies={"sphere": sphere},
+        supports=[la.Fix("sphere", axis, "normal") for axis in "xyz"],
+        reference_loads=[la.Pressure("sphere", "start")],
+    )
+
+
+def reference() -> Reference:
+    """The fully plastic sphere."""
+    return Reference(
+        2 * log(OUTER / INNER),
+        "2 s0 ln(b/a)",
+        "Hill, The Mathematical Theory of Plasticity; by hand",
+        "exact",
+    )
+
+
+def band(elements: int) -> Band:
+    """Of second order in the size of flat faces and of elements alike."""
+    return _ERROR.two_sided(elements, "flat faces in place of two spheres.")
+
+
+CASE = Case(
+    id="thick-sphere-solid",
+    title="Thick hollow sphere of tetrahedra",
+    tags=("continuum", "space", "curved boundary", "closed form"),
+    unit="pressure / s0",
+    explanation=__doc__,
+    hand_calculation="""\
+equilibrium:  d sigma_r/dr = 2 (sigma_t - sigma_r)/r
+yield:        sigma_t - sigma_r = s0  (two equal hoop stresses)
+integrate:    0 - (-alpha) = 2 s0 ln(b/a)
+b/a = 2:      alpha = 1.386294 s0
+""",
+    meshes={"coarse": {"across": 2, "through": 2}, "medium": {"across": 6, "through": 5}},
+    build=build,
+    reference=reference,
+    band=band,
+    bracket=None,
+    variants=(Variant("burst", {}, meshes=("coarse",)),),
+)
