@@ -115,6 +115,9 @@ def main() -> None:
         state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
     picture_of_guide("large-deformation", "billet.png", "path")
     picture_of_guide("footing", "footing.png", "state")
+    picture_of_guide("structures", "plate.png", "state")
+    picture_of_guide("bridge", "bridge.png", "governing")
+    picture_of_guide("forming", "upset.png", "rough")
 
 
 if __name__ == "__main__":
