@@ -8,9 +8,10 @@ blocks: the mean of those of both steps needs the fewest solves and certifies 92
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
 They are tried in this order: together 99.7 %.
 
-In space reactions are a continuum as a rule (T74). The mean of three reactions, patiently, comes
-second there, and late the first ones again from reactions that are shaken, and proximal steps
-(`lacore.coupling.proximal`).
+In space reactions are a continuum as a rule (T74). Curves of the smoothed law come second there,
+which end at a Coulomb state wherever they were followed (`lacore.coupling.in_space.central_path`);
+then the mean of three reactions, patiently, and late the first ones again from reactions that are
+shaken, and proximal steps (`lacore.coupling.in_space.proximal`).
 """
 
 from collections.abc import Callable
@@ -22,7 +23,8 @@ from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
-from lacore.coupling.proximal import proximal
+from lacore.coupling.in_space.central_path import tracked
+from lacore.coupling.in_space.proximal import proximal
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, s_step
@@ -75,7 +77,7 @@ def certified_loop(
     of_contact = (averaged, _damped, _alternated, _shifted)
     if rows.tangent_dim > 1:
         late = (restarted, *((proximal,) if quadratic else ()))
-        of_contact = (averaged, mixed, _damped, _alternated, *late, _shifted)
+        of_contact = (averaged, tracked, mixed, _damped, _alternated, *late, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:

@@ -8,11 +8,13 @@ import pytest
 
 import lacore as la
 from lacore.backend import find_backend, read_options
+from lacore.certificate import certify
 from lacore.coupling.certified import averaged, mixed, restarted
 from lacore.coupling.freezing import associated
-from lacore.coupling.proximal import proximal, proximal_program
+from lacore.coupling.in_space.central_path import states_along, takes, tracked
+from lacore.coupling.in_space.proximal import proximal, proximal_program
+from lacore.coupling.in_space.slack import Slack
 from lacore.coupling.run import CouplingOptions, Run
-from lacore.coupling.slack import Slack
 from lacore.inner.preparing import preparing
 from lacore.limit.conversion import point_in_program
 from lacore.program import dimensionless, reaction_contact
@@ -75,7 +77,7 @@ def test_a_coulomb_state_is_a_fixed_point_of_proximal_steps(state, run):
     )
 
 
-@pytest.mark.parametrize("attempt", [averaged, mixed, proximal, restarted])
+@pytest.mark.parametrize("attempt", [averaged, tracked, mixed, proximal, restarted])
 def test_each_attempt_certifies_a_dome(run, state, attempt):
     found = attempt(run, run.iterates[0].inner.point)
     assert found is not None
@@ -84,6 +86,32 @@ def test_each_attempt_certifies_a_dome(run, state, attempt):
     # Load factors of domes are not unique: all are below the associated one.
     assert found.state.load_factor <= run.iterates[0].inner.point.load_factor * (1 + BAR)
     assert found.state.load_factor * scale == pytest.approx(state.load_factor, rel=0.05)
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.5])
+def test_curves_end_at_coulomb_states_and_come_from_the_middle_of_all_cones(run, spread):
+    """Smoothed complementarity: forces times velocities are the square of the smoothing."""
+    start, program = run.iterates[0].inner.point, run.program
+    rows = program.contact
+    share = np.exp(spread * np.random.default_rng(3).standard_normal(rows.count))
+    gaps = []
+    for state, smoothing in states_along(program, start, share):
+        residuals = certify(program, state)
+        gaps.append((smoothing, residuals.slip))
+        if residuals.holds(BAR) or len(gaps) > 300:
+            break
+    assert residuals.holds(BAR)
+    smoothing, slips = np.array(gaps).T
+    # The slip residual is a sum of what is not complementary: some powers of the smoothing below 1.
+    small = smoothing < 1e-3
+    assert np.all(slips[small] <= rows.count * smoothing[small])
+
+
+def test_curves_are_followed_of_rigid_blocks_whose_friction_is_a_cone(run):
+    assert takes(run.program)
+    rows = run.program.contact
+    for other in ({"limit": 1.0 + rows.limit}, {"dilatancy": 0.1 + rows.dilatancy}):
+        assert not takes(replace(run.program, contact=replace(rows, **other)))
 
 
 def test_without_a_backend_that_takes_squares_there_are_no_proximal_steps(run):
