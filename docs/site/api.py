@@ -52,7 +52,7 @@ def _of(thing: object) -> str:
 
 def _title(room: str) -> str:
     module = getattr(la, room, None)
-    if isinstance(module, ModuleType) and room in la.__all__:
+    if isinstance(module, ModuleType) and room in dir(la):
         return f"la.{room}"
     return room
 

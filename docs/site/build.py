@@ -54,7 +54,7 @@ def _charts_css() -> bytes:
 
 def _of_cases(site: Site, cases: list[Case], most: int) -> dict[str, str]:
     kept, found = pictures.Kept(site.folder.parent / "drawn"), results.load()
-    shown = kept.drawn(cases, most)
+    shown = kept.drawn(cases, found.outcomes, most)
     for file, data in {**pictures.files(shown), **gallery.thumbnails(cases, shown)}.items():
         site.put(file, data)
     return {

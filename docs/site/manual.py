@@ -7,7 +7,7 @@ from math import isfinite
 import pandas as pd
 
 from myst import Writer, escaped
-from pictures import mechanism
+from pictures import enclosed, mechanism
 from results import Results
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import KINDS, Case
@@ -29,7 +29,7 @@ def page(case: Case, results: Results, drawn: Drawn) -> str:
     outcomes = [own for own in results.outcomes if own.run.case.id == case.id]
     checks = results.checks
     asked = checks[checks["case"] == case.id] if len(checks) else checks
-    document = page_of(case, outcomes, asked, results.provenance, drawn)
+    document = page_of(case, outcomes, asked, {}, drawn)
     write = Writer({name: f"../pictures/{name}.png" for name in drawn})
     parts = [f"# {document.title}", escaped(document.lead), write.page(document.summary)]
     sketches = [block for block in _every(document.sections) if _is_sketch(block)]
@@ -40,6 +40,9 @@ def page(case: Case, results: Results, drawn: Drawn) -> str:
         if section.id == "problem":
             blocks += _moving(case, drawn)
             blocks += [Details("The same in letters", sketches)] if sketches else []
+        bracketed = enclosed(case, outcomes)
+        if section.id == "results" and bracketed is not None and bracketed.name in drawn:
+            blocks = [drawn[bracketed.name], *blocks]
         parts += [f"## {section.title}", write.page(blocks)]
     if not outcomes:
         parts.append(
@@ -88,8 +91,9 @@ def index(cases: Sequence[Case], results: Results) -> str:
         own = [case for case in cases if _kind(case) == kind]
         if own:
             parts += [f"## {(kind or 'others').capitalize()}", _front(own, rows)]
-    about = Writer({}).block(Facts(results.provenance))
-    parts += ["## Machine and versions", "Of the results in these tables:", about]
+    parts += ["## Machine and versions", "Of the results in these tables:"]
+    for runs, provenance in results.provenances.items():
+        parts += [f"### {runs}", Writer({}).block(Facts(provenance))]
     contents = [":::{toctree}", ":hidden:", *(case.id for case in cases), "excluded", ":::"]
     return "\n\n".join([*parts, "\n".join(contents)]) + "\n"
 

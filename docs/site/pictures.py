@@ -2,7 +2,8 @@
 
 import hashlib
 import inspect
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -10,12 +11,18 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import lacore as la
+from lacore.bounds.enclosing import associated
 from verification.case import Case
+from verification.case.bracketing import BRACKET
 from verification.report.blocks import Picture, Text
 from verification.report.drawing import Drawn, Subject, draw, sketch
+from verification.runs.outcome import Outcome
+from verification.runs.run import Run
 from verification.store.provenance import code_version
+from verification.verdicts.words import PASS
 
 _SEEN = "mechanism"
+_DEAR = 20.0  # s, of a bracket when it was kept
 
 
 def mechanism(case: Case) -> Subject:
@@ -34,9 +41,33 @@ def _mechanism(case: Case) -> Figure:
     return state.plot()
 
 
-def subjects(case: Case) -> list[Subject]:
-    """The problem, and how it collapses; a path has many loads."""
-    return [sketch(case), *([] if case.path is not None else [mechanism(case)])]
+def subjects(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Subject]:
+    """The problem, how it collapses (a path has many loads), and the meshes of its bracket."""
+    yield sketch(case)
+    if case.path is None:
+        yield mechanism(case)
+    bracketed = enclosed(case, outcomes)
+    if bracketed is not None:
+        yield bracketed
+
+
+def enclosed(case: Case, outcomes: Sequence[Outcome]) -> Subject | None:
+    """The meshes of the bracket of the first variant; None where there is none, or a dear one."""
+    name = case.variants[0].name
+    for own in outcomes:
+        row = own.row
+        good = row.verdict == PASS and row.solve_time < _DEAR
+        if good and (row.case, row.variant, row.coupling) == (case.id, name, BRACKET):
+            text = f"Bracket of {name}, found anew when this page was made"
+            return Subject(f"{case.id}-bracket", text, case, partial(_bracketed, own.run))
+    return None
+
+
+def _bracketed(run: Run) -> Figure:
+    stated = run.case.bracket
+    assert stated is not None
+    width, most = stated.target_width, stated.max_elements
+    return la.bracket(associated(run.problem()), width, most, backend=run.backend, jobs=1).plot()
 
 
 @dataclass(frozen=True)
@@ -45,11 +76,11 @@ class Kept:
 
     folder: Path
 
-    def drawn(self, cases: Sequence[Case], most: int) -> Drawn:
+    def drawn(self, cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> Drawn:
         """Pictures of all cases; of what is not in the folder the first `most` are drawn."""
         found: dict[str, Picture | Text] = {}
         todo: list[Subject] = []
-        for subject in (one for case in cases for one in subjects(case)):
+        for subject in (one for case in cases for one in subjects(case, outcomes)):
             old = self._found(subject)
             if old is not None:
                 found[subject.name] = old
@@ -57,7 +88,7 @@ class Kept:
                 todo.append(subject)
             else:
                 found[subject.name] = Text("Not drawn: `make docs` draws all.", soft=True)
-        new = draw(todo, jobs=1)
+        new = draw(todo, jobs=os.cpu_count() or 1)
         for subject in todo:
             self._keep(subject, new[subject.name])
         return {**found, **new}

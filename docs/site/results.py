@@ -1,15 +1,16 @@
 """The committed results that the verification manual is built of, and how they are made.
 
 ``python docs/site/results.py DIR`` keeps those of `lacore verify` in DIR: every run, its residuals
-and the history of brackets and paths, without states. ``results.jsonl.gz.sha256`` is of the whole
-file; of one that was changed by hand nothing is shown.
+and the history of brackets and paths, without states; those of cases that DIR does not have stay.
+``results.jsonl.gz.sha256`` is of the whole file; of one that was changed by hand nothing is shown.
 """
 
 import gzip
 import hashlib
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, fields
 from math import isnan
 from pathlib import Path
@@ -35,13 +36,13 @@ class Results:
     """What the manual shows.
 
     Attributes:
-        provenance: of the runs: machine, versions, date.
+        provenances: of the runs, machine, versions, date, by what they are of.
         outcomes: without states; of cases and variants that are in the catalogue.
         checks: as `lacore verify` writes them.
         left: lines of cases and variants that are not there any more, or changed since.
     """
 
-    provenance: Mapping[str, str]
+    provenances: Mapping[str, Mapping[str, str]]
     outcomes: list[Outcome]
     checks: pd.DataFrame
     left: int
@@ -53,13 +54,39 @@ def load() -> Results:
     Raises:
         ValueError: it is not.
     """
+    kept = _read()
+    found = [_outcome(line) for line in kept.lines]
+    known = [outcome for outcome in found if outcome is not None]
+    counts = Counter(line["date"] for line in kept.lines)
+    provenances = {f"{own['date']}: {counts[own['date']]} runs": own for own in kept.sessions}
+    return Results(provenances, known, pd.DataFrame(kept.checks), len(found) - len(known))
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What the file has: provenances, checks, and a line a run with the date of its provenance."""
+
+    sessions: Sequence[dict[str, str]] = ()
+    checks: Sequence[dict[str, Any]] = ()
+    lines: Sequence[dict[str, Any]] = ()
+
+    def without(self, cases: Set[str]) -> "_Kept":
+        """What is kept of other cases."""
+        lines = [line for line in self.lines if line["identity"]["case"] not in cases]
+        dates = {line["date"] for line in lines}
+        return _Kept(
+            [own for own in self.sessions if own["date"] in dates],
+            [own for own in self.checks if own["case"] not in cases],
+            lines,
+        )
+
+
+def _read() -> _Kept:
     data = FILE.read_bytes()
     if hashlib.sha256(data).hexdigest() != SEAL.read_text(encoding="ascii").strip():
         raise ValueError(f"{FILE.name} is not what was kept: its checksum is another one")
-    first, checks, *lines = map(json.loads, gzip.decompress(data).decode().splitlines())
-    found = [_outcome(line) for line in lines]
-    known = [outcome for outcome in found if outcome is not None]
-    return Results(first, known, pd.DataFrame(checks), len(found) - len(known))
+    sessions, checks, *lines = map(json.loads, gzip.decompress(data).decode().splitlines())
+    return _Kept(sessions, checks, lines)
 
 
 def _outcome(line: Mapping[str, Any]) -> Outcome | None:
@@ -80,13 +107,14 @@ def _outcome(line: Mapping[str, Any]) -> Outcome | None:
     return Outcome(run, Row(**row), evidence)
 
 
-def _line(outcome: Outcome) -> dict[str, Any]:
+def _line(outcome: Outcome, date: str) -> dict[str, Any]:
     """What is kept of an outcome: without what is not there, measured with few digits."""
     row = {name: value for name, value in vars(outcome.row).items() if not _same(name, value)}
     row |= {name: _short(row[name]) for name in _MEASURED & row.keys()}
     residuals = {name: _short(value) for name, value in outcome.evidence.residuals.items()}
     kept = {"residuals": residuals, "history": list(_history(outcome))}
-    return {"identity": outcome.run.identity, "row": row} | {n: v for n, v in kept.items() if v}
+    told = {name: value for name, value in kept.items() if value}
+    return {"identity": outcome.run.identity, "date": date, "row": row, **told}
 
 
 _MEASURED = {"build_time", "solve_time", "peak_memory_mb", "contraction", "gap", "energy"}
@@ -111,16 +139,19 @@ def _same(name: str, value: Any) -> bool:
     return bool(nothing if isinstance(default, float) else value == default)
 
 
-def _lines(folder: Path) -> Iterator[str]:
+def _found(folder: Path) -> _Kept:
     outcomes, _ = load_outcomes(folder, catalogue())
-    yield canonical(list(sessions(file_of(folder)).values())[-1])
-    yield canonical(json.loads(pd.read_csv(folder / "checks.csv").to_json(orient="records")))
-    yield from (canonical(_line(outcome)) for outcome in outcomes)
+    newest = list(sessions(file_of(folder)).values())[-1]
+    checks = json.loads(pd.read_csv(folder / "checks.csv").to_json(orient="records"))
+    return _Kept([newest], checks, [_line(outcome, newest["date"]) for outcome in outcomes])
 
 
 def main(folder: Path) -> None:
-    """Keep the results of a folder."""
-    data = "".join(f"{line}\n" for line in _lines(folder)).encode()
+    """Keep the results of a folder, in place of older ones of the same cases."""
+    new = _found(folder)
+    old = _read().without({line["identity"]["case"] for line in new.lines})
+    parts = [[*old.sessions, *new.sessions], [*old.checks, *new.checks], *old.lines, *new.lines]
+    data = "".join(f"{canonical(part)}\n" for part in parts).encode()
     packed = gzip.compress(data, mtime=0)
     FILE.write_bytes(packed)
     SEAL.write_text(hashlib.sha256(packed).hexdigest() + "\n", encoding="ascii")
