@@ -226,12 +226,12 @@ class ConicForm:
             for law, gain in zip(laws, gains, strict=True)
             if law.softened
         ]
-        # The t are lengths times weights: w h (t/w)^2/2.
+        # The t are lengths times weights per unit: w h (t unit/w)^2/2.
         rising = [
             np.zeros(lead.shares.shape[1])
             if lead.slopes is not None
-            else group.rise / group.weights
-            for group, lead in zip(program.groups, leads[:-1], strict=True)
+            else group.rise * unit**2 / group.weights
+            for group, unit, lead in zip(program.groups, self._units, leads[:-1], strict=True)
         ]
         still = np.zeros(first - program.n - sum(part.size for part in rising))
         diagonal = np.concatenate([np.zeros(program.n), *rising, still, *soft])
@@ -258,7 +258,7 @@ class ConicForm:
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
         bounds = [
-            group.bound
+            group.bound * unit
             if group.surfaces is None
             else (group.surfaces.strength * unit[:, None]).ravel()
             for group, unit in zip(self._program.groups, self._units, strict=True)

@@ -1,4 +1,4 @@
-"""What yield surfaces that depend on pressure make of the rows of a conic form. Not a backend."""
+"""What strength that depends on pressure, and hardening, make of the rows of a conic form."""
 
 from dataclasses import dataclass
 
@@ -69,17 +69,22 @@ def stress_besides(group: DissipationGroup, velocity: Floats) -> Floats:
 def point_units(group: DissipationGroup) -> Floats:
     """What the rows of each point are divided by, and its stresses multiplied, shape (m,).
 
-    Roots of the sizes of small weighted rows, else 1. What a solver adds to its diagonal, and
-    leaves of a row, is the same for all of them, and beside a row of 1e-4 (thousands of elements,
-    those next to an axis of revolution the least) it is no little: 59 iterations in place of 28,
-    and a load that is off by 3e-6. In units of their own sizes round-off of stresses ends the
-    solve early.
+    With surfaces roots of the sizes of small weighted rows, else 1. What a solver adds to its
+    diagonal, and leaves of a row, is the same for all of them, and beside a row of 1e-4 (thousands
+    of elements, those next to an axis of revolution the least) it is no little: 59 iterations in
+    place of 28, and a load that is off by 3e-6. In units of their own sizes round-off of stresses
+    ends the solve early.
+
+    Roots of all sizes where strain rates harden: 24 programs take 435 iterations in place of 520,
+    to a tolerance of 1e-4 234 in place of 326, and leave 4e-10 at most in place of 2e-8.
     """
     largest = np.zeros(group.weights.size)
-    if group.surfaces is None:
+    if group.surfaces is None and group.modulus is None:
         return largest + 1.0
     for rows, dim in ((group.rows, group.dim), (group.volumetric, group.volumes)):
         squared = np.asarray(rows.multiply(rows).sum(axis=1)).reshape(-1, dim)
         largest = np.maximum(largest, np.sqrt(squared.max(axis=1, initial=0.0)))
     size = group.weights * largest
-    return np.asarray(np.sqrt(np.where(size > 0, np.minimum(size / _SMALL, 1.0), 1.0)))
+    if group.surfaces is not None:
+        size = np.minimum(size / _SMALL, 1.0)
+    return np.asarray(np.sqrt(np.where(size > 0, size, 1.0)))
