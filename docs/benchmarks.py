@@ -28,6 +28,7 @@ _DIGITS = 8
 _OTHER = (
     "loop",
     "wall",
+    "path",
     "sweep",
     "bracket",
     "bracket order",
@@ -42,6 +43,17 @@ _WALLS = {  # of their table
     "seconds": ("seconds", ""),
     "associated solves": ("ratio", ""),
     "memory, MB": ("memory_mb", "{:.0f}"),
+}
+_PATHS = {  # of their table
+    "benchmark": ("what", "{}"),
+    "triangles": ("triangles", "{:.0f}"),
+    "steps": ("steps", "{:.0f}"),
+    "inner solves": ("solves", "{:.0f}"),
+    "largest gap": ("gap", "{:.0e}"),
+    "seconds": ("seconds", ""),
+    "before, s": ("before", ""),
+    "aim, s": ("aim", "{:g}"),
+    "associated solves": ("ratio", "{:.0f}"),
 }
 _BRACKETS = {  # of their table
     "benchmark": ("what", "{}"),
@@ -126,6 +138,11 @@ def walls(frame: pd.DataFrame) -> str:
     return _markdown(frame[frame["kind"] == "wall"].sort_values("blocks"), _WALLS)
 
 
+def paths(frame: pd.DataFrame) -> str:
+    """Markdown of paths of large deformation."""
+    return _markdown(frame[frame["kind"] == "path"], _PATHS)
+
+
 def brackets(frame: pd.DataFrame) -> str:
     """Markdown of brackets with proof."""
     return _markdown(frame[frame["kind"] == "bracket"], _BRACKETS)
@@ -207,6 +224,12 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in"
             " units of one associated solve of the same wall; memory is the peak above that of"
             f" the assembled problem:\n\n{walls(frame)}"
+        )
+    if (frame["kind"] == "path").any():
+        paragraphs.append(
+            "**Paths of large deformation**, all steps with their certificates, beside the time of"
+            " the loop as it was before, and in units of one associated solve of the first step:"
+            f"\n\n{paths(frame)}"
         )
     if (frame["kind"] == "bracket").any():
         paragraphs.append(

@@ -19,6 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
@@ -27,7 +28,7 @@ from lacore.coupling.in_space.central_path import tracked
 from lacore.coupling.in_space.proximal import proximal
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
-from lacore.coupling.steps import alternate, closest, s_step
+from lacore.coupling.steps import alternate, closest, resumed, s_step
 from lacore.numerics.anderson import Anderson
 from lacore.program import KinematicProgram, frictionless_contact
 from lacore.state import ProgramState
@@ -55,17 +56,35 @@ def certified_loop(
     on_iterate: OnIterate,
     prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
     quadratic: bool = False,
+    roughly: Callable[[KinematicProgram], PreparedSolver] | None = None,
+    pressed: Floats | None = None,
 ) -> Coupled:
     """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
 
     Where strain rates harden, S-steps take the yield stresses of the K-step before, in a program of
     their own that `prepare` gets a solver for: two velocities would not harden alike. Proximal
     steps are programs of their own, too, and `quadratic` says whether the backend takes them.
+
+    There no pair with the associated state would hold, and it begins with friction that is nearly
+    right, of a state nearby or from rough solves (`lacore.coupling.steps.resumed`).
     """
-    run = Run(program, solver, regularised, options, on_iterate, prepare)
+    run = Run(program, solver, regularised, options, on_iterate, prepare, roughly)
     rows = program.contact
     if not (rows.coulomb.any() or program.frictional):
         return run.judged(run.solve("single", frictionless_contact(rows)))
+    if not program.hardens or program.frictional or roughly is None:
+        return _from_associated(run, quadratic)
+    found = resumed(run, pressed, _mean, _PATIENCE)
+    if found is not None:
+        return run.judged(found)
+    # With all solves that it may take: what is certified so is certified still.
+    again = _from_associated(replace(run, iterates=[], rates=[], _mapped={}), quadratic)
+    return replace(again, iterates=(*run.iterates, *again.iterates))
+
+
+def _from_associated(run: Run, quadratic: bool) -> Coupled:
+    """The loop from the associated state."""
+    program, rows = run.program, run.program.contact
     frozen = associated(program)
     first = run.solve("associated", frozen.contact, program=frozen.program)
     anchor = anchored(run) if first.inner.status is Status.LOCKED else first
@@ -122,7 +141,11 @@ def anchored(run: Run) -> Iterate:
 
 def averaged(run: Run, static: ProgramState) -> Iterate | None:
     """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
-    return alternate(run, static, "K", _PATIENCE, lambda _, s, k: (s + k) / 2)
+    return alternate(run, static, "K", _PATIENCE, _mean)
+
+
+def _mean(_: Floats, s: Floats, k: Floats) -> Floats:
+    return (s + k) / 2
 
 
 def _damped(run: Run, static: ProgramState) -> Iterate | None:

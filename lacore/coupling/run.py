@@ -160,7 +160,11 @@ def paired(kinematic: ProgramState, static: ProgramState) -> ProgramState:
 
 @dataclass
 class Run:
-    """The inner solves of one loop, judged as they come."""
+    """The inner solves of one loop, judged as they come.
+
+    `prepare` sets a solver to work on a program of its own, `roughly` one whose answers are only
+    where others begin.
+    """
 
     program: KinematicProgram
     solver: PreparedSolver
@@ -168,6 +172,7 @@ class Run:
     options: CouplingOptions
     on_iterate: Callable[[Iterate], None]
     prepare: Callable[[KinematicProgram], PreparedSolver] | None = None
+    roughly: Callable[[KinematicProgram], PreparedSolver] | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
     _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)

@@ -4,20 +4,33 @@ A K-step minimises over velocities at frozen reactions, an S-step maximises over
 admissible states inside the Coulomb cones at frozen slip. Both are the same kinematic program with
 other contact terms, the S-step read off its multipliers. The velocity of one with the reactions of
 the other is an admissible pair; one without a gap is a Coulomb limit state.
+
+Where strain rates harden the loop begins with rough solves. Slip at associated friction is off by a
+sixth or more; an S-step at it has slip of its own, and each brings what is off down to a fifth,
+whatever its digits: to a tolerance of 1e-4 they take half of the iterations. K- and S-step after
+them make a pair that holds as a rule, where the loop from the associated state takes two
+(docs/measured.md). Reactions of the step of a path before are off by a tenth: velocities jump from
+slip line to slip line.
 """
 
 from collections.abc import Callable
+from contextlib import closing
 
 import numpy as np
 
 from lacore.arrays import Floats
 from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
 from lacore.coupling.run import Iterate, Run, paired
+from lacore.program import associated_contact, shift_contact
 from lacore.state import ProgramState
 from lacore.status import Status
 
 FALLS = 0.9  # of the least gap so far: anything above is a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
+_SOON = 8  # solves, with which a loop from the associated state is through as a rule
+_LOOKS = 3  # rough S-steps, at most
+_NEAR = 0.03  # gap of one on its own, from which the next pair holds as a rule
+_NOISE = 3e-4  # of the largest reaction: what rough solves leave where there is none
 
 Blend = Callable[[Floats, Floats, Floats], Floats]
 """Next frozen reaction from the last one and those of the S- and the K-step after it."""
@@ -61,6 +74,46 @@ def alternate(
     return None
 
 
+def resumed(run: Run, pressed: Floats | None, blend: Blend, patience: int) -> Iterate | None:
+    """K- and S-steps from friction nearby; None unless a pair that holds comes soon.
+
+    Args:
+        run: a loop at its start.
+        pressed: what the first K-step freezes; None: what rough solves find.
+        blend, patience: see `alternate`.
+    """
+    if pressed is None:
+        pressed = _found_roughly(run)
+    if pressed is None:
+        return None
+    k = k_step(run, pressed, None, "K")
+    if k.inner.point is None or run.free(k) or run.proven(k):
+        return k if carries(run, k) else None
+    s = s_step(run, k.inner.point, pressed)
+    if s.inner.point is None or run.free(s) or run.proven(s):
+        return s if carries(run, s) else None
+    return alternate(run, s.inner.point, "K", patience, blend, _SOON)
+
+
+def _found_roughly(run: Run) -> Floats | None:
+    """Normal reactions at slip that is nearly theirs; None where rough solves find none."""
+    assert run.roughly is not None
+    rows = run.program.contact
+    with closing(run.roughly(run.program)) as solver:
+        last = run.solve("rough associated", associated_contact(rows), solver=solver)
+        for _ in range(_LOOKS):
+            point = last.inner.point
+            if point is None or gap(last) <= _NEAR:
+                break
+            slip = np.asarray(np.linalg.norm(rows.slip(point.velocity), axis=1))
+            last = run.solve("rough S", shift_contact(rows, slip), solver=solver)
+    point = last.inner.point
+    if point is None:
+        return None
+    pressed = pressing(run.program, point)
+    return np.where(pressed > _NOISE * pressed.max(initial=0.0), pressed, 0.0)
+
+
 def carried_k_step(
     run: Run, pressed: Floats, static: ProgramState, kind: str
 ) -> tuple[Floats, Iterate]:
@@ -72,10 +125,11 @@ def carried_k_step(
     return pressed, k
 
 
-def k_step(run: Run, pressed: Floats, static: ProgramState, kind: str) -> Iterate:
-    """``u = argmin`` of (T5) at frozen friction, judged with the static state before."""
+def k_step(run: Run, pressed: Floats, static: ProgramState | None, kind: str) -> Iterate:
+    """``u = argmin`` of (T5) at frozen friction, judged with the static state before, if any."""
     program = run.program
-    frozen, partner = at_pressing(program, pressed), lambda k: paired(k, static)
+    frozen = at_pressing(program, pressed)
+    partner = None if static is None else lambda k: paired(k, static)
     k = run.solve(kind, frozen.contact, partner=partner, program=frozen.program)
     if k.inner.point is not None:
         image = pressing(program, k.inner.point)

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
-from lacore.backend import Backend, PreparedSolver
+from lacore.backend import TRUE_GAP, Backend, PreparedSolver
 from lacore.inner.local_speeds import LocalSpeedSolver
 from lacore.inner.rescaling import GOOD, RescalingSolver
 from lacore.inner.strong_bodies import StrongBodySolver
@@ -14,6 +15,18 @@ from lacore.program import KinematicProgram
 Prepare = Callable[[KinematicProgram], PreparedSolver]
 JUDGE = "clarabel"
 """Exact backend that proves what regularised ones claim, which prove no equilibrium."""
+
+
+ROUGH = 1e-4
+"""Nominal tolerance of solves whose answers are only where others begin."""
+
+
+def rough(backend: Backend, options: Any) -> Any:
+    """Options of such a solve; those given where the backend has no tolerance, or a looser one."""
+    if not hasattr(options, "tolerance"):
+        return options
+    loose = ROUGH * (TRUE_GAP if backend.capabilities.true_gap else 1.0)
+    return replace(options, tolerance=max(loose, options.tolerance))
 
 
 @contextmanager

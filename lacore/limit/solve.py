@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.sticking import opening
@@ -31,8 +32,8 @@ from lacore.coupling.fixed_point import (
 )
 from lacore.coupling.names import COUPLINGS
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate
-from lacore.errors import SolveError
-from lacore.inner.preparing import JUDGE, preparing
+from lacore.errors import InputError, SolveError
+from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
@@ -87,6 +88,7 @@ def solve(
     on_iterate: Callable[[Iterate], None] | None = None,
     throw: bool = False,
     process: SolverProcess | None = None,
+    pressed: Floats | None = None,
 ) -> LimitState:
     """Collapse load and mechanism of a problem.
 
@@ -113,6 +115,8 @@ def solve(
         process: let the backend work in this process, which survives neither hanging nor crashing
             of it, but everything else does. Without it, a backend that asks for isolation gets a
             process for this one solve, and any other works here.
+        pressed: normal reactions at the contact points of a state nearby, Pa, within a step of a
+            path: its ``certified`` loop begins there. What is certified does not depend on it.
 
     Raises:
         InputError: an unknown name or an option out of range, before any solve.
@@ -128,13 +132,23 @@ def solve(
     coupling_options = CouplingOptions(
         start, damping, anderson, tolerance, max_iterations, kappa, accepted
     )
-    state = _solved(problem, backend, coupling, coupling_options, options, on_iterate, process)
+    asked = partial(
+        _solved,
+        backend=backend,
+        coupling=coupling,
+        coupling_options=coupling_options,
+        options=options,
+        on_iterate=on_iterate,
+        process=process,
+        pressed=pressed,
+    )
+    state = asked(problem)
     bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
     for _ in range(ROUNDS):
         if state.status is not Status.SOLVED or excess(state) <= bar:
             break
         last, finer = state, hinged(state, given, bar)
-        state = _solved(finer, backend, coupling, coupling_options, options, on_iterate, process)
+        state = asked(finer)
         built, spent = last.build_time + state.build_time, last.solve_time + state.solve_time
         state = replace(state, build_time=built, solve_time=spent)
     if state.status is Status.SOLVED and excess(state) > bar:
@@ -159,6 +173,7 @@ def _solved(
     options: Mapping[str, Any] | None,
     on_iterate: Callable[[Iterate], None] | None,
     process: SolverProcess | None,
+    pressed: Floats | None,
 ) -> LimitState:
     """The state with hinges at the nodes that there are."""
     asked = coupling
@@ -167,6 +182,7 @@ def _solved(
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     program = stated(problem, engine, coupling, asked)
+    nearby = _nearby(pressed, program)
     if not program.frictional:
         coupling_options = replace(coupling_options, accepted=None)
     built = time.perf_counter()
@@ -184,7 +200,14 @@ def _solved(
         couple = _LOOP_OF[coupling]
         if couple is certified_loop and (process is None or program.frictional):
             quadratic = engine.capabilities.hardening
-            couple = partial(certified_loop, prepare=prepare, quadratic=quadratic)
+            loose = rough(engine, engine_options)
+            couple = partial(
+                certified_loop,
+                prepare=prepare,
+                quadratic=quadratic,
+                roughly=None if process is not None else lambda own: engine.prepare(own, loose),
+                pressed=nearby,
+            )
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
@@ -216,6 +239,22 @@ def _solved(
     if state.status is Status.UNSAFE and program.homogeneous:
         state = _falling(state)
     return replace(state, solve_time=time.perf_counter() - built)
+
+
+def _nearby(pressed: Floats | None, program: KinematicProgram) -> Floats | None:
+    """Reactions where a loop begins, in the units of the program.
+
+    Raises:
+        InputError: they are not those of its contact points.
+    """
+    if pressed is None:
+        return None
+    count = program.contact.count
+    if np.shape(pressed) != (count,) or not np.all(np.isfinite(pressed)) or np.any(pressed < 0):
+        why = f"are not {count} numbers of 0 or more"
+        mend = "give those of a state with the same contact points, or leave them out"
+        raise InputError("pressed", None, why, mend)
+    return np.asarray(pressed, dtype=float) / program.scales.stress
 
 
 def _falling(state: LimitState) -> LimitState:

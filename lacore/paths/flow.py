@@ -45,12 +45,15 @@ class Moment(Compact):
         at: where bodies are now.
         duration: of the step, s; of the velocities of ``F0.u = 1``.
         share: of the duration that has gone by when the yield stress counts, theta.
+        pressed: normal reactions at the contact points where the loop on friction begins, Pa: of
+            a moment of the same step; None: it looks for them.
     """
 
     begin: Configuration
     at: Configuration
     duration: float
     share: float
+    pressed: Floats | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,7 +142,8 @@ def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
     Raises:
         InputError: see `discretised`.
     """
-    return flow_of(solve(limit_problem(stage, moment), **settings), moment)
+    state = solve(limit_problem(stage, moment), **settings, pressed=moment.pressed)
+    return flow_of(state, moment)
 
 
 def limit_problem(stage: Stage, moment: Moment) -> Discretisation:

@@ -87,13 +87,14 @@ class Stride:
 
 @dataclass
 class Walk:
-    """What does not change along a path, and the count of solves."""
+    """What does not change along a path, and of a step the count of solves and the reactions."""
 
     stage: Stage
     gauge: Gauge
     settings: Mapping[str, Any]
     selection: LeastNorm | None = None
     solves: int = field(default=0)
+    pressed: Floats | None = None
 
     @property
     def size(self) -> float:
@@ -108,7 +109,7 @@ class Walk:
         """
         require_upright(self.stage, moment.at)
         try:
-            found = flow(self.stage, moment, self.settings)
+            found = flow(self.stage, replace(moment, pressed=self.pressed), self.settings)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
             raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong
@@ -120,6 +121,7 @@ class Walk:
             raise PathEndError(Ending.LOCKED, text)
         if state.status is not Status.SOLVED or state.point is None:
             raise PathEndError(Ending.NOT_SOLVED, state.message)
+        self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)
             self.solves += 0 if selected is None else selected.solves

@@ -168,7 +168,7 @@ def sequential(
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
     """The next place, after as many attempts as the pace asks for."""
     begin = time.perf_counter()
-    walk.solves = 0
+    walk.solves, walk.pressed = 0, None  # of the step before they are too far off
     walk.require_safe(here, distance)
     stride = scheme(walk, here, distance)
     while not pace.accepts(stride.error):

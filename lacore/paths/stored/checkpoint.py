@@ -14,7 +14,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from importlib.metadata import version
 from pathlib import Path as File
 from types import TracebackType
@@ -37,7 +37,7 @@ from lacore.paths.stage import Stage
 from lacore.paths.stored.fingerprint import fingerprint
 from lacore.paths.stored.progress import Progress, WrongFieldError, require_sound
 
-_FORMAT = 4
+_FORMAT = 5
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
@@ -227,6 +227,8 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         if snapshot.moment is not None:
             pack_configuration(f"snapshot/{place}/begin", snapshot.moment.begin)
             pack_configuration(f"snapshot/{place}/at", snapshot.moment.at)
+            if snapshot.moment.pressed is not None:
+                arrays[f"snapshot/{place}/pressed"] = snapshot.moment.pressed
     for place, own in enumerate(progress.made):
         pack(f"made/{place}/nodes", own.nodes)
         for number, mesh in enumerate(own.meshes.values()):
@@ -334,10 +336,13 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
                 velocity=unpack(f"snapshot/{place}/velocity"),
                 strain_rate=unpack(f"snapshot/{place}/strain_rate"),
                 moment=own["moment"]
-                and Moment(
-                    configuration(f"snapshot/{place}/begin"),
-                    configuration(f"snapshot/{place}/at"),
-                    *own["moment"],
+                and replace(
+                    Moment(
+                        configuration(f"snapshot/{place}/begin"),
+                        configuration(f"snapshot/{place}/at"),
+                        *own["moment"],
+                    ),
+                    pressed=arrays.get(f"snapshot/{place}/pressed"),
                 ),
             )
             for place, own in enumerate(head["snapshots"])

@@ -148,6 +148,7 @@ def _check_snapshots(progress: Progress, start: Configuration) -> None:
             _number(f"{name}, share", own.moment.share)
             if not 0 <= own.moment.share <= 1:
                 raise WrongFieldError(f"{name}, share", "is outside [0, 1]")
+            _check_pressed(name, own.moment.pressed)
             _check_strain(name, own, progress.rows[own.step - 1])
     if steps != sorted(set(steps)) or steps[0] != 0 or last.step != here.step:
         raise WrongFieldError("snapshots", "are not those of steps in their order")
@@ -159,6 +160,15 @@ def _check_snapshots(progress: Progress, start: Configuration) -> None:
             raise WrongFieldError(f"here.{field}", "is not that of the last snapshot")
         if any(np.any(values) for values in getattr(first, field).values()):
             raise WrongFieldError(f"snapshot 0, {field}", "is not zero at the beginning")
+
+
+def _check_pressed(name: str, pressed: Floats | None) -> None:
+    """Of how many points, only the limit problem knows, which refuses others."""
+    if pressed is None:
+        return
+    _finite(f"{name}, pressed", pressed)
+    if pressed.ndim != 1 or pressed.min(initial=0.0) < 0:
+        raise WrongFieldError(f"{name}, pressed", "is no list of reactions")
 
 
 def _check_strain(name: str, own: Snapshot, row: PathStep) -> None:

@@ -164,6 +164,8 @@ def test_with_all_digests_forged_a_path_is_one_that_could_have_been_or_is_refuse
         (lambda head, arrays: arrays["snapshot/2/strain/0"].__setitem__((0, 0), 5), "maximum"),
         (lambda head, arrays: head["snapshots"][1].update(step=2), "snapshot 1, travel"),
         (lambda head, arrays: head["snapshots"].pop(), "snapshots"),
+        (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([-1.0])}), "reactions"),
+        (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([np.nan])}), "pressed"),
     ],
 )
 def test_a_wrong_field_is_named(tmp_path, kept, change, words):
