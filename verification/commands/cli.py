@@ -20,6 +20,7 @@ from verification.commands.export import export
 from verification.commands.fuzz import fuzz
 from verification.commands.new import new
 from verification.commands.options import cases_option, json_option, name_list, print_json
+from verification.commands.programs import programs
 from verification.commands.report import manual, report
 from verification.commands.solve import solve
 from verification.commands.sweep import sweep
@@ -174,6 +175,7 @@ main.add_command(export)
 main.add_command(fuzz)
 main.add_command(manual)
 main.add_command(new)
+main.add_command(programs)
 main.add_command(report)
 main.add_command(solve)
 main.add_command(sweep)
