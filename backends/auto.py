@@ -96,8 +96,10 @@ class AutoSolver:
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
         self._names = [_OTHER]
-        # Of soils lower bounds take three times as long, though upper ones do not.
-        if program.n >= least and not program.presses and fast_solver() is not None:
+        # Of soils lower bounds take three times as long, though upper ones do not; of blocks alone
+        # vertices are degenerate, and one in four ends without progress.
+        fits = bool(program.groups) and not program.presses
+        if program.n >= least and fits and fast_solver() is not None:
             self._names = [_FIRST, _OTHER]
 
     def solve(self, contact: FrozenContact) -> InnerSolution:

@@ -8,6 +8,7 @@ of the bodies, positive definite, and of one pattern.
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,8 +16,10 @@ import scipy
 
 from backends._embedding.arrays import Translation
 from backends._embedding.dilating import as_moved, dilates
-from backends._embedding.follow import follow
+from backends._embedding.follow import Found, follow
+from backends._embedding.least import least_program
 from backends._embedding.loops import best_loops
+from backends._embedding.rigid import motions
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
 from backends._goal import Goal
@@ -26,12 +29,16 @@ from lacore.errors import require_count, require_positive
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.state import ProgramState
 from lacore.status import Status
 
 _LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
+_POSSIBLE = ("penetration", "divergence", "normalisation")  # of a velocity alone
 
 STATUS_MAP = {
     "solved": Status.SOLVED,
+    "solved to round-off": Status.SOLVED,  # ten tolerances are left, and certificates hold
+    "nothing to overcome": Status.SOLVED,  # at a load factor of zero
     "almost solved": Status.ALMOST_SOLVED,  # by its own residuals, but not by those recomputed
     "locked": Status.LOCKED,
     "unsafe": Status.UNSAFE,
@@ -92,16 +99,29 @@ class InteriorPoint:
 
     def prepare(self, program: KinematicProgram, options: InteriorPointOptions) -> PreparedSolver:
         """What the pattern of the matrix depends on is kept between solves."""
+        _compiled()
         return InteriorPointSolver(program, options)
+
+
+@cache
+def _compiled() -> None:
+    """All loops compiled, which is no part of the time of a solve."""
+    program, contact = least_program()
+    solver = InteriorPointSolver(program, InteriorPointOptions())
+    solver.solve(contact)
+    solver.close()
 
 
 class InteriorPointSolver:
     """The method at work on one program."""
 
     def __init__(self, program: KinematicProgram, options: InteriorPointOptions) -> None:
-        self._program, self._options = program, options
+        self._given, self._options = program, options
         self._solver = symmetric_solver(refined=False)
         self._loops = best_loops()
+        # Of bodies that move as they are contact would be lost beside their stiffness.
+        self._motions = motions(program, self._solver)
+        self._program = program if self._motions is None else self._motions.stated(program)
         self._known: tuple[Translation, Stiffness] | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
@@ -122,14 +142,19 @@ class InteriorPointSolver:
             native_status=native,
             iterations=found.iterations,
             solve_time=time.perf_counter() - begin,
-            point=own.state(found.velocity, found.multipliers) if status.has_point else None,
+            point=self._state(own, found) if status.has_point else None,
         )
         if status is not Status.SOLVED or answer.point is None:
             return answer
-        judged = self._program, answer.point
-        if dilates(self._program):
+        judged = self._given, answer.point
+        if dilates(self._given):
             judged = as_moved(*judged)
-        name, left = certify(*judged, contact).worst
+        certificate = certify(*judged, contact)
+        name, left = certificate.worst
+        if native == "nothing to overcome":
+            # Powers and forces per those of a load factor of zero say nothing.
+            name = max(_POSSIBLE, key=lambda kind: float(getattr(certificate, kind)))
+            left = getattr(certificate, name)
         if left <= _LEFT * options.tolerance:
             return answer
         return replace(
@@ -138,6 +163,13 @@ class InteriorPointSolver:
             native_status="almost solved",
             message=f"the residual {name!r}, recomputed, is {left:.1e}",
         )
+
+    def _state(self, own: Translation, found: Found) -> ProgramState:
+        """In the unknowns of the program."""
+        state = own.state(found.velocity, found.multipliers)
+        if self._motions is None:
+            return state
+        return replace(state, velocity=np.asarray(self._motions.basis @ state.velocity))
 
     def close(self) -> None:
         """Give the factors back."""

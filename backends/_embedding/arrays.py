@@ -220,9 +220,14 @@ class Translation:
         self._ends = np.cumsum([part.shape[0] for part in volumes])
         load = np.zeros(columns)
         load[: program.n] = program.reference_load
+        # What there is none of costs as many calls as what there is much of.
+        every = [one.rows for one in costly] + [kind.rows for kind in free]
+        self._empty = [rows.count == 0 for rows in every]
+        self._shapes = [(rows.dim, 0) for rows in every]
+        self._count = len(costly)
         self.conic = Conic(
-            tuple(costly),
-            tuple(free),
+            tuple(one for one in costly if one.rows.count),
+            tuple(kind for kind in free if kind.rows.count),
             Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
             np.concatenate([*given, np.zeros(stuck.shape[0])]),
             load,
@@ -245,8 +250,13 @@ class Translation:
     def state(self, velocity: Floats, found: Multipliers) -> ProgramState:
         """Velocity and multipliers in the signs of `ProgramState`."""
         program, dim = self._program, self._program.contact.tangent_dim
-        *strained, rubbed = found.costly
-        lifted, led, *pressing, _ = found.free
+        own = iter((*found.costly, *found.free))
+        every = [
+            np.zeros(shape) if empty else next(own)
+            for empty, shape in zip(self._empty, self._shapes, strict=True)
+        ]
+        *strained, rubbed = every[: self._count]
+        lifted, led, *pressing, _ = every[self._count :]
         *volumes, stuck = np.split(found.equal, self._ends)
         plain, of_soils = volumes[: len(self._changes)], volumes[len(self._changes) :]
         changing = iter(zip(self._changes, plain, strict=True))

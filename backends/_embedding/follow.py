@@ -21,12 +21,17 @@ _FURTHER = 0.3  # how much longer a step they aim at
 _GAIN = 0.1  # share of that which they must gain
 _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
 _SHORTEST = 1e-5  # step that leads nowhere
+_ROUND_OFF = 10.0  # tolerances that may be left where round-off ends the way
+_NOTHING = 0.01  # of the tolerance, per elastic power: a load factor that is zero
 _SUMMED = 100.0  # tolerances that forces out of balance may work: what certificates allow
+
+
+_STUCK = ("no progress", "singular matrix", "iteration limit")
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where the iteration ended."""
+    """Where the iteration ended, or was at its best."""
 
     native: str
     iterations: int
@@ -38,9 +43,13 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
     """From the start to the end."""
     at, power = start(conic, system)
     native, iteration = "iteration limit", 0
+    best, least = Place(conic, at), np.inf
     for iteration in range(goal.max_iterations + 1):
         place = Place(conic, at)
         native = judged(place, goal, power)
+        left = max(residuals(place, power))
+        if native or left < least:
+            best, least = place, left
         if native:
             break
         if iteration == goal.max_iterations:
@@ -59,7 +68,9 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
             native = "no progress"
             break
         at = moved
-    return Found(native, iteration, *Place(conic, at).solution)
+    if native in _STUCK and least <= _ROUND_OFF * goal.tolerance:
+        native = "solved to round-off"
+    return Found(native, iteration, *best.solution)
 
 
 def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, float]:
@@ -94,6 +105,8 @@ def judged(place: Place, goal: Goal, power: float) -> str:
         power: of the elastic velocity, which turns a size of tau into one of power.
     """
     at, conic, left = place.at, place.conic, place.left
+    if nothing(place, power) <= goal.tolerance:
+        return "nothing to overcome"
     if max(residuals(place, power)) <= goal.tolerance:
         return "solved"
     # A ray of multipliers: whatever has F0.u = 1 would do more work than nothing at no cost.
@@ -121,13 +134,29 @@ def _missed(place: Place) -> float:
     return max(float(part.max(initial=0.0)) for part in sizes)
 
 
+def nothing(place: Place, power: float) -> float:
+    """How far it is from a load factor of zero: powers and forces per those of the elastic body.
+
+    What is left per a load that vanishes never ends.
+    """
+    at, conic, left = place.at, place.conic, place.left
+    scale = at.tau * min(1.0, power)
+    loads = scale * float(np.abs(conic.load).sum()) + at.tau * conic.weight
+    lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau
+    return max(
+        max(abs(place.cost), abs(place.bound), lost) / scale / _NOTHING,
+        float(np.abs(left.force).max(initial=0.0)) / loads,
+        residuals(place, power)[2],
+    )
+
+
 def residuals(place: Place, power: float) -> tuple[float, float, float]:
     """Of powers, forces and velocities, relative; of forces, the power of those out of balance too.
 
     Of many small nodal forces none shows beside the loads, and all of them together move the load.
     """
     at, conic, left = place.at, place.conic, place.left
-    floor = min(1.0, power)
+    floor = _NOTHING * min(1.0, power)
     turned = max(abs(place.cost) / at.tau, abs(place.bound) / at.tau, floor)
     gap = abs(place.cost - place.bound) / at.tau / turned
     lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau**2 / turned

@@ -27,7 +27,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     sizes = [lengths(one.rows.at(velocity)) for one in conic.costly]
     power = sum(float(one.cost @ size) for one, size in zip(conic.costly, sizes, strict=True))
     power += float(np.abs(conic.dead) @ np.abs(velocity))
-    power = power if power > 0 else 1.0
+    power = max(power, _moving(conic)) or 1.0
     mu = power / (conic.degree + 1)
     leads = tuple(
         _lead(np.maximum(one.cost, typical * 1e-6), one.rise, mu) + _AWAY * size
@@ -54,6 +54,19 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
         mu,
     )
     return step, power
+
+
+def _moving(conic: Conic) -> float:
+    """What points would turn over that resist the speed of the load, a root of them at a time.
+
+    An elastic body that is free to move hardly strains. Where it begins so, all cones are at their
+    edges before anything is known of the load.
+    """
+    strengths = [one.cost for one in conic.costly] + [conic.typical] * len(conic.free)
+    pairs = zip(strengths, conic.kinds[:-1], strict=True)
+    power = sum(float(np.sum(strength * np.sqrt(rows.norms))) for strength, rows in pairs)
+    load = float(np.abs(conic.load).sum()) or 1.0
+    return float(power / load / np.sqrt(max(conic.degree, 1)))
 
 
 def _lead(cost: Floats, rise: Floats, mu: float) -> Floats:

@@ -12,7 +12,9 @@ from backends._embedding import follow as way
 from backends._embedding import plain
 from backends._embedding.dilating import as_moved
 from backends._embedding.follow import Found, judged, residuals
+from backends._embedding.least import least_program
 from backends._embedding.place import Place
+from backends._embedding.rigid import motions
 from backends.auto import AutoOptions, AutoSolver
 from backends.interior_point import InteriorPoint
 from lacore.backend import find_backend
@@ -30,6 +32,8 @@ from tests.lacore.random_programs import (
     random_step,
 )
 from verification.catalogue import catalogue
+from verification.fuzz.programs.drawn import draw_program
+from verification.fuzz.programs.judge import ask
 
 BAR = 1e-6  # residuals, of certificates: a hundred tolerances of 1e-8
 # Where a shift or hardening rounds the minimum, the load factor is a slope: the root of the gap.
@@ -238,12 +242,85 @@ def test_slip_that_dilates_where_nothing_opens_is_none():
         assert own.point.load_factor == pytest.approx(known, rel=ROUND, abs=ROUND)
 
 
-def test_auto_takes_clarabel_for_little_and_for_soils(smooth):
+def test_bodies_that_move_as_they_are_have_unknowns_of_their_own():
+    """A body that slides strains by round-off: what it slides on was lost beside its stiffness."""
+    rigid = draw_program("two bodies", 1, 1, 300).program
+    found = motions(rigid, SuperLU())
+    for group in rigid.groups:
+        strained = group.rows @ found.basis[:, found.own]
+        assert np.abs(strained.toarray()).max() <= 1e-10 * np.abs(group.rows.data).max()
+    stated = found.stated(rigid)
+    q = np.random.default_rng(1).normal(size=rigid.n)
+    u = found.basis @ q
+    assert stated.plastic_dissipation(q) == pytest.approx(rigid.plastic_dissipation(u), rel=1e-9)
+    assert stated.contact.opening(q) == pytest.approx(rigid.contact.opening(u), rel=1e-9, abs=1e-12)
+    assert stated.dead_load @ q == pytest.approx(rigid.dead_load @ u, rel=1e-9)
+    assert np.linalg.matrix_rank(found.basis.toarray()) == rigid.n
+
+
+def test_a_body_that_is_held_has_no_such_motion(smooth):
+    assert motions(smooth[0], SuperLU()) is None
+    held = draw_program("body and blocks", 1, 1, 300).program  # the body, that is
+    assert held.contact.count
+    assert motions(held, SuperLU()) is None
+
+
+@pytest.mark.parametrize(
+    ("family", "place"),
+    [("two bodies", 1), ("plane strain", 5), ("hardening", 7), ("soil from below", 1)],
+)
+def test_loads_that_nothing_resists_are_zero(family, place):
+    """Per load factor what is left of forces never vanishes: it ended at its limit, or stalled."""
+    drawn = draw_program(family, 1, place, 300)
+    found = ask(InteriorPoint(), drawn, {})
+    assert found.solved
+    assert found.holds
+
+
+def test_what_ends_at_round_off_is_solved_if_ten_tolerances_are_left(smooth, monkeypatch):
+    program, contact = smooth
+    options = replace(InteriorPoint.Options(), tolerance=1e-7)
+    whole = InteriorPoint().prepare(program, options).solve(contact)
+    words = set()
+    for most in range(whole.iterations - 3, whole.iterations):
+        solver = InteriorPoint().prepare(program, replace(options, max_iterations=most))
+        found = solver.solve(contact)
+        words.add(found.native_status)
+        if found.status is Status.SOLVED:
+            # A certificate may be a hundred tolerances off.
+            assert certify(program, found.point, contact).holds(1e-5)
+    assert "iteration limit" in words
+    assert words <= {"iteration limit", "solved to round-off", "almost solved"}
+
+
+def test_auto_takes_clarabel_for_little_for_soils_and_for_blocks(smooth):
     soil = random_soil(1)
-    for program, contact, least in ((*smooth, 10**6), (soil, frozen(1.0), 0)):
+    blocks = replace(random_program(1), groups=(), dead_load=np.zeros(9))
+    cases = ((*smooth, 10**6), (soil, frozen(1.0), 0), (blocks, frozen(1.0), 0))
+    for program, contact, least in cases:
         solver = AutoSolver(program, AutoOptions(), least)
         assert solver.solve(contact).native_status.startswith("clarabel: ")
         solver.close()
+
+
+def test_all_loops_are_compiled_before_a_solve():
+    """Within one they counted to its time limit: on a busy machine the first solve ended there."""
+    compiled = pytest.importorskip("backends._embedding.compiled")
+    InteriorPoint().prepare(*least_program()[:1], InteriorPoint.Options()).close()
+    loops = [own for own in vars(compiled).values() if hasattr(own, "signatures")]
+    assert loops
+    assert all(own.signatures for own in loops)
+    known = [own.signatures for own in loops]
+    program, contact = random_program(1), frozen(1.0, 0.5, 0.1)
+    answer("interior_point", program, contact)
+    assert [own.signatures for own in loops] == known
+
+
+def test_the_least_program_has_a_load():
+    program, contact = least_program()
+    found = answer("interior_point", program, contact)
+    assert found.status is Status.SOLVED
+    assert certify(program, found.point, contact).holds(BAR)
 
 
 @pytest.fixture

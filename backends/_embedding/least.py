@@ -1,0 +1,43 @@
+"""The least program with every kind of row: solved once, so that all loops are compiled.
+
+Where nothing is kept from an earlier process numba takes seconds to compile them, and many on a
+machine that is busy: within a solve they counted to its time limit.
+"""
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
+
+_CONES, _POINTS = 2, 4
+_N = 2 * _CONES + _POINTS
+
+
+def least_program() -> tuple[KinematicProgram, FrozenContact]:
+    """Cones that keep their volume, on points that rub, dilate and stick; its load is positive."""
+    rows = np.eye(_N)
+    volumes = np.zeros((_CONES, _N))
+    volumes[:, 0] = 0.5
+    volumes[:, 2] = -0.5
+    group = DissipationGroup(
+        name="cones",
+        rows=csr_matrix(rows[: 2 * _CONES]),
+        dim=2,
+        weights=np.ones(_CONES),
+        bound=np.ones(_CONES),
+        volumetric=csr_matrix(volumes),
+        volumetric_factor=0.5,
+    )
+    zero = np.zeros(_POINTS)
+    contact = ContactRows(
+        normal=csr_matrix(rows[:_POINTS]),
+        tangential=csr_matrix(rows[2 * _CONES :]),
+        tangent_dim=1,
+        weights=np.ones(_POINTS),
+        coefficient=zero,
+        limit=zero,
+        dilatancy=zero,
+        interface=zero.astype(int),
+    )
+    frozen = FrozenContact(np.array([1.0, 1.0, 0.0, np.inf]), np.array([0.0, 0.5, 0.5, 0.0]), zero)
+    return KinematicProgram((group,), contact, np.ones(_N), np.zeros(_N)), frozen
