@@ -6,7 +6,7 @@ Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all 
 are those of the whole circumference, in N.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import ClassVar
 
@@ -25,12 +25,13 @@ from lacore.errors import (
 )
 from lacore.showing import Compact, short
 
+_ALL = {2: "xy", 3: "xyz"}
 COMPONENTS = {
     2: ("x", "y", "xy", "normal", "tangential", "rotation", "clamped"),
     3: ("x", "y", "z", "xz", "yz", "xyz", "normal"),
 }
 """What a support may hold, by the dimension of its body."""
-_NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3])))
+_NAMED = tuple(dict.fromkeys((*COMPONENTS[2], *COMPONENTS[3], "all")))
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,17 +42,22 @@ class Fix(Compact):
         body: name of the body.
         where: see `lacore.bodies.continuum.boundaries.boundary_facets`; of a frame its nodes, see
         `Frame.find`.
-        components: ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes
-            of a frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks
-            in space ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
+        components: ``all`` directions, which a problem reads as ``xy``, in space as ``xyz``; or
+            ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
+            frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks in
+            space ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
     """
 
     body: str
     where: Where
-    components: str = "xy"
+    components: str = "all"
 
     def __post_init__(self) -> None:
         require_known("Fix.components", self.components, _NAMED)
+
+    def of(self, dimension: int) -> "Fix":
+        """With ``all`` directions named."""
+        return replace(self, components=_ALL[dimension]) if self.components == "all" else self
 
     @property
     def boundary(self) -> Where:

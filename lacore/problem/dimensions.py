@@ -66,7 +66,7 @@ def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
     if support.components in COMPONENTS[dimension]:
         return
     if dimension == 3 and support.components == "xy":
-        why = "in space that would leave z free, and it is what a Fix holds where nothing is said"
+        why = "in space that would leave z free"
         mend = "give 'xyz' to hold all; if z is meant to be free, two supports, 'x' and 'y'"
     else:
         why = f"of {SPACES[dimension]} there is no such support"

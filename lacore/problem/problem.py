@@ -148,9 +148,13 @@ class Problem(Shown):
             with _located(where):
                 body.check_load(load, where)
         for index, support in enumerate(self.supports):
-            where = f"Problem.supports[{index}]"
             if not isinstance(support, Fix):
+                where = f"Problem.supports[{index}]"
                 raise InputError(where, support, "not a support", "give lacore.Fix")
+        supports = tuple(support.of(dimension) for support in self.supports)
+        object.__setattr__(self, "supports", supports)
+        for index, support in enumerate(self.supports):
+            where = f"Problem.supports[{index}]"
             body = self._body(support.body, where)
             check_support_dimension(support, where, dimension)
             with _located(where):

@@ -157,7 +157,10 @@ def test_obstacle_that_touches():
         (lambda: la.RigidObstacle(point=(0, 0)), ("RigidObstacle", "both or none")),
         (lambda: la.RigidObstacle((0, 0), (0, 0)), ("RigidObstacle.normal", "vector != 0")),
         (lambda: la.RigidObstacle((0, np.nan), (0, 1)), ("RigidObstacle", "point=(x, y)")),
-        (lambda: la.Fix("a", "top", "w"), ("Fix.components = 'w'", "known names: clamped, normal")),
+        (
+            lambda: la.Fix("a", "top", "w"),
+            ("Fix.components = 'w'", "known names: all, clamped, normal"),
+        ),
         (lambda: la.Fix("a", "top", "norml"), ("did you mean 'normal'?",)),
         (lambda: la.Traction("a", "top", (0, np.nan)), ("Traction.vector", "finite", "Pa")),
         (lambda: la.Traction("a", "top", (1, 2, 3, 4)), ("Traction.vector", "two")),

@@ -67,7 +67,7 @@ def test_names_and_joints():
             ("'edge'", "it touches '0' at (1, 1, 1) m", "makes no joint"),
         ),
         (
-            lambda: stack(supports=[la.Fix("stack", "0")]),
+            lambda: stack(supports=[la.Fix("stack", "0", "xy")]),
             ("Problem.supports[0].components = 'xy'", "leave z free", "'xyz'"),
         ),
         (
@@ -232,3 +232,7 @@ def test_a_predicate_may_ask_for_equal_coordinates():
     body = la.BlockAssembly3D([block], 0.5)
     for axis, value in ((0, 1 / 3), (1, 1 / 7), (2, 0.7), (2, 0.1)):
         assert body.outline(lambda x, a=axis, v=value: x[a] == v, "where").size == 1
+
+
+def test_a_support_holds_all_directions_where_nothing_is_said():
+    assert [own.components for own in stack(supports=[la.Fix("stack", "0")]).supports] == ["xyz"]
