@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,6 @@ from lacore import views
 from lacore.arrays import Floats
 from lacore.assembly.water import pore_pressures, total_stress
 from lacore.backend import (
-    InnerSolution,
     check_capable,
     checked_answer,
     find_backend,
@@ -20,11 +19,11 @@ from lacore.backend import (
     read_options,
 )
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
-from lacore.bounds.admissible import lacking, margins, scaled, weaker, within_friction
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
-from lacore.bounds.stress_projection import in_equilibrium
-from lacore.certificate import Certificate, certify
+from lacore.bounds.stresses.admissible import margins, weaker
+from lacore.bounds.stresses.attempt import Attempt, attempt
+from lacore.certificate import Certificate
 from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.inner.preparing import preparing
@@ -250,7 +249,7 @@ def _found(
     built = time.perf_counter()
     check_capable(engine, program)
     exact = exactness(dofs.body for dofs in model.bodies.values())
-    attempts, status = list[_Attempt](), Status.NOT_CERTIFIED
+    attempts, status = list[Attempt](), Status.NOT_CERTIFIED
     tolerance = nominal_tolerance(engine, engine_options)
     good = max(_GOOD, _LEFT * tolerance)
     with preparing(engine, engine_options, good=good) as prepare:
@@ -264,7 +263,8 @@ def _found(
                 answer = solver.solve(associated_contact(less.contact))
             finally:
                 solver.close()
-            attempts.append(_attempt(program, margin, checked_answer(less, False, answer), exact))
+            answer = checked_answer(less, False, answer)
+            attempts.append(attempt(program, less, margin, answer, exact))
             if attempts[-1].proves:
                 status = Status.SOLVED
             if attempts[-1].proves or attempts[-1].state is None:
@@ -277,74 +277,11 @@ def _found(
     return _bound(model, program, status, attempts, backend, options, built - begin, built)
 
 
-@dataclass(frozen=True)
-class _Attempt:
-    """One inner solve, and the state that was made of it, in the units of the program."""
-
-    margin: float
-    inner: InnerSolution
-    state: ProgramState | None
-    before: Certificate | None
-    after: Certificate | None
-    lacks: float
-    projection_time: float
-    exact: float
-
-    @property
-    def proves(self) -> bool:
-        """Whether the state is admissible."""
-        after = self.after
-        return after is not None and (
-            after.equilibrium <= self.exact and after.yield_violation <= 0 and after.cone <= 0
-        )
-
-    def row(self, scale: float) -> dict[str, Any]:
-        """As a row of the history; load factors in SI units."""
-        solved, proven = (
-            np.nan if state is None else state.load_factor * scale
-            for state in (self.inner.point, self.state if self.proves else None)
-        )
-        row: dict[str, Any] = {"margin": self.margin, "solved": solved, "load_factor": proven}
-        for suffix, seen in (("_solved", self.before), ("", self.after)):
-            if seen is not None:
-                row |= {f"{name}{suffix}": value for name, value in asdict(seen).items()}
-        return row | {
-            "inner_status": self.inner.status.label,
-            "native_status": self.inner.native_status,
-            "inner_iterations": self.inner.iterations,
-            "solve_time": self.inner.solve_time,
-            "projection_time": self.projection_time,
-            "peak_memory": self.inner.peak_memory,
-        }
-
-
-def _attempt(
-    program: KinematicProgram, margin: float, inner: InnerSolution, exact: float
-) -> _Attempt:
-    if inner.point is None:
-        return _Attempt(margin, inner, None, None, None, 0.0, 0.0, exact)
-    begin = time.perf_counter()
-    laws = associated_contact(program.contact)
-    state = in_equilibrium(program, within_friction(program, inner.point, margin))
-    if not np.any(program.dead_load):
-        state = scaled(program, state)
-    return _Attempt(
-        margin,
-        inner,
-        state,
-        before=certify(program, inner.point, laws),
-        after=certify(program, state, laws),
-        lacks=lacking(program, state),
-        projection_time=time.perf_counter() - begin,
-        exact=exact,
-    )
-
-
 def _bound(
     model: StaticModel,
     program: KinematicProgram,
     status: Status,
-    attempts: list[_Attempt],
+    attempts: list[Attempt],
     backend: str,
     options: Mapping[str, Any],
     build_time: float,

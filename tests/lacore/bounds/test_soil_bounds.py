@@ -7,7 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.adaptive.singular_points import singular_points
-from lacore.bounds.admissible import weaker
+from lacore.bounds.stresses.admissible import weaker
 from lacore.status import Rigor, Status
 
 

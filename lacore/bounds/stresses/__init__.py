@@ -1,0 +1,1 @@
+"""Stresses of a solver made admissible: equilibrium, strengths, friction (T26c)."""

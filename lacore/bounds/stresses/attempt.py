@@ -1,0 +1,116 @@
+"""One solve for a lower bound, and what its stresses prove as they are made admissible (T26c)."""
+
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from lacore.backend import InnerSolution
+from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
+from lacore.bounds.stresses.projection import onto_equilibrium
+from lacore.bounds.stresses.within_strength import within_strength
+from lacore.certificate import Certificate, certify
+from lacore.program import KinematicProgram, associated_contact
+from lacore.state import ProgramState
+
+# What scaling may take off a load factor: less than the solve is away from the best one, or this.
+_WORTH, _OF_GAP = 1e-6, 0.5
+_AIM = 0.25  # of what stresses exceed strengths by: scaling takes the rest
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One inner solve, and the state that was made of it, in the units of the program.
+
+    Attributes:
+        margin: share taken off all strengths.
+        inner: as the backend answered.
+        state: that was made of it; None where there is no point.
+        before, after: certificates of the point and of the state.
+        lacks: see `lacore.bounds.stresses.admissible.lacking`.
+        projection_time: s, wall clock, certificates included.
+        exact: residual that counts as zero.
+    """
+
+    margin: float
+    inner: InnerSolution
+    state: ProgramState | None
+    before: Certificate | None
+    after: Certificate | None
+    lacks: float
+    projection_time: float
+    exact: float
+
+    @property
+    def proves(self) -> bool:
+        """Whether the state is admissible."""
+        return self.after is not None and _proves(self.after, self.exact)
+
+    def row(self, scale: float) -> dict[str, Any]:
+        """As a row of the history; load factors in SI units."""
+        solved, proven = (
+            np.nan if state is None else state.load_factor * scale
+            for state in (self.inner.point, self.state if self.proves else None)
+        )
+        row: dict[str, Any] = {"margin": self.margin, "solved": solved, "load_factor": proven}
+        for suffix, seen in (("_solved", self.before), ("", self.after)):
+            if seen is not None:
+                row |= {f"{name}{suffix}": value for name, value in asdict(seen).items()}
+        return row | {
+            "inner_status": self.inner.status.label,
+            "native_status": self.inner.native_status,
+            "inner_iterations": self.inner.iterations,
+            "solve_time": self.inner.solve_time,
+            "projection_time": self.projection_time,
+            "peak_memory": self.inner.peak_memory,
+        }
+
+
+def attempt(
+    program: KinematicProgram,
+    less: KinematicProgram,
+    margin: float,
+    inner: InnerSolution,
+    exact: float,
+) -> Attempt:
+    """What an answer proves.
+
+    Args:
+        program: dimensionless.
+        less: the same with strengths less a margin, that was solved.
+        margin: the share.
+        inner: the answer.
+        exact: residual that counts as zero.
+    """
+    if inner.point is None:
+        return Attempt(margin, inner, None, None, None, 0.0, 0.0, exact)
+    begin = time.perf_counter()
+    laws = associated_contact(program.contact)
+    before = certify(program, inner.point, laws)
+    scalable = not np.any(program.dead_load)
+    worth, aim = (max(_WORTH, _OF_GAP * before.gap), _AIM) if scalable else (0.0, 0.0)
+    point = within_friction(program, inner.point, margin)
+    with onto_equilibrium(program, point) as nearest:
+        projected = nearest(point)
+        moved = within_strength(program, less, projected, nearest, worth, aim)
+    # Reactions may leave their cones as stresses are moved: then those of the projection count.
+    for found in (moved,) if moved is projected else (moved, projected):
+        state = scaled(program, found) if scalable else found
+        after = certify(program, state, laws)
+        if _proves(after, exact):
+            break
+    return Attempt(
+        margin,
+        inner,
+        state,
+        before=before,
+        after=after,
+        lacks=lacking(program, state),
+        projection_time=time.perf_counter() - begin,
+        exact=exact,
+    )
+
+
+def _proves(seen: Certificate, exact: float) -> bool:
+    return seen.equilibrium <= exact and seen.yield_violation <= 0 and seen.cone <= 0
