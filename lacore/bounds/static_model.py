@@ -1,6 +1,6 @@
 """From a `Problem` to the kinematic dual of its lower bound program (T26b)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cbrt, sqrt
 
@@ -18,6 +18,7 @@ from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
+from lacore.bodies.continuum.regions.gathering import by_body
 from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
     named_criterion,
@@ -37,12 +38,13 @@ from lacore.conditions.loads import Fix
 from lacore.conditions.nodes import footing_conditions, support_conditions
 from lacore.contact.rows import ContactPoints
 from lacore.errors import InputError
+from lacore.meshes.curved import vertices
 from lacore.problem.matching import matching
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
-from lacore.program import KinematicProgram, Scales
+from lacore.program import DissipationGroup, KinematicProgram, Scales
 from lacore.reduction import held_shut, kept_points, reduced
-from lacore.showing import Facts, Shown, counted, listed, sized
+from lacore.showing import Facts, Shown, counted, listed, placed, sized
 
 _LENT = 1e-5  # of the dead load per size of a body: a cohesion that no result sees, and proofs do
 
@@ -160,8 +162,9 @@ def static_model(problem: Problem) -> StaticModel:
     )
     size = float(np.abs(full.reference_load).sum())
     require_power(program.reference_load, size)
-    for name, own in bodies.items():
+    for name, own, groups in by_body(bodies, full.groups):
         _check_cohesion(name, own, full.dead_load)
+        _check_left(name, own, groups)
     extent = sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())
     length = cbrt(extent) if solid else sqrt(extent)
     return StaticModel(
@@ -268,6 +271,23 @@ def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None
             " in",
             f"lend it next to none, {lent:.1e} Pa: what is proven then is of that soil",
         )
+
+
+def _check_left(name: str, dofs: EquilibriumDofs, groups: Sequence[DissipationGroup]) -> None:
+    """Refuse elements that may have no strength, for all that is known of it."""
+    for region, group in zip(dofs.body.regions, groups, strict=True):
+        least = group.bound if group.surfaces is None else group.surfaces.strength.min(axis=1)
+        none = np.flatnonzero(least.reshape(region.elements.size, -1).min(axis=1) <= 0)
+        if none.size:
+            mesh = dofs.body.mesh
+            centre = vertices(mesh)[:, mesh.t[:, region.elements[none[0]]]].mean(axis=1)
+            raise InputError(
+                named_criterion(name, region),
+                region.criterion.label,
+                f"elements as large as that near {placed(centre)} may have no strength anywhere, by"
+                f" the steepest slope of its field ({none.size} of them)",
+                "give less of it if the function is less steep, or refine the mesh there",
+            )
 
 
 def _check_statable(problem: Problem) -> None:

@@ -124,6 +124,16 @@ def test_what_is_not_linear_needs_its_slope():
         pulled(la.VonMises(la.Field(lambda x: 1 + x[1] ** 2, steepest=0.5)))
 
 
+@pytest.mark.parametrize("kind", [la.VonMises, lambda c: la.MohrCoulomb(c, 20.0), la.Rankine])
+def test_elements_that_a_slope_leaves_no_strength_are_named(kind):
+    """Slope times size is more than there is; an upper bound needs no least strength."""
+    steep = pulled(kind(la.Field(lambda x: 1 + x[1] ** 2, steepest=20.0)))
+    with pytest.raises(la.InputError, match=r"near \(.*may have no strength.*steepest slope"):
+        la.lower_bound(steep)
+    if kind is not la.Rankine:
+        assert la.upper_bound(steep).status is la.Status.SOLVED
+
+
 @pytest.mark.parametrize(
     ("criterion", "message"),
     [
