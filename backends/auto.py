@@ -21,6 +21,9 @@ from lacore.status import Status
 
 _FIRST, _OTHER = "interior_point", "clarabel"
 _LEAST, _COMPILED = 60_000, 30_000  # unknowns from which the first is faster: docs/measured.md
+# Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
+# bounds, fewer are eliminated, and the first is faster from more unknowns up.
+_PER_POINT = 4 / 3
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
 _INSTANT = 1e-9  # s: the least time limit there is
 _SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
@@ -99,7 +102,7 @@ class AutoSolver:
         # Of soils lower bounds take three times as long, though upper ones do not; of blocks alone
         # vertices are degenerate, and one in four ends without progress.
         fits = bool(program.groups) and not program.presses
-        if program.n >= least and fits and fast_solver() is not None:
+        if _size(program) >= least and fits and fast_solver() is not None:
             self._names = [_FIRST, _OTHER]
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
@@ -146,3 +149,9 @@ class AutoSolver:
         for solver in self._solvers.values():
             solver.close()
         self._solvers.clear()
+
+
+def _size(program: KinematicProgram) -> float:
+    """Unknowns, or where they are more per point, as many fewer as they are more."""
+    points = program.contact.count + sum(group.weights.size for group in program.groups)
+    return program.n * min(_PER_POINT * points / max(program.n, 1), 1.0) ** 2

@@ -19,10 +19,6 @@ from lacore.status import Status
 
 Bound = LowerBound | UpperBound
 
-# Of stresses Clarabel leaves less out of balance, which the projection of lower bounds multiplies
-# where triangles are slivers: a cut to 0.02 % takes 96 s for 176 with the interior point.
-_OF_STRESSES = {"auto": "clarabel"}
-_AS_ITS_OWN = 0.25  # per nominal tolerance, what `auto` itself would ask Clarabel for
 TIGHTEST = 1e-9  # tolerance that is asked for
 _JUDGED = 1e-3  # residuals of a velocity that is worth projecting
 _AIM = 0.2  # of what may be lost, when a bound is asked for again: losses do not fall evenly
@@ -100,7 +96,7 @@ class Solver:
 
     def answer(self, asked: Asked) -> Answer:
         """The answer to one question."""
-        tolerance = asked.tolerance * self._nominal(asked.kind)
+        tolerance = asked.tolerance * self._nominal
         bound = self._bound(asked, {"tolerance": tolerance})
         if bound.status is Status.NOT_CERTIFIED:
             return Answer(self._bound(asked, {}))
@@ -115,33 +111,29 @@ class Solver:
         """Which share of the tolerance a bound needs that loses too much; else 1."""
         if bound.status is not Status.SOLVED or not bound.lost > asked.affordable:
             return 1.0
-        if "tolerance" in self.options or "tolerance" not in self._known(asked.kind):
+        if "tolerance" in self.options or "tolerance" not in self._known:
             return 1.0
         needed = _AIM * asked.affordable / bound.lost
         return max(needed, min(TIGHTEST / asked.tolerance, 1.0))
 
-    def _who(self, kind: str) -> str:
-        """The backend that finds a kind of bound."""
-        return _OF_STRESSES.get(self.backend, self.backend) if kind == "lower" else self.backend
-
-    def _nominal(self, kind: str) -> float:
+    @property
+    def _nominal(self) -> float:
         """What its backend calls a nominal tolerance of 1."""
-        if self._who(kind) != self.backend:
-            return _AS_ITS_OWN
-        return TRUE_GAP if find_backend(self._who(kind)).capabilities.true_gap else 1.0
+        return TRUE_GAP if find_backend(self.backend).capabilities.true_gap else 1.0
 
-    def _known(self, kind: str) -> set[str]:
+    @property
+    def _known(self) -> set[str]:
         """Names of the options that its backend has."""
-        return {field.name for field in fields(find_backend(self._who(kind)).Options)}
+        return {field.name for field in fields(find_backend(self.backend).Options)}
 
     def _bound(self, asked: Asked, options: Mapping[str, Any]) -> Bound:
         left = max(self.deadline - time.perf_counter(), 1.0)
-        known = self._known(asked.kind)
+        known = self._known
         given = {k: v for k, v in {**options, "time_limit": left}.items() if k in known}
         given |= self.options
         if "time_limit" in given:
             given["time_limit"] = min(given["time_limit"], left)
         if asked.kind == "lower":
-            return lower_bound(asked.problem, self._who("lower"), options=given)
+            return lower_bound(asked.problem, self.backend, options=given)
         state = solve(asked.problem, self.backend, "associated", tolerance=_JUDGED, options=given)
         return upper_bound(state)

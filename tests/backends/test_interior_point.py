@@ -17,7 +17,9 @@ from backends._embedding.place import Place
 from backends._embedding.rigid import motions
 from backends.auto import AutoOptions, AutoSolver
 from backends.interior_point import InteriorPoint
+from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend
+from lacore.bounds.static_model import static_model
 from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
@@ -333,6 +335,22 @@ def test_auto_tells_who_solved(smooth, fast):
     solver = AutoSolver(smooth[0], AutoOptions(), 0)
     assert solver.solve(smooth[1]).native_status == "interior_point: solved"
     solver.close()
+
+
+def test_auto_takes_lower_bounds_from_more_unknowns_up(fast):
+    """Of twice as many unknowns for as many points of yield, a quarter counts; half is too many."""
+    problem = punch(8, 4)
+    above = discretise(problem).program
+    below = static_model(problem).program
+    for program, least, first in (
+        (above, above.n, "interior_point: "),
+        (below, below.n // 5, "interior_point: "),
+        (below, below.n // 2, "clarabel: "),
+    ):
+        solver = AutoSolver(program, AutoOptions(), least)
+        native = solver.solve(associated_contact(program.contact)).native_status
+        solver.close()
+        assert native.startswith(first)
 
 
 def test_auto_falls_back_in_the_same_call(smooth, fast, monkeypatch):
