@@ -20,8 +20,9 @@ _FAR = 1e6  # times the elements: farther nobody looks
 _ORDERS = (0.7, 2.0)  # of widths in elements: even meshes have 0.45, adapted ones 1.0 to 1.3
 _COST = 1.25  # power of elements with which the time of a solve rises
 _LEAST_REST = 0.1  # of the largest: what any mesh leaves to gain, as bounds rise in steps
-# Of the target, where the last meshes are to land: a miss takes another round.
-_AIM = 0.97
+# Of the target, where the last meshes are to land, one or two: a miss takes another round, and two
+# go farther than they are asked to.
+_AIM = {1: 0.94, 2: 0.97}
 
 
 @dataclass(frozen=True)
@@ -121,14 +122,15 @@ def growths(
     """
     rests = np.array([track.rest for track in tracks])
     elements = np.array([track.elements for track in tracks], dtype=float)
+    aim = _AIM[len(tracks)]
     if not (np.all(np.isfinite(rests)) and rests.max() > 0 and np.isfinite(missing)):
         small = int(np.argmin(elements))
         alone = elements[small] < _SMALL * elements.max() and not np.isfinite(rests[small])
-        every = np.full(len(tracks), max(missing / _AIM, 1.0) ** (1 / order))
+        every = np.full(len(tracks), max(missing / aim, 1.0) ** (1 / order))
         return _in_steps(np.where(np.arange(len(tracks)) == small, every, 1.0) if alone else every)
     rests = np.maximum(rests, _LEAST_REST * rests.max())
     rests *= (1 - apart) * missing / rests.sum()
-    wanted = _AIM * max(1 - apart * missing, _LEAST_REST)
+    wanted = aim * max(1 - apart * missing, _LEAST_REST)
     shape = (rests / elements**_COST) ** (1 / (order + _COST))
     more, stays = shape, np.zeros(len(tracks), dtype=bool)
     for _ in tracks:  # those that would become coarser stay, and the others make up for it

@@ -74,6 +74,7 @@ RUNS = {
     "punch, fan, 0.5%": Bracketed(even_punch, 0.005, 1300, 3, sectors=24),
     "punch, fan, 0.2%": Bracketed(even_punch, 0.002, 6000, 8, sectors=48),
     "punch, fan, 0.1%": Bracketed(even_punch, 0.001, 13_000, 5, sectors=48),
+    "punch, fan, 0.02%": Bracketed(even_punch, 0.0002, 20_000, 20, sectors=96),
     "punch, 1%": Bracketed(even_punch, 0.01, 1300, 1.5),
     "punch, 0.5%": Bracketed(even_punch, 0.005, 6000, 3),
     "punch, 0.3%": Bracketed(even_punch, 0.003, 6000, 10),
@@ -81,6 +82,7 @@ RUNS = {
     "cut, 0.5%": Bracketed(vertical_cut, 0.005, 6000, 3),
     "cut, 0.2%": Bracketed(vertical_cut, 0.002, 6000, 8),
     "cut, 0.1%": Bracketed(vertical_cut, 0.001, 13_000, 20),
+    "cut, 0.02%": Bracketed(vertical_cut, 0.0002, 60_000, 60),
 } | {
     f"{name}, 0.5%": Bracketed(partial(case, name), 0.005, 6000)
     for name in (
