@@ -4,7 +4,7 @@ Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -26,6 +26,7 @@ from lacore.bodies.blocks.polygons import (
     require_apart,
     require_no_slits,
 )
+from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
 from lacore.conditions.where import edges_inside
@@ -91,10 +92,7 @@ class BlockAssembly(Shown):
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
         """Pickle by the arguments."""
-        given = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
-        given["blocks"] = dict(self.polygons)
-        given["joint_friction"] = dict(self.joint_friction or {})
-        return type(self), tuple(given.values())
+        return by_arguments(self)
 
     def __post_init__(self) -> None:
         outlines = read_polygons(self.blocks, "BlockAssembly.blocks")

@@ -4,7 +4,7 @@ Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -20,6 +20,7 @@ from lacore.bodies.blocks3d.joints import Joints3D, find_joints
 from lacore.bodies.blocks3d.loaded import carried
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.bodies.blocks3d.slits import require_no_slits
+from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
@@ -78,10 +79,7 @@ class BlockAssembly3D(Shown):
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
         """Pickle by the arguments."""
-        given = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
-        given["blocks"] = dict(self.polyhedra)
-        given["joint_friction"] = dict(self.joint_friction or {})
-        return type(self), tuple(given.values())
+        return by_arguments(self)
 
     def __post_init__(self) -> None:
         blocks = _read(self.blocks, "BlockAssembly3D.blocks")

@@ -1,7 +1,7 @@
 """Plane frames: straight members between nodes, with plastic hinges where members end."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -25,6 +25,7 @@ from lacore.bodies.frames.members import (
     split_members,
 )
 from lacore.bodies.frames.section import Section
+from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load
 from lacore.errors import InputError, require_known, require_positive
@@ -86,12 +87,7 @@ class Frame(Shown):
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
         """Pickle by the arguments."""
-        given = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
-        plain = {
-            name: dict(value) if isinstance(value, Mapping) else value
-            for name, value in given.items()
-        }
-        return type(self), tuple(plain.values())
+        return by_arguments(self)
 
     def __post_init__(self) -> None:
         names, position = read_nodes(self.nodes)
