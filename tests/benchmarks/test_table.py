@@ -126,6 +126,13 @@ def test_a_run_of_brackets_alone_has_its_table(script):
     assert row in shown.splitlines()
 
 
+def test_a_path_stands_beside_its_time_before(script):
+    path = {"kind": "path", "what": "billet", "triangles": 800, "steps": 40, "solves": 204}
+    times = {"gap": 7.3e-7, "seconds": 31.4, "before": 41.0, "aim": 25.0, "ratio": 112.3}
+    shown = script.shown(script.condensed(SAMPLE) | {"records": [path | times]})
+    assert "| billet | 800 | 40 | 204 | 7e-07 | 31 | 41 | 25 | 112 |" in shown.splitlines()
+
+
 def test_widths_are_drawn_against_time(script, tmp_path):
     """A line a problem that was asked for several widths, the widest first."""
     names = {"cut, 0.5%": (0.004, 2.5), "cut, 1%": (0.008, 1.1), "notched-strip, 0.5%": (0.004, 3)}
