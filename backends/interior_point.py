@@ -34,6 +34,7 @@ from lacore.status import Status
 
 _LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
 _POSSIBLE = ("penetration", "divergence", "normalisation")  # of a velocity alone
+_CARRIED = ("equilibrium", "yield_violation", "cone")  # of forces, which dead loads are a scale of
 
 STATUS_MAP = {
     "solved": Status.SOLVED,
@@ -152,8 +153,10 @@ class InteriorPointSolver:
         certificate = certify(*judged, contact)
         name, left = certificate.worst
         if native == "nothing to overcome":
-            # Powers and forces per those of a load factor of zero say nothing.
-            name = max(_POSSIBLE, key=lambda kind: float(getattr(certificate, kind)))
+            # Powers per that of a load factor of zero say nothing, nor forces without dead loads.
+            kinds = (*_POSSIBLE, *(_CARRIED if np.any(self._given.dead_load) else ()))
+            sizes = {kind: float(getattr(certificate, kind)) for kind in kinds}
+            name = max(sizes, key=lambda kind: np.nan_to_num(sizes[kind], nan=np.inf))
             left = getattr(certificate, name)
         if left <= _LEFT * options.tolerance:
             return answer

@@ -279,6 +279,15 @@ def test_loads_that_nothing_resists_are_zero(family, place):
     assert found.holds
 
 
+def test_a_load_of_zero_is_no_answer_where_dead_loads_are_out_of_balance():
+    # Blocks of a millionth of the strength under them: 1.5e-5 of their weight was left.
+    drawn = draw_program("body and blocks", 3, 7, 2300)
+    assert np.any(drawn.program.dead_load)
+    found = ask(InteriorPoint(), drawn, {})
+    certificate = certify(drawn.program, found.answer.point, drawn.contact)
+    assert not found.solved or certificate.equilibrium <= BAR
+
+
 def test_what_ends_at_round_off_is_solved_if_ten_tolerances_are_left(smooth, monkeypatch):
     program, contact = smooth
     options = replace(InteriorPoint.Options(), tolerance=1e-7)
