@@ -9,6 +9,7 @@ from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps
 from lacore.bodies.continuum.slip import Slip
+from lacore.bodies.continuum.solid.memory import told_memory, velocity_memory
 from lacore.bodies.frames.dofs import FrameDofs
 from lacore.contact.rows import ContactPoints
 from lacore.problem.problem import Problem
@@ -100,6 +101,8 @@ class Discretisation(Shown):
             "contact": listed(self.points.names) or "none",
             "scales": f"{natural.length:.4g} m, {natural.stress:.4g} Pa",
         }
+        if needed := velocity_memory({name: dofs.body for name, dofs in self.bodies.items()}):
+            told["memory"] = told_memory(needed)
         return Facts(f"Discretisation: {free}, of {self.scope.value}", told)
 
     def picture(self) -> Picture:

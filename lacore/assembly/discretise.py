@@ -18,10 +18,13 @@ from lacore.assembly.slips import slips
 from lacore.assembly.span_nodes import spanned
 from lacore.assembly.sticking import yielding
 from lacore.assembly.unknowns import Unknowns
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.jumps import Jumps, jumps, movable
 from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.face_jumps import face_jumps
 from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
+from lacore.bodies.continuum.solid.memory import require_memory, velocity_memory
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.contact.touching import Touching
@@ -68,11 +71,14 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
 
     Raises:
         InputError: a footing that cannot move, a reference load that does no power because it
-            acts on supports alone, rigid bodies under no dead load.
+            acts on supports alone, rigid bodies under no dead load, tetrahedra whose factors
+            would take more memory than there is.
     """
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     problem = spanned(problem)
+    solid = of_kind(problem.bodies, Body)
+    require_memory(velocity_memory(solid), solid)
     unknowns = Unknowns.of(problem)
     continua, dofs, n = unknowns.continua, unknowns.dofs, unknowns.n
     footings = tuple(unknowns.footings)

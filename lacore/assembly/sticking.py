@@ -40,6 +40,10 @@ def yielding(
         most = min(strengths, default=inf)
         if isinf(most) or not isinf(interface.law.terms().limit):
             continue
+        if any(bodies[name].body.dimension == 3 for name in touched[index] if name in bodies):
+            # Along a face a body slips at its strength, as past what holds it (T90).
+            found[index] = replace(interface, friction=Tresca(most))
+            continue
         for name, facets in touched[index].items():
             if name not in bodies or not bodies[name].linear:
                 continue

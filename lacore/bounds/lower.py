@@ -28,6 +28,7 @@ from lacore.claims.judged import judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.inner.preparing import preparing
 from lacore.limit.conversion import in_si
+from lacore.limit.tables.contact_table import traction_table
 from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
@@ -160,21 +161,10 @@ class LowerBound(Shown):
     def reactions(self) -> pd.DataFrame:
         """Tractions on the slave at the ends of contact facets, linear between: see `LimitState`.
 
-        ``length`` is the half of the facet that the end stands for.
+        ``length`` is the half of the facet that the end stands for; in space ``area`` the third of
+        the face that a corner does.
         """
-        point, rows, where = self._point(), self.model.program.contact, self.model.points
-        return pd.DataFrame(
-            {
-                "interface": np.array(where.names, dtype=object)[rows.interface],
-                "x": where.position[:, 0],
-                "y": where.position[:, 1],
-                "n_x": where.normal[:, 0],
-                "n_y": where.normal[:, 1],
-                "length": rows.weights,
-                "t_n": point.normal_reaction - rows.pull,
-                "t_t": point.tangential_reaction[:, 0],
-            }
-        )
+        return traction_table(self.model.program.contact, self.model.points, self._point())
 
 
 def lower_bound(

@@ -78,7 +78,8 @@ def traction_station(
         else:
             whole = start[:, facet], end[:, facet]
             moving[1] = _matched(bodies[name], interface, edges, whole, field)
-            facing = selected(moving[1], n)
+            facing_x, facing_y = selected(moving[1], n)
+            facing = facing_x, facing_y
         x, y = csr_matrix(x - facing[0]), csr_matrix(y - facing[1])
     sign = -1.0 if turned else 1.0
     return Station(
@@ -92,11 +93,13 @@ def traction_station(
     )
 
 
-def selected(nodes: Ints, n: int) -> tuple[Sparse, Sparse]:
-    """Rows of u_x and u_y of nodes of multipliers, each of shape (nodes, n)."""
+def selected(nodes: Ints, n: int, dimension: int = 2) -> tuple[Sparse, ...]:
+    """Rows of u_x, u_y (and u_z) of nodes of multipliers, each of shape (nodes, n)."""
     one, start = np.ones(nodes.size), np.arange(nodes.size + 1)
-    x, y = (csr_matrix((one, 2 * nodes + axis, start), shape=(nodes.size, n)) for axis in (0, 1))
-    return x, y
+    return tuple(
+        csr_matrix((one, dimension * nodes + axis, start), shape=(nodes.size, n))
+        for axis in range(dimension)
+    )
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.regions.gathering import by_body
+from lacore.bodies.continuum.solid.memory import require_memory, stress_memory, told_memory
 from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
     named_criterion,
@@ -28,6 +29,7 @@ from lacore.bounds.enclosing import (
 )
 from lacore.bounds.equilibrium import EquilibriumDofs, element_geometry
 from lacore.bounds.quadratic.bulging import Bulging, lifted, weakened
+from lacore.bounds.solid.static_contact import face_tractions
 from lacore.bounds.solid.static_holding import static_free_basis
 from lacore.bounds.static_bonds import StaticBonds, static_bonds
 from lacore.bounds.static_contact import traction_rows
@@ -87,6 +89,8 @@ class StaticModel(Shown):
             "size": f"{self.contents}; {self.full.n} unknowns with those that are held",
             "bodies": listed(self.problem.bodies),
         }
+        if needed := stress_memory({name: dofs.body for name, dofs in self.bodies.items()}):
+            told["memory"] = told_memory(needed)
         return Facts(f"StaticModel: {counted(self.program.n, 'free multiplier')}", told)
 
     def weakened(self, load_factor: float) -> "StaticModel":
@@ -125,7 +129,9 @@ def static_model(problem: Problem) -> StaticModel:
             "not a problem",
             "give a lacore.Problem; that of a state is state.discretisation.problem",
         )
-    solid = any(body.dimension == 3 for body in _continua(problem).values())
+    continua = _continua(problem)
+    solid = any(body.dimension == 3 for body in continua.values())
+    require_memory(stress_memory(continua), continua)
     problem = matching(problem)
     bodies = numbered(_continua(problem), EquilibriumDofs.at)
     _check_statable(problem)
@@ -137,7 +143,10 @@ def static_model(problem: Problem) -> StaticModel:
     dofs: dict[str, EquilibriumDofs | RigidDofs] = {**bodies, **assemblies}
     plane = {} if solid else bodies  # in space body forces are uniform in each element
     bulging = Bulging.of(problem, plane)
-    contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
+    if solid:
+        contact, points = face_tractions(problem.interfaces, problem.touching, bodies, n)
+    else:
+        contact, points = traction_rows(problem.interfaces, problem.segments, bodies, assemblies, n)
     full = KinematicProgram(
         groups=tuple(group for name, own in bodies.items() for group in own.groups(name, n)),
         contact=contact,
@@ -156,7 +165,9 @@ def static_model(problem: Problem) -> StaticModel:
         check_corners(full, basis, bodies)
     program = reduced(full, basis)
     # What a support takes altogether needs no reaction.
-    kept = np.diff(program.contact.normal.indptr) + np.diff(program.contact.tangential.indptr) > 0
+    contact = program.contact
+    slides = np.diff(contact.tangential.indptr).reshape(-1, contact.tangent_dim).any(axis=1)
+    kept = slides | (np.diff(contact.normal.indptr) > 0)
     full, program = (
         held_shut(replace(p, contact=kept_points(p.contact, kept))) for p in (full, program)
     )

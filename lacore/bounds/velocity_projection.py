@@ -30,8 +30,8 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
     contact = program.contact
     fastest = float(np.abs(velocity).max())
     close = _beyond(program, velocity) > -_CLOSE * fastest
-    rests = np.isinf(contact.limit)
-    rests |= close & (contact.dilatancy > 0) & (np.abs(_slip(program, velocity)) < _CLOSE * fastest)
+    rests = np.isinf(contact.limit)  # of points, as all masks here
+    rests |= close & (contact.dilatancy > 0) & (_sliding(program, velocity) < _CLOSE * fastest)
     moved = velocity
     for _ in range(_ROUNDS):
         moved = _nearest(_conditions(program, velocity, close, rests), velocity)
@@ -43,14 +43,15 @@ def admissible_velocity(program: KinematicProgram, velocity: Floats) -> Floats:
     return moved / float(program.reference_load @ moved)
 
 
-def _slip(program: KinematicProgram, velocity: Floats) -> Floats:
-    return program.contact.slip(velocity)[:, 0]
+def _sliding(program: KinematicProgram, velocity: Floats) -> Floats:
+    """How fast contact points slip, shape (m,)."""
+    return np.asarray(np.linalg.norm(program.contact.slip(velocity), axis=1))
 
 
 def _beyond(program: KinematicProgram, velocity: Floats) -> Floats:
     """How far contact points penetrate, against what their slip dilates, shape (m,)."""
     contact = program.contact
-    dilated = contact.dilatancy * np.abs(_slip(program, velocity))
+    dilated = contact.dilatancy * _sliding(program, velocity)
     return np.asarray(dilated - contact.opening(velocity))
 
 
@@ -92,7 +93,7 @@ def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests
     Divergence only where strength feels no pressure. Contact that is open by far plays no part;
     where it hardly is, it is closed: rows that depend on each other, of a body that is held all
     around, contradict unless all ask for zero. Where dilatant points slip, the cone of their law is
-    one of its faces; where they hardly do, they stick.
+    one of its faces, in space its plane at the direction of slip; where they hardly do, they stick.
 
     Args:
         program: dimensionless.
@@ -101,11 +102,21 @@ def _conditions(program: KinematicProgram, velocity: Floats, close: Bools, rests
         rests: those that do not slip, shape (m,).
     """
     contact = program.contact
-    face = diags_array(contact.dilatancy * np.sign(_slip(program, velocity))) @ contact.tangential
     parts = [
         *(group.volumetric for group in program.groups if group.surfaces is None),
-        contact.tangential[rests],
-        csr_matrix(contact.normal - face)[close],
+        contact.tangential[np.repeat(rests, contact.tangent_dim)],
+        csr_matrix(contact.normal - _dilating(program, velocity))[close],
     ]
     rows = csr_matrix(vstack(parts, format="csr"))
     return csr_matrix(rows[np.asarray(abs(rows).sum(axis=1)).ravel() > 0])
+
+
+def _dilating(program: KinematicProgram, velocity: Floats) -> Sparse:
+    """Rows of how fast contact opens by slip along its direction, shape (m, n)."""
+    contact = program.contact
+    slip, size = contact.slip(velocity), _sliding(program, velocity)
+    along = slip / np.where(size > 0, size, 1.0)[:, None]
+    count, d = along.shape
+    entries = ((contact.dilatancy[:, None] * along).ravel(), np.arange(count * d))
+    start = d * np.arange(count + 1)
+    return csr_matrix(csr_matrix((*entries, start), (count, count * d)) @ contact.tangential)

@@ -1,5 +1,7 @@
 """What supports and rigid footings ask of the nodes on their part of the boundary."""
 
+from typing import cast
+
 import numpy as np
 
 from lacore.arrays import Floats, Ints
@@ -31,9 +33,9 @@ def footing_conditions(
     footing: Footing, nodes: Ints, outward: Floats, number: int
 ) -> NodeConditions:
     """Conditions of the footing with a number; nodes and normals as in `support_conditions`."""
-    assert isinstance(footing, RigidFooting)  # plates are of space
-    motion = np.array(footing.direction)
+    rough = cast(RigidFooting, footing).rough  # plates that twist are of space
+    motion = footing.motion(np.zeros(2))
     across = np.broadcast_to([-motion[1], motion[0]], outward.shape)
-    carried = np.broadcast_to(motion, outward.shape) if footing.rough else outward
+    carried = np.broadcast_to(motion, outward.shape) if rough else outward
     moved = NodeConditions(nodes, carried, np.full(nodes.size, number), carried @ motion)
-    return join([moved, held(nodes, across)]) if footing.rough else moved
+    return join([moved, held(nodes, across)]) if rough else moved

@@ -5,7 +5,8 @@ They stand at the Bernstein control values of the velocity jump on each segment,
 quadratic jump the ends and ``2 u_mid - (u_start + u_end)/2``, weights L/3 each; for the linear
 jump between rigid blocks the ends, weights L/2; a node of a frame is one point of weight 1 m, so
 that its tractions are forces. Polygons between blocks in space have them at their corners, weights
-A over the number of these (T71). Two bodies meet on the common refinement of their
+A over the number of these (T71); faces of tetrahedra at three corners or six control values, A/3 or
+A/6 each (T93). Two bodies meet on the common refinement of their
 edges, so that neither side is preferred. Control values that two segments share are one point.
 """
 
@@ -20,7 +21,11 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.bodies.any_body import Dofs
 from lacore.bodies.blocks3d.dofs import AnyRigidDofs
+from lacore.bodies.continuum.dofs import BodyDofs
+from lacore.bodies.continuum.jumps import control_values
+from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.contact.controls import Controls, controls
+from lacore.contact.faces import Faces
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle
 from lacore.contact.patches import Patches
@@ -267,6 +272,24 @@ def _on_patches(
     return _standing(stands, interface[own], laws.at(own), corners, n)
 
 
+@_stations.register(Faces)
+def _on_faces(
+    faces: Faces, interface: Ints, laws: Laws, sides: Sequence[tuple[Dofs, Ints]], n: int
+) -> Station:
+    (dofs, _) = sides[0]
+    assert isinstance(dofs, BodyDofs)
+    nodes = dofs.facet_nodes(faces.slave)  # (copies, faces): vertices, then middles of edges
+    copies = len(nodes)
+    owner = np.repeat(np.arange(faces.slave.size), copies)
+    area, _ = face_geometry(dofs.body.mesh, faces.slave)
+    places = dofs.nodes[:, nodes.T.ravel()]
+    stand = Controls(places, faces.normal[:, owner], area[owner] / copies)
+    kind = np.tile(np.arange(copies) // 3, faces.slave.size)
+    axes = control_values(dofs, faces.slave, 0, n)
+    moving = moving_sides(sides, faces.slave.size)
+    return _merged(stand, owner, kind, moving, interface, laws, axes)
+
+
 def _standing(
     stands: Sequence[Controls],
     interface: Ints,
@@ -277,33 +300,56 @@ def _standing(
     """Control values of the jump; sides: slave and master, and which parts of them."""
     values = jump_rows(stands, sides, n)
     count, copies = interface.size, len(stands)
-    position = np.concatenate([stand.place for stand in stands], axis=1)
-    normal = np.concatenate([stand.normal for stand in stands], axis=1)
-    weights = np.concatenate([stand.weight for stand in stands])
-    moving = moving_sides(sides, count)
-    size = float(np.ptp(position, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
+    every = Controls(
+        np.concatenate([stand.place for stand in stands], axis=1),
+        np.concatenate([stand.normal for stand in stands], axis=1),
+        np.concatenate([stand.weight for stand in stands]),
+    )
+    owner = np.tile(np.arange(count), copies)
+    kind = np.repeat(np.arange(copies) // 2, count)
+    axes = [vstack(rows, format="csr") for rows in zip(*values, strict=True)]
+    return _merged(every, owner, kind, moving_sides(sides, count), interface, laws, axes)
+
+
+def _merged(
+    stand: Controls,
+    owner: Ints,
+    kind: Ints,
+    moving: Ints,
+    interface: Ints,
+    laws: Laws,
+    axes: Sequence[Sparse],
+) -> Station:
+    """One point of control values that several segments or faces share.
+
+    Args:
+        stand: control values, k of them.
+        owner: the segment or face of each, shape (k,).
+        kind: values of two kinds are never one, shape (k,).
+        moving, interface, laws: of segments or faces.
+        axes: rows of the control values of u_x, u_y (and u_z), (k, n) each.
+    """
+    size = float(np.ptp(stand.place, axis=1).max(initial=0.0)) or 1.0  # any, for a single place
     key = np.column_stack(
         [
-            np.tile(interface, copies),
-            np.repeat(np.arange(copies) // 2, count),
-            np.tile(moving, (copies, 1)),
-            np.round(position.T / (_SAME_PLACE * size)),
-            np.round(normal.T, _SAME_NORMAL),
+            interface[owner],
+            kind,
+            moving[owner],
+            np.round(stand.place.T / (_SAME_PLACE * size)),
+            np.round(stand.normal.T, _SAME_NORMAL),
         ]
     )
     key = key + 0.0  # no minus zero
     _, first, point = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    at = first % count if count else first
+    at = owner[first]
     return Station(
-        position=position[:, first].T,
-        normal=normal[:, first].T,
+        position=stand.place[:, first].T,
+        normal=stand.normal[:, first].T,
         moving=moving[at],
-        weights=np.bincount(point.ravel(), weights).astype(np.float64),
+        weights=np.bincount(point.ravel(), stand.weight).astype(np.float64),
         interface=interface[at],
         laws=laws.at(at),
-        axes=tuple(
-            csr_matrix(vstack(rows, format="csr")[first]) for rows in zip(*values, strict=True)
-        ),
+        axes=tuple(csr_matrix(csr_matrix(rows)[first]) for rows in axes),
     )
 
 

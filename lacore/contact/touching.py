@@ -1,4 +1,4 @@
-"""What touches along an interface or in joints: segments in the plane, patches in space."""
+"""What touches along an interface or in joints: segments in the plane, else patches or faces."""
 
 from collections.abc import Mapping
 from functools import singledispatch
@@ -8,11 +8,10 @@ from lacore.bodies.blocks.joints import Joints
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.joints import Joints3D
 from lacore.bodies.continuum.body import Body
-from lacore.contact import patches, segments
+from lacore.contact import faces, patches, segments
 from lacore.contact.interfaces import Interface
-from lacore.errors import InputError
 
-Touching = segments.Segments | patches.Patches
+Touching = segments.Segments | patches.Patches | faces.Faces
 
 
 def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: str) -> Touching:
@@ -21,15 +20,9 @@ def where_touching(interface: Interface, bodies: Mapping[str, AnyBody], field: s
     Raises:
         InputError: nowhere, or not as contact can be.
     """
-    for name, body in of_kind(bodies, Body).items():
-        if body.dimension == 3:
-            raise InputError(
-                field,
-                interface.name,
-                f"contact beside {name!r}: bodies of tetrahedra touch nothing yet",
-                "press them by a RigidFooting, smooth or rough, and hold them by a Fix along"
-                " normals, or all of xyz",
-            )
+    deforming = {n: body for n, body in of_kind(bodies, Body).items() if body.dimension == 3}
+    if deforming:
+        return faces.obstacle_faces(interface, deforming, field)
     if solid := of_kind(bodies, BlockAssembly3D):
         return patches.interface_patches(interface, solid, field)
     plane = {name: body for name, body in bodies.items() if not isinstance(body, BlockAssembly3D)}

@@ -77,8 +77,8 @@ def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
 def check_interface_dimension(interface: Interface, field: str, dimension: int) -> None:
     """Raise `InputError` where an obstacle is of another space than the body that it touches."""
     if interface.bonded and dimension == 3:
-        why = "blocks in space have no strength at which a bond could break"
-        mend = "make what never parts one polyhedron, hold it by a Fix, or give a friction"
+        why = "nothing in space has bonds that could break yet"
+        mend = "make what never parts one body or polyhedron, hold it by a Fix, or give a friction"
         raise InputError(f"{field}.friction", "BOND", why, mend)
     obstacle = interface.obstacle
     if obstacle is None:

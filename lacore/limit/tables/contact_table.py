@@ -11,6 +11,7 @@ from lacore.assembly.contact_sides import contact_sides
 from lacore.assembly.discretisation import Discretisation
 from lacore.contact.rows import ContactPoints, tangents
 from lacore.errors import InputError
+from lacore.program import ContactRows
 from lacore.state import ProgramState
 
 _MOVES = 1e-6  # of the largest velocity: below it a contact point counts as at rest
@@ -45,6 +46,20 @@ def contact_table(discretisation: Discretisation, point: ProgramState) -> pd.Dat
     if where.gap is not None:
         table.insert(list(table).index("t_n"), "gap", where.gap)
     return table
+
+
+def traction_table(rows: ContactRows, where: ContactPoints, point: ProgramState) -> pd.DataFrame:
+    """Tractions at contact points alone, see `LowerBound.reactions`; `point` in SI units."""
+    return pd.DataFrame(
+        {
+            "interface": np.array(where.names, dtype=object)[rows.interface],
+            **_named(where.position, ""),
+            **_named(where.normal, "n_"),
+            _SIZE[where.position.shape[1]]: rows.weights,
+            "t_n": point.normal_reaction - rows.pull,
+            **_along(where, point.tangential_reaction, "t_t"),
+        }
+    )
 
 
 def reactions_of(discretisation: Discretisation, table: Table) -> tuple[Floats, Floats]:
