@@ -13,8 +13,10 @@ from tests.lacore.tetrahedra import (
     SPACES,
     Flow,
     cube,
+    gradients,
     lower_residuals,
     strip,
+    tensors,
     torsion,
     under_strip,
     upper_residuals,
@@ -227,3 +229,39 @@ def test_strengths_that_vary_are_bounded_from_both_sides(space):
         assert high.rigor is la.Rigor.UPPER
         assert low.load_factor < high.load_factor
         assert la.gap_identity(high, low).least >= -1e-8
+
+
+def test_a_column_under_its_own_weight_and_a_surcharge():
+    """Stresses balance both; uniaxial ones carry ``sqrt(3) k - gamma h - p``, others no less."""
+    dead = [la.BodyForce("block", (0.0, 0.0, -0.5)), la.Pressure("block", "top", 0.3)]
+    loaded = cube(n=2).with_loads(dead_loads=dead)
+    low, high = (ask(loaded, "interior_point") for ask in (la.lower_bound, la.solve))
+    assert low.rigor is la.Rigor.LOWER
+    assert (sqrt(3) - 0.5 - 0.3) * (1 - 1e-6) < low.load_factor < high.load_factor
+    mesh, sigma = loaded.bodies["block"].mesh, tensors(low.stress["block"])
+    gradient, _ = gradients(mesh.p, mesh.t)
+    # Residuals of equilibrium are at round-off of stresses of order one.
+    balance = np.einsum("eaij,eaj->ei", sigma, gradient) - np.array([0.0, 0.0, 0.5])
+    assert np.abs(balance).max() <= 1e-12
+    high_up = mesh.p[2][mesh.t].T == 1.0  # (elements, vertices)
+    under_top = high_up & (high_up.sum(axis=1, keepdims=True) == 3)
+    pulled = sigma[under_top][:, :, 2]
+    np.testing.assert_allclose(pulled[:, 2], -(low.load_factor + 0.3), rtol=1e-12)
+    assert np.abs(pulled[:, :2]).max() <= 1e-12
+    deviator = sigma - np.trace(sigma, axis1=2, axis2=3)[..., None, None] / 3 * np.eye(3)
+    assert np.sqrt((deviator**2).sum(axis=(2, 3)) / 2).max() <= 1.0
+
+
+def test_a_soil_under_pressure_from_all_sides():
+    """Triaxial: ``alpha + p = K p + 2 c sqrt(K)``, ``K = (1 + sin)/(1 - sin)``; from both sides."""
+    angle, cell = np.radians(20.0), 0.7
+    passive = (1 + np.sin(angle)) / (1 - np.sin(angle))
+    exact = passive * cell + 2 * np.sqrt(passive) - cell
+    soil = la.DruckerPrager(1.0, 20.0, "compression")
+    dead = [la.Pressure("block", side, cell) for side in ("right", "back", "top")]
+    problem = cube("p2-vertex", criterion=soil).with_loads(dead_loads=dead)
+    low, high = la.lower_bound(problem), la.upper_bound(problem)
+    assert low.rigor is la.Rigor.LOWER
+    # Dead loads cost a margin of 1e-7 of cohesion and slope, which pressures multiply by tens.
+    assert exact * (1 - 1e-5) <= low.load_factor <= exact
+    assert high.load_factor == pytest.approx(exact, rel=1e-6)
