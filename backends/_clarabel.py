@@ -139,8 +139,8 @@ class ConicSolver:
         5 000 blocks 1e-8 leaves a third of the penetration and slip residuals of 1e-7, and 1e-9
         ends "AlmostSolved". With hardening 1e-9 and no equilibration solve what 1e-7 with it does
         not, or in a third of the iterations; softened, 1e-8 with it does. So it is where strength
-        depends on pressure, but for angles below 5 degrees: these need refinement from the start.
-        docs/measured.md.
+        depends on pressure, but for a single surface, to which 1e-8 does, and angles below 5
+        degrees: these need refinement from the start. docs/measured.md.
         """
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -151,7 +151,8 @@ class ConicSolver:
         exact = self._penalty is None
         bare = exact and (form.hardens or (form.presses and not (form.gentle or refine)))
         small = form.linear or form.presses or form.hardens
-        least = 1e-9 if bare and not refine else 1e-8
+        plain = form.even and not form.cornered
+        least = 1e-9 if bare and not (refine or plain) else 1e-8
         settings.static_regularization_constant = least if small else 1e-7
         settings.iterative_refinement_enable = refine or (exact and form.gentle)
         settings.equilibrate_enable = equilibrate and not bare

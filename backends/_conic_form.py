@@ -31,6 +31,7 @@ from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
 _GENTLE = 0.08  # slope of a surface: friction of 5 degrees
+_SPEED = 30.0  # velocities of soil for 1 of the program: with it rows of points are of order 1
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,9 @@ class ConicForm:
         hardens: whether lengths of strain rates have a quadratic cost.
         presses: whether strength depends on pressure.
         gentle: whether somewhere so little that it hardly does.
+        cornered: whether somewhere several surfaces bound it.
+        even: whether every surface has some strength without pressure; then velocities are in units
+            in which rows of points are as large as stresses.
     """
 
     def __init__(
@@ -140,6 +144,14 @@ class ConicForm:
         penalty: Penalties | None,
     ) -> None:
         self._program, self._pattern = program, pattern
+        self.hardens, self.presses = program.hardens, program.presses
+        own = [group.surfaces for group in program.groups if group.surfaces is not None]
+        self.gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in own)
+        self.cornered = any(one.count > 1 for one in own)
+        strong = all(bool(np.all(one.strength > 0)) for one in own)
+        simple = not (self.hardens or self.gentle)
+        self.even = bool(own) and strong and simple and penalty is None
+        self._speed = _SPEED if self.even else 1.0
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
@@ -208,6 +220,7 @@ class ConicForm:
             if lead.slopes is not None:
                 slopes = csr_matrix(diags_array(self._gained[number]) @ lead.slopes)
                 over[number] = csr_matrix(over[number] - _placed(slopes, columns, first_own))
+            if lead.slopes is not None and not (lead.single and self.even):
                 each = csr_matrix(identity(lead.shares.shape[1]))
                 positive.append(_placed(each, columns, first_own))
         free = csr_matrix(vstack([free, *positive])) if positive else free
@@ -243,12 +256,6 @@ class ConicForm:
                 root = np.repeat(np.sqrt(group.weights * group.modulus), group.dim)
                 spring = _wide(group.rows, columns, root)
                 self.quadratic = csc_matrix(self.quadratic + triu(spring.T @ spring))
-        self.hardens, self.presses = program.hardens, program.presses
-        self.gentle = any(
-            np.any((group.surfaces.slope > 0) & (group.surfaces.slope < _GENTLE))
-            for group in program.groups
-            if group.surfaces is not None
-        )
         self.linear = (
             not self.hardens
             and penalty is None
@@ -282,11 +289,12 @@ class ConicForm:
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
-        return b
+        return b * self._speed
 
     def point(self, x: Floats, z: Floats, contact: FrozenContact) -> ProgramState:
         """Velocity and duals in the signs of `ProgramState` (T35)."""
         program, pattern, dilatant = self._program, self._pattern, self._dilatant
+        velocity = x[: program.n] / self._speed
         load, *duals = np.split(z, self._ends[:-1])
         count, dim = len(program.groups), program.contact.tangent_dim
         means, (stick, plain), rest = duals[:count], duals[count : count + 2], duals[count + 2 :]
@@ -304,14 +312,14 @@ class ConicForm:
         of_groups = (self._voluminous, self._gained, self._units, means, strains)
         for group, own, gain, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
             shear = -strain[:, 1:] / unit[:, None]
-            stresses.append(shear[:, : group.dim] + stress_besides(group, x[: program.n]))
+            stresses.append(shear[:, : group.dim] + stress_besides(group, velocity))
             # Softened, theta is a row of the norm too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
             total = np.repeat(softened, group.volumes)
             total[own] += (gain / np.repeat(unit, group.volumes))[own] * mean
             mean_stresses.append(total)
         return ProgramState(
-            velocity=x[: program.n],
+            velocity=velocity,
             load_factor=-float(load[0]),
             stress=tuple(stresses),
             mean_stress=tuple(mean_stresses),

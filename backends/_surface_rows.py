@@ -19,15 +19,18 @@ class Leads:
         shares: of the unknowns in each bound, shape (m, own).
         slopes: and in each volumetric row (T39), shape (m L, own); None: the unknowns are the
             bounds, and in no other row.
+        single: whether each is all of a bound. It has the sign of a length then, which said twice
+            takes a fifth more iterations.
     """
 
     shares: Sparse
     slopes: Sparse | None
+    single: bool
 
     @classmethod
     def plain(cls, count: int) -> "Leads":
         """One unknown for each norm."""
-        return cls(csr_matrix(identity(count)), None)
+        return cls(csr_matrix(identity(count)), None, single=True)
 
     @classmethod
     def of(cls, group: DissipationGroup) -> "Leads":
@@ -44,7 +47,7 @@ class Leads:
         entries = (surfaces.slope.ravel(), (rows.ravel(), at.ravel()))
         slopes = csr_matrix(entries, (row.size, own.size))
         slopes.eliminate_zeros()
-        return cls(shares, slopes)
+        return cls(shares, slopes, single=surfaces.count == 1)
 
 
 def volumetric_gain(group: DissipationGroup) -> Floats:

@@ -17,14 +17,14 @@ a frozen flow, leaves something convex: again surfaces whose normals flow keeps 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.numerics.polyhedra import nearest
+from lacore.numerics.polyhedra import corners, far_edges, nearest
 from lacore.showing import Compact
 
-_PARALLEL = 1e-9  # determinant of unit normals below which planes do not meet in a point
 _SWEEPS = 3  # over edges that a strain rate is beyond: each is one of a few
 _ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
 
@@ -178,7 +178,8 @@ class Surfaces(Compact):
         """Largest ``||s||`` of all points at any pressure, Pa; inf where it grows with pressure."""
         if (self._edges[:, :, 0] > 0).any():
             return np.inf
-        return float(self._corners[:, :, 0].max(where=self._real, initial=0.0))
+        corners, real = self._corners
+        return float(corners[:, :, 0].max(where=real, initial=0.0))
 
     def use(self, size: Floats, mean: Floats) -> Floats:
         """What stresses call on, ``normed q + slope . p``, shape (m, k).
@@ -224,8 +225,9 @@ class Surfaces(Compact):
         if not length.size:
             return np.zeros(0)
         rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))
-        powers = np.einsum("mvl,ml->mv", self._corners, rates)
-        return np.asarray(np.where(self._real, powers, -np.inf).max(axis=1))
+        corners, real = self._corners
+        powers = np.einsum("mvl,ml->mv", corners, rates)
+        return np.asarray(np.where(real, powers, -np.inf).max(axis=1, initial=-np.inf))
 
     def _possible(self, rates: Floats) -> Floats:
         """Rates with volumetric ones moved out of what the worst edges forbid, (m, 1+L)."""
@@ -249,8 +251,9 @@ class Surfaces(Compact):
         """
         normals, felt = self.planes[0], np.append(True, ~self._lines)
         rates = self._possible(np.column_stack([length, volume.reshape(-1, self.volumes)]))
-        found = np.zeros((len(self._bases), *normals.shape[:2]))
-        for flowing, chosen, real in zip(found, self._bases, self._real.T, strict=True):
+        corner = self._met[1].T
+        found = np.zeros((len(corner), *normals.shape[:2]))
+        for flowing, chosen, real in zip(found, self._bases, corner, strict=True):
             matrix = np.where(
                 real[:, None, None], normals[:, chosen][:, :, felt], np.eye(felt.sum())
             )
@@ -259,7 +262,7 @@ class Surfaces(Compact):
         least, most = found.min(axis=2), np.abs(found).max(axis=2)
         flows = least >= -_ON * most
         slowest = np.where(flows, found.sum(axis=2), np.inf).argmin(axis=0)
-        nearest_by = np.where(self._real.T, least, -np.inf).argmax(axis=0)
+        nearest_by = np.where(corner, least, -np.inf).argmax(axis=0)
         choice = np.where(flows.any(axis=0), slowest, nearest_by)
         best = np.take_along_axis(found, choice[None, :, None], axis=0)[0]
         return np.asarray(np.nan_to_num(np.maximum(best[:, : self.count], 0.0)))
@@ -315,34 +318,23 @@ class Surfaces(Compact):
     @cached_property
     def _met(self) -> tuple[Floats, Bools]:
         """Points in which planes meet, and which of them are corners: (m, v, 1+L), (m, v)."""
-        normals, strengths = self.planes
         felt = np.append(True, ~self._lines)
-        places = np.flatnonzero(felt)
-        seen = normals[:, :, felt]
-        length = np.linalg.norm(seen, axis=2, keepdims=True)
-        length[length == 0] = 1.0
-        seen, bound = seen / length, strengths / length[:, :, 0]
-        found, real = [], []
-        for chosen in self._bases:
-            matrix, right = seen[:, chosen], bound[:, chosen]
-            good = np.abs(np.linalg.det(matrix)) > _PARALLEL
-            matrix = np.where(good[:, None, None], matrix, np.eye(places.size))
-            corner = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-            terms = np.einsum("mpl,ml->mp", np.abs(seen), np.abs(corner)) + np.abs(bound)
-            inside = np.einsum("mpl,ml->mp", seen, corner) - bound <= _ON * terms
-            found.append(corner)
-            real.append(good & inside.all(axis=1))
-        corners = np.zeros((seen.shape[0], len(found), felt.size))
-        corners[:, :, places] = np.stack(found, axis=1)
-        return corners, np.stack(real, axis=1)
+        if _alike(self.slope) and _alike(self.strength):
+            met, real = corners(*self._one.planes, felt)
+            return _of_all(met, self.strength.shape[0]), _of_all(real, self.strength.shape[0])
+        return corners(*self.planes, felt)
+
+    @cached_property
+    def _corners(self) -> tuple[Floats, Bools]:
+        """The same without what is a corner nowhere."""
+        met, real = self._met
+        somewhere = real.any(axis=0)
+        return met[:, somewhere], real[:, somewhere]
 
     @property
-    def _corners(self) -> Floats:
-        return self._met[0]
-
-    @property
-    def _real(self) -> Bools:
-        return self._met[1]
+    def _one(self) -> "Surfaces":
+        """Those of the first point."""
+        return self.at(np.arange(1))
 
     @property
     def edges(self) -> Floats:
@@ -352,22 +344,16 @@ class Surfaces(Compact):
     @cached_property
     def _edges(self) -> Floats:
         """Directions (q, p) to infinity, largest of p 1, or zeros: shape (m, e, 1+L)."""
-        normals, _ = self.planes
-        size = normals.shape[2]
-        found = []
-        for chosen in combinations(range(normals.shape[1]), size - 1):
-            along = _across(normals[:, chosen])
-            longest = np.abs(along[:, 1:]).max(axis=1, keepdims=True)
-            along = along / np.where(longest > _PARALLEL, longest, np.inf)
-            for direction in (along, -along):
-                terms = np.einsum("mpl,ml->mp", np.abs(normals), np.abs(direction))
-                out = np.einsum("mpl,ml->mp", normals, direction) <= _ON * terms
-                found.append(np.where(out.all(axis=1)[:, None], direction, 0.0))
-        return np.stack(found, axis=1)
+        if _alike(self.slope):
+            return _of_all(far_edges(self._one.planes[0]), self.slope.shape[0])
+        return far_edges(self.planes[0])
 
 
-def _across(rows: Floats) -> Floats:
-    """The vector that L rows of L + 1 components leave, zero where they depend, shape (m, L+1)."""
-    size = rows.shape[2]
-    minors = [(-1) ** j * np.linalg.det(np.delete(rows, j, axis=2)) for j in range(size)]
-    return np.stack(minors, axis=1)
+def _alike(values: Floats) -> bool:
+    """Whether all of several points have the same, as those of a body of one soil."""
+    return values.shape[0] > 1 and bool(np.all(values == values[:1]))
+
+
+def _of_all(values: Any, count: int) -> Any:
+    """What one point has, for so many, without copies."""
+    return np.broadcast_to(values, (count, *values.shape[1:]))

@@ -1,4 +1,4 @@
-"""Nearest points of small polyhedra, of each of many its own.
+"""Nearest points, corners and edges of small polyhedra, of each of many its own.
 
 At the nearest point of ``normals x <= bounds`` what is left is a sum of the normals of planes that
 meet there, each with a share >= 0. Planes and unknowns are few, so that subsets are tried in turn,
@@ -10,9 +10,11 @@ from itertools import combinations
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 
 _PARALLEL = 1e-7  # sine of the angle between planes below which they have no edge in common
+_SINGULAR = 1e-9  # determinant of unit normals below which planes do not meet in a point
+_ON = 1e-9  # of the sizes of the terms: a point that lies on a plane, up to round-off
 _ROUND_OFF = 4 * float(np.finfo(float).eps)  # of the sizes of the terms
 
 
@@ -63,3 +65,63 @@ def nearest(normals: Floats, bounds: Floats, points: Floats) -> Nearest:
             found[those], wrong[those] = near[better], residual[better]
             along[those] = np.eye(n) - (base @ base.transpose(0, 2, 1))[better]
     return Nearest(found, along)
+
+
+def corners(normals: Floats, bounds: Floats, felt: Bools) -> tuple[Floats, Bools]:
+    """Points in which planes meet, and which of them are corners of ``normals x <= bounds``.
+
+    Args:
+        normals: shape (m, k, n).
+        bounds: shape (m, k).
+        felt: which coordinates normals have at all, shape (n,); the others are 0.
+
+    Returns:
+        For each choice of planes: points of shape (m, v, n), and whether they are corners, (m, v).
+    """
+    places = np.flatnonzero(felt)
+    seen = normals[:, :, felt]
+    length = np.linalg.norm(seen, axis=2, keepdims=True)
+    length[length == 0] = 1.0
+    seen, bound = seen / length, bounds / length[:, :, 0]
+    found, real = [], []
+    for chosen in combinations(range(normals.shape[1]), places.size):
+        matrix, right = seen[:, chosen], bound[:, chosen]
+        good = np.abs(np.linalg.det(matrix)) > _SINGULAR
+        matrix = np.where(good[:, None, None], matrix, np.eye(places.size))
+        corner = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+        terms = np.einsum("mpl,ml->mp", np.abs(seen), np.abs(corner)) + np.abs(bound)
+        inside = np.einsum("mpl,ml->mp", seen, corner) - bound <= _ON * terms
+        found.append(corner)
+        real.append(good & inside.all(axis=1))
+    points = np.zeros((seen.shape[0], len(found), felt.size))
+    points[:, :, places] = np.stack(found, axis=1)
+    return points, np.stack(real, axis=1)
+
+
+def far_edges(normals: Floats) -> Floats:
+    """Directions in which ``normals x <= bounds`` has no end along an edge, or zeros.
+
+    The largest of all coordinates but the first is 1; shape (m, e, n), e at least 1: what is zero
+    for all is left out.
+    """
+    size = normals.shape[2]
+    found = []
+    for chosen in combinations(range(normals.shape[1]), size - 1):
+        along = _across(normals[:, chosen])
+        longest = np.abs(along[:, 1:]).max(axis=1, keepdims=True)
+        along = along / np.where(longest > _SINGULAR, longest, np.inf)
+        for direction in (along, -along):
+            terms = np.einsum("mpl,ml->mp", np.abs(normals), np.abs(direction))
+            out = np.einsum("mpl,ml->mp", normals, direction) <= _ON * terms
+            found.append(np.where(out.all(axis=1)[:, None], direction, 0.0))
+    edges = np.stack(found, axis=1)
+    some = edges.any(axis=(0, 2))
+    some[0] |= not some.any()
+    return np.asarray(edges[:, some])
+
+
+def _across(rows: Floats) -> Floats:
+    """The vector that n - 1 rows of n components leave, zero where they depend, shape (m, n)."""
+    size = rows.shape[2]
+    minors = [(-1) ** j * np.linalg.det(np.delete(rows, j, axis=2)) for j in range(size)]
+    return np.stack(minors, axis=1)

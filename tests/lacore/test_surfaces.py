@@ -93,7 +93,7 @@ def test_the_closest_stress_is_within_and_what_is_left_flows_by_it(criterion, ki
     stress = found.stress
     elastic = np.linalg.norm(stiffness * rates, axis=1)
     # Round-off of the elastic stresses, or of the apex, far away at 0.1 degrees.
-    apex = abs(own._corners).max()
+    apex = abs(own._met[0]).max()
     called = (own.use(stress[:, 0], stress[:, 1:].ravel()) - own.strength).max(axis=1)
     assert np.all(called <= 1e-12 * (elastic + apex))
     left = rates - stress / stiffness
