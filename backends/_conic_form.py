@@ -31,6 +31,7 @@ from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
 _GENTLE = 0.08  # slope of a surface: friction of 5 degrees
+_TIED = 2.0  # unknowns per point: programs of stresses have more, and stall at other units
 _SPEED = 30.0  # velocities of soil for 1 of the program: with it rows of points are of order 1
 
 
@@ -132,8 +133,8 @@ class ConicForm:
         presses: whether strength depends on pressure.
         gentle: whether somewhere so little that it hardly does.
         cornered: whether somewhere several surfaces bound it.
-        even: whether every surface has some strength without pressure; then velocities are in units
-            in which rows of points are as large as stresses.
+        even: whether every surface has some strength without pressure, and velocities are those of
+            a body; they are in units then in which rows of points are as large as stresses.
     """
 
     def __init__(
@@ -145,12 +146,13 @@ class ConicForm:
     ) -> None:
         self._program, self._pattern = program, pattern
         self.hardens, self.presses = program.hardens, program.presses
-        own = [group.surfaces for group in program.groups if group.surfaces is not None]
-        self.gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in own)
-        self.cornered = any(one.count > 1 for one in own)
-        strong = all(bool(np.all(one.strength > 0)) for one in own)
+        pressed = [group.surfaces for group in program.groups if group.surfaces is not None]
+        self.gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in pressed)
+        self.cornered = any(one.count > 1 for one in pressed)
+        strong = all(bool(np.all(one.strength > 0)) for one in pressed)
         simple = not (self.hardens or self.gentle)
-        self.even = bool(own) and strong and simple and penalty is None
+        tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
+        self.even = bool(pressed) and strong and simple and tied and penalty is None
         self._speed = _SPEED if self.even else 1.0
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)

@@ -29,6 +29,7 @@ _OTHER = (
     "loop",
     "wall",
     "path",
+    "soil",
     "sweep",
     "bracket",
     "bracket order",
@@ -54,6 +55,16 @@ _PATHS = {  # of their table
     "before, s": ("before", ""),
     "aim, s": ("aim", "{:g}"),
     "associated solves": ("ratio", "{:.0f}"),
+}
+_SOILS = {  # of their table
+    "benchmark": ("what", "{}"),
+    "triangles": ("triangles", "{:.0f}"),
+    "unknowns": ("unknowns", "{:.0f}"),
+    "seconds": ("seconds", ""),
+    "iterations": ("iterations", "{:.0f}"),
+    "of von Mises": ("beside", "{:.0f}"),
+    "largest residual": ("largest", "{:.0e}"),
+    "time per von Mises": ("ratio", ""),
 }
 _BRACKETS = {  # of their table
     "benchmark": ("what", "{}"),
@@ -143,6 +154,11 @@ def paths(frame: pd.DataFrame) -> str:
     return _markdown(frame[frame["kind"] == "path"], _PATHS)
 
 
+def soils(frame: pd.DataFrame) -> str:
+    """Markdown of soils beside von Mises."""
+    return _markdown(frame[frame["kind"] == "soil"], _SOILS)
+
+
 def brackets(frame: pd.DataFrame) -> str:
     """Markdown of brackets with proof."""
     return _markdown(frame[frame["kind"] == "bracket"], _BRACKETS)
@@ -230,6 +246,11 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             "**Paths of large deformation**, all steps with their certificates, beside the time of"
             " the loop as it was before, and in units of one associated solve of the first step:"
             f"\n\n{paths(frame)}"
+        )
+    if (frame["kind"] == "soil").any():
+        paragraphs.append(
+            "**Soil beside von Mises** on the same mesh, with the same loads, in turns, from the"
+            f" problem to the certificate:\n\n{soils(frame)}"
         )
     if (frame["kind"] == "bracket").any():
         paragraphs.append(

@@ -345,7 +345,7 @@ class Surfaces(Compact):
     def _edges(self) -> Floats:
         """Directions (q, p) to infinity, largest of p 1, or zeros: shape (m, e, 1+L)."""
         if _alike(self.slope):
-            return _of_all(far_edges(self._one.planes[0]), self.slope.shape[0])
+            return np.asarray(_of_all(far_edges(self._one.planes[0]), self.slope.shape[0]))
         return far_edges(self.planes[0])
 
 

@@ -115,8 +115,8 @@ def far_edges(normals: Floats) -> Floats:
             out = np.einsum("mpl,ml->mp", normals, direction) <= _ON * terms
             found.append(np.where(out.all(axis=1)[:, None], direction, 0.0))
     edges = np.stack(found, axis=1)
-    some = edges.any(axis=(0, 2))
-    some[0] |= not some.any()
+    some = np.asarray(edges.any(axis=(0, 2)))
+    some[0] |= not np.any(some)
     return np.asarray(edges[:, some])
 
 
