@@ -33,8 +33,10 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _BEGINS = (0.0, 1.5, 3.0)  # logarithms of the smoothing, per largest force and velocity
-_CURVES = 6  # one in the middle of all cones, others shaken
-_SHAKEN = 0.3  # logarithmic spread of their smoothing
+_CURVES = 6
+# Logarithmic spread of the smoothing of the first curve, and of others. Where structures are
+# symmetric curves branch; where points are all but alike they do not.
+_UNLIKE, _SHAKEN = 0.01, 0.3
 _PLACES = 500  # of one curve
 _CLOSE = 1e-4  # smoothing from which on states are judged
 _OUT, _END = 1e2, 1e-10  # smoothing beyond which no curve is followed
@@ -51,7 +53,7 @@ def tracked(run: Run, static: ProgramState) -> Iterate | None:
     for curve in range(_CURVES):
         if run.exhausted:
             break
-        share = np.exp((_SHAKEN if curve else 0.0) * rng.standard_normal(rows.count))
+        share = np.exp((_SHAKEN if curve else _UNLIKE) * rng.standard_normal(rows.count))
         follower = _Follower(run.program, start, share, _SHARE * run.options.tolerance)
         step = run.solve("path", contact, solver=follower)
         if carries(run, step):
