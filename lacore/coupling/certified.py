@@ -6,7 +6,9 @@ of the other is a pair without a gap: a Coulomb limit state.
 Which reactions the next K-step gets is free. Measured on 300 random walls and on walls of 1 000
 blocks: the mean of those of both steps needs the fewest solves and certifies 92 %; the damped
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
-They are tried in this order: together 99.7 %.
+They are tried in this order: together 99.7 %. On blocks in the plane a central path of the problem
+itself comes second (`lacore.coupling.in_plane.central_path`): it ends on tall walls where these
+stall.
 
 In space reactions are a continuum as a rule (T74). Curves of the smoothed law come second there,
 which end at a Coulomb state wherever they were followed (`lacore.coupling.in_space.central_path`);
@@ -24,6 +26,7 @@ from lacore.backend import PreparedSolver
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
+from lacore.coupling.in_plane.central_path import central_path
 from lacore.coupling.in_space.central_path import tracked
 from lacore.coupling.in_space.proximal import proximal
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
@@ -93,7 +96,7 @@ def _from_associated(run: Run, quadratic: bool) -> Coupled:
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
-    of_contact = (averaged, _damped, _alternated, _shifted)
+    of_contact = (averaged, central_path, _damped, _alternated, _shifted)
     if rows.tangent_dim > 1:
         late = (restarted, *((proximal,) if quadratic else ()))
         of_contact = (averaged, tracked, mixed, _damped, _alternated, *late, _shifted)

@@ -1,0 +1,1 @@
+"""What the certified loop tries of plane blocks alone."""
