@@ -62,6 +62,7 @@ WALLS = {  # blocks wide, courses, a window every so many blocks, bar of the cer
     "1 000, 100 courses": (10, 100, 5, 1e-6),
     "2 000": (50, 40, 6, 1e-6),
     "2 000, tall": (40, 50, 6, 1e-6),
+    "2 000, 100 courses": (20, 100, 6, 1e-6),
     "5 000": (125, 40, 8, 1e-6),
     "5 000, tall": (100, 50, 8, 1e-5),
 }
