@@ -272,12 +272,22 @@ def _check_loop(
 
 
 def _check_bracket(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
+    if not history:
+        return _check_stopped(row)
     _require_same("row.outer_iterations", row.outer_iterations, len(history))
-    for name in ("lower", "upper", "width") if history else ():
+    for name in ("lower", "upper", "width"):
         _require_same(f"row.{name}", getattr(row, name), history[-1][name])
 
 
+def _check_stopped(row: Row) -> None:
+    """Of a run that was refused, crashed or stopped there is no history, and no number of it."""
+    if not isnan(row.outer_iterations):
+        _require_same("row.outer_iterations", row.outer_iterations, 0)
+
+
 def _check_range(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
+    if not history:
+        return _check_stopped(row)
     _require_same("row.outer_iterations", row.outer_iterations, _total(history, "solves"))
     found = [step["load_factor"] for step in history if step["status"] == "certified"]
     if found:

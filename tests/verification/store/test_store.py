@@ -15,6 +15,7 @@ import pytest
 
 import lacore as la
 from tests.verification.command_line import run_in_order
+from verification.campaigns import comparison
 from verification.campaigns.run_all import run_all
 from verification.campaigns.sweep import plan
 from verification.runs.run import canonical
@@ -63,6 +64,21 @@ def test_rows_are_kept_in_order_and_read_as_they_were(original):
         assert canonical(entry.evidence.history) == canonical(
             [dict(record) for record in outcome.evidence.history]
         )
+
+
+@pytest.mark.parametrize(
+    ("case", "coupling"),
+    [("vertical-cut", "bracket"), ("footing-nonassociated:psi-20", "range")],
+)
+def test_a_run_that_was_refused_leaves_a_store_that_can_be_read(case, coupling, tmp_path):
+    """It has no history, and no count of its solves; next time it is asked again, or told."""
+    runs = comparison.plan([case], ["highs"], ["coarse"], [coupling])  # which takes no cones
+    (first,) = run_all(runs, tmp_path / NAME, executor=run_in_order)
+    assert first.row.status != "solved"
+    (entry,) = entries(tmp_path / NAME)
+    assert np.isnan(entry.row.outer_iterations)
+    (again,) = run_all(runs, tmp_path / NAME, executor=run_in_order)
+    assert again.row.status == first.row.status
 
 
 def test_truncated(path):
