@@ -55,8 +55,8 @@ def reference(rough: bool) -> Reference:
         low,
         f"{low} k <= alpha <= {high} k",
         "strict bounds of our own on meshes that were adapted; all but 5.6142 were judged by an"
-        " independent checker, too; of Tresca's material [5.523, 6.221] k: Salgado, Lyamin, Sloan and Yu,"
-        " Geotechnique 54, 2004",
+        " independent checker, too; of Tresca's material [5.523, 6.221] k: Salgado, Lyamin, Sloan"
+        " and Yu, Geotechnique 54, 2004",
         "bracket",
         up_to=high,
     )
