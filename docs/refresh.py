@@ -114,6 +114,7 @@ def main() -> None:
         state = la.solve(case.problem(variant, mesh), throw=True)
         state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
     picture_of_guide("large-deformation", "billet.png", "path")
+    picture_of_guide("footing", "ground.png", "problem")
     picture_of_guide("footing", "footing.png", "state")
     picture_of_guide("structures", "plate.png", "state")
     picture_of_guide("bridge", "bridge.png", "governing")
