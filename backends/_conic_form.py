@@ -32,7 +32,7 @@ from lacore.state import ProgramState
 
 _GENTLE = 0.08  # slope of a surface: friction of 5 degrees
 _TIED = 2.0  # unknowns per point: programs of stresses have more, and stall at other units
-_SPEED = 30.0  # velocities of soil for 1 of the program: with it rows of points are of order 1
+_SPEED = 10.0  # velocities of soil for 1 of the program: with it rows of points are near 1
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class ConicForm:
         self.gentle = any(np.any((one.slope > 0) & (one.slope < _GENTLE)) for one in pressed)
         self.cornered = any(one.count > 1 for one in pressed)
         strong = all(bool(np.all(one.strength > 0)) for one in pressed)
-        simple = not (self.hardens or self.gentle)
+        simple = not (self.hardens or self.gentle or self.cornered)
         tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
         self.even = bool(pressed) and strong and simple and tied and penalty is None
         self._speed = _SPEED if self.even else 1.0

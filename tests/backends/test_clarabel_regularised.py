@@ -140,7 +140,8 @@ def judged(problem, coupling, r, other):
         exact = Clarabel().prepare(stated, ClarabelOptions(tolerance=1e-11)).solve(contact)
         exact = exact.point.load_factor
     mine = solve(stated, contact, r=r)
-    assert mine.status is Status.SOLVED
+    # "Almost" is its own word: what follows judges both alike.
+    assert mine.status in (Status.SOLVED, Status.ALMOST_SOLVED)
     certificate = certify(stated, mine.point, contact)
     # What the loop judges at 1e-6, by stresses that the solver leaves balanced to 1e-8.
     assert certificate.equilibrium <= 1e-7

@@ -52,7 +52,7 @@ uniaxial:  sigma_z = -alpha,  all others 0
 J2:        alpha^2/3 = k^2
            alpha = sqrt(3) k = 1.7320508 k
 """,
-    meshes={"coarse": {"n": 1}, "medium": {"n": 3}},
+    meshes={"coarse": {"n": 1}, "medium": {"n": 3}, "fine": {"n": 5}},
     build=build,
     reference=reference,
     band=band,

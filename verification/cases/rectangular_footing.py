@@ -77,7 +77,7 @@ CASE = Case(
 below and above:          5.156 k <= alpha <= 5.585 k
 square, strip (Prandtl):  5.387 ... 5.614 k, 5.1416 k
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 4}},
+    meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
     build=build,
     reference=reference,
     band=band,

@@ -64,7 +64,7 @@ CASE = Case(
 below:   uniform compression, alpha >= s0
 bounds:  1.0401 s0 on 928 tetrahedra, 1.0517 s0 on 1296
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 4}},
+    meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
     build=build,
     reference=reference,
     band=band,

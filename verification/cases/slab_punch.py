@@ -82,7 +82,7 @@ CASE = Case(
 smooth walls:   no shear stress on them, no motion across: plane strain
 Prandtl:        alpha = (2 + pi) k = 5.141593 k
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 5}},
+    meshes={"coarse": {"n": 2}, "medium": {"n": 5}, "fine": {"n": 8}},
     build=build,
     reference=reference,
     band=band,

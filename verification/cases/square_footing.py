@@ -84,7 +84,7 @@ smooth, below and above:  5.129 k <= alpha <= 5.291 k
 rough:                    5.387 k <= alpha <= 5.614 k
 strip footing (Prandtl):  5.1416 k
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 4}},
+    meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
     build=build,
     reference=reference,
     band=band,

@@ -66,7 +66,11 @@ yield:        sigma_t - sigma_r = s0  (two equal hoop stresses)
 integrate:    0 - (-alpha) = 2 s0 ln(b/a)
 b/a = 2:      alpha = 1.386294 s0
 """,
-    meshes={"coarse": {"across": 2, "through": 2}, "medium": {"across": 6, "through": 5}},
+    meshes={
+        "coarse": {"across": 2, "through": 2},
+        "medium": {"across": 6, "through": 5},
+        "fine": {"across": 8, "through": 7},
+    },
     build=build,
     reference=reference,
     band=band,

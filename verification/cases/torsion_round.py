@@ -74,7 +74,11 @@ torque:    2 volume = 2 pi k R^3/3
 R = 1:     2.094395
 polygon:   N sin(2 pi/N) cos(pi/N) / (2 pi) of it; N = 8: 0.831833
 """,
-    meshes={"coarse": {"sides": 8, "rings": 1}, "medium": {"sides": 16, "rings": 2}},
+    meshes={
+        "coarse": {"sides": 8, "rings": 1},
+        "medium": {"sides": 16, "rings": 2},
+        "fine": {"sides": 24, "rings": 3},
+    },
     build=build,
     reference=reference,
     band=band,

@@ -67,7 +67,7 @@ volume:    a^2 (k a/2)/3 = k a^3/6
 torque:    2 volume = k a^3/3
 a = 2:     8/3 = 2.666667
 """,
-    meshes={"coarse": {"n": 1}, "medium": {"n": 2}},
+    meshes={"coarse": {"n": 1}, "medium": {"n": 2}, "fine": {"n": 3}},
     build=build,
     reference=reference,
     band=band,

@@ -66,7 +66,7 @@ CASE = Case(
 plane:    gamma H = 3.7765 k, whatever the length
 ends:     tear at k, and add to what is dissipated: more than that
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 3}},
+    meshes={"coarse": {"n": 2}, "medium": {"n": 3}, "fine": {"n": 5}},
     build=build,
     reference=reference,
     band=band,

@@ -204,7 +204,10 @@ class Newton:
     def __init__(self, problem: Complementarity, z: Floats) -> None:
         """Raises `SingularError`."""
         rows, self._problem = problem.program.contact, problem
-        forces, self._speeds = (np.split(half, 3) for half in np.split(problem.positive(z), 2))
+        positive = problem.positive(z)
+        if not np.all(positive > 0):
+            raise SingularError("a force or a speed has come to zero")
+        forces, self._speeds = (np.split(half, 3) for half in np.split(positive, 2))
         self._forces, mu = forces, rows.coefficient
         s, a, b = self._speeds
         p, forward, backward = forces

@@ -85,7 +85,7 @@ def test_a_given_tolerance_is_kept_whatever_is_lost(tolerances):
 
 def test_what_loses_much_is_not_asked_for_twice_on_finer_meshes(tolerances, monkeypatch):
     """They lose more; and what was learnt does not depend on what runs at a time."""
-    monkeypatch.setattr(refine, "_LOST", 1e-4)
+    monkeypatch.setattr(refine, "_LOST", 1e-6)
     one = la.bracket(sand_punch(), 0.05, jobs=1)
     meshes = [tolerances[elements] for elements in sorted(tolerances)]
     again = next(number for number, asked in enumerate(meshes) if len(asked) > 1)

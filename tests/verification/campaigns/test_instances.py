@@ -46,7 +46,7 @@ def least(columns, cost, rows, offset, cones):
             given.append(cp.SOC(part[0], part[1:]))
     assert first == rows.shape[0]
     problem = cp.Problem(cp.Minimize(cost @ x), given)
-    return problem.solve(solver=cp.ECOS, abstol=1e-9, reltol=1e-9, feastol=1e-9)
+    return problem.solve(solver=cp.CLARABEL)
 
 
 def of_npz(file):
