@@ -1,6 +1,6 @@
 """Put the pages of the site together and have Sphinx make it: ``make docs``.
 
-Sources lie in reports/site/sources, the site in reports/site/html; what did not change is kept.
+Sources lie in reports/site/sources, the site in reports/site/html; drawn pictures are kept.
 """
 
 import argparse
@@ -39,7 +39,8 @@ def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
     here = str(Path(__file__).parent)
     places = [str(folder / name) for name in ("doctrees", "sources", "html")]
     copied = f"html_extra_path={folder / 'sources' / EXTRA}"
-    failed = sphinx(["-q", "-W", "--keep-going", "-c", here, "-D", copied, "-d", *places])
+    anew = ["-E"]  # every page names all others beside it: one that is kept shows older names
+    failed = sphinx(["-q", *anew, "-W", "--keep-going", "-c", here, "-D", copied, "-d", *places])
     return [*(["Sphinx warned"] if failed else []), *links.broken(folder / "html")]
 
 
