@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import singledispatchmethod
 from itertools import count
 
 from verification.report.blocks import (
     Block,
+    Column,
     Columns,
     Details,
     Drawing,
@@ -69,7 +70,11 @@ class Writer:
     @block.register
     def _(self, block: Table) -> str:
         caption = f"**{escaped(block.caption)}**\n\n" if block.caption else ""
-        return caption + (markdown(block).rstrip() if len(block.data) else "None.")
+        if not len(block.data):
+            return f"{caption}None."
+        short = replace(block, columns=[own for own in block.columns if not own.long])
+        folds = [_below(block, own) for own in block.columns if own.long]
+        return "\n\n".join([caption + markdown(short).rstrip(), *folds])
 
     @block.register
     def _(self, block: Facts) -> str:
@@ -98,6 +103,22 @@ class Writer:
     @block.register
     def _(self, block: Details) -> str:
         return f"::::::{{dropdown}} {block.title}\n{self.page(block.blocks)}\n::::::"
+
+
+_NAMING = 2
+"""Columns, the first of a table, that tell its rows apart in the fold below it."""
+
+
+def _below(table: Table, column: Column) -> str:
+    """A column of sentences, folded: a line a row, after what the row is called by."""
+    rows = table.plain
+    named = [own.head for own in table.columns if not own.long][:_NAMING]
+    lines = [
+        f"- {escaped(', '.join(row[named]))}: {escaped(row[column.head])}"
+        for _, row in rows.iterrows()
+        if row[column.head]
+    ]
+    return "\n".join([f":::::{{dropdown}} {column.head}", *lines, ":::::"])
 
 
 def _plain(text: str) -> str:
