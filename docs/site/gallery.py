@@ -3,12 +3,12 @@
 import io
 from collections.abc import Iterator, Mapping, Sequence
 
-from PIL import Image
+from PIL import Image, ImageChops
 
-from pictures import mechanism
+from pictures import small
 from verification.case import Case
 from verification.report.blocks import Picture
-from verification.report.drawing import Drawn, sketch
+from verification.report.drawing import Drawn
 
 _GROUPS: Mapping[str, frozenset[str]] = {
     "In space": frozenset({"space"}),
@@ -32,6 +32,7 @@ _EXAMPLES = {
     )
 }
 _WIDE, _HIGH = 480, 360  # pixels of a picture in the gallery: it is shown half as wide
+_RIM = 24  # pixels, of paper left in all
 
 
 def group(case: Case) -> str:
@@ -57,7 +58,7 @@ def _grid(cards: Iterator[str]) -> str:
 
 def _card(case: Case, drawn: Drawn) -> str:
     own = _picture(case, drawn)
-    file = f"/pictures/small/{own.name}.png" if own else ""
+    file = f"/pictures/gallery/{own.name}.png" if own else ""
     return _shown(file, case.title, f"/manual/{case.id}")
 
 
@@ -67,22 +68,24 @@ def _shown(file: str, title: str, link: str) -> str:
 
 
 def _picture(case: Case, drawn: Drawn) -> Picture | None:
-    found = [drawn.get(mechanism(case).name), drawn.get(sketch(case).name)]
-    return next((one for one in found if isinstance(one, Picture)), None)
+    found = drawn.get(small(case).name)
+    return found if isinstance(found, Picture) else None
 
 
 def thumbnails(cases: Sequence[Case], drawn: Drawn) -> Mapping[str, bytes]:
     """Small pictures of the cases, by their paths."""
     found = [own for case in cases if (own := _picture(case, drawn))]
-    return {f"pictures/small/{own.name}.png": _small(own.data) for own in found}
+    return {f"pictures/gallery/{own.name}.png": _small(own.data) for own in found}
 
 
 def _small(data: bytes) -> bytes:
     with Image.open(io.BytesIO(data)) as whole:
-        small = whole.convert("RGB")
-    small.thumbnail((_WIDE, _HIGH), Image.Resampling.LANCZOS)
+        drawn = whole.convert("RGB")
+    margin = ImageChops.difference(drawn, Image.new("RGB", drawn.size, "white")).getbbox()
+    inner = drawn.crop(margin)
+    inner.thumbnail((_WIDE - _RIM, _HIGH - _RIM), Image.Resampling.LANCZOS)
     paper = Image.new("RGB", (_WIDE, _HIGH), "white")
-    paper.paste(small, ((_WIDE - small.width) // 2, (_HIGH - small.height) // 2))
+    paper.paste(inner, ((_WIDE - inner.width) // 2, (_HIGH - inner.height) // 2))
     buffer = io.BytesIO()
     paper.quantize(64).save(buffer, format="PNG", optimize=True)
     return buffer.getvalue()

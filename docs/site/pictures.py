@@ -22,6 +22,7 @@ from verification.store.provenance import code_version
 from verification.verdicts.words import PASS
 
 _SEEN = "mechanism"
+_SMALL = "small"
 _DEAR = 20.0  # s, of a bracket when it was kept
 
 
@@ -33,17 +34,41 @@ def mechanism(case: Case) -> Subject:
 
 
 def _mechanism(case: Case) -> Figure:
-    variant = case.variants[0]
-    level = (*case.meshes, *case.meshes)[1]
-    state = la.solve(case.problem(variant, level))
+    state = _state(case)
     if state.status is not la.Status.SOLVED:
         raise ValueError(f"nothing moves: {state.status.label}. {state.message}")
     return state.plot()
 
 
+def _state(case: Case) -> la.LimitState:
+    return la.solve(case.problem(case.variants[0], (*case.meshes, *case.meshes)[1]))
+
+
+def small(case: Case) -> Subject:
+    """What is seen of a case in the gallery: its mechanism, or else the problem, with no words."""
+    return Subject(f"{case.id}-{_SMALL}", case.title, case, partial(_bare, case))
+
+
+def _bare(case: Case) -> Figure:
+    """The first axes alone, without titles, scales and legends: no one could read them."""
+    state = _state(case) if case.path is None else None
+    solved = state is not None and state.status is la.Status.SOLVED
+    figure = state.plot() if state is not None and solved else sketch(case).draw()
+    first, *others = figure.axes
+    legends = [own for own in (*figure.legends, first.get_legend()) if own is not None]
+    for part in (*others, *figure.texts, *legends):
+        part.remove()
+    figure.set_layout_engine("none")
+    first.set_title("")
+    first.set_axis_off()
+    first.set_position((0, 0, 1, 1))
+    return figure
+
+
 def subjects(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Subject]:
-    """The problem, how it collapses (a path has many loads), and the meshes of its bracket."""
+    """The problem, small and large, how it collapses (a path has many loads), its bracket."""
     yield sketch(case)
+    yield small(case)
     if case.path is None:
         yield mechanism(case)
     bracketed = enclosed(case, outcomes)
@@ -114,6 +139,7 @@ class Kept:
 
 
 def files(drawn: Drawn) -> Mapping[str, bytes]:
-    """Pictures as files of the site, by their paths."""
-    found = {name: one for name, one in drawn.items() if isinstance(one, Picture)}
+    """Pictures as files of the site, by their paths; the gallery has its own."""
+    shown = {name: one for name, one in drawn.items() if not name.endswith(f"-{_SMALL}")}
+    found = {name: one for name, one in shown.items() if isinstance(one, Picture)}
     return {f"pictures/{name}.png": one.data for name, one in found.items()}
