@@ -1,6 +1,7 @@
 """One solve for a lower bound, and what its stresses prove as they are made admissible (T26c)."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from lacore.backend import InnerSolution
 from lacore.bounds.stresses.admissible import lacking, scaled, within_friction
-from lacore.bounds.stresses.projection import onto_equilibrium
+from lacore.bounds.stresses.projection import alike, by_area, onto_equilibrium
 from lacore.bounds.stresses.within_strength import within_strength
 from lacore.certificate import Certificate, certify
 from lacore.program import KinematicProgram, associated_contact
@@ -91,11 +92,18 @@ def attempt(
     scalable = not np.any(program.dead_load)
     worth, aim = (max(_WORTH, _OF_GAP * before.gap), _AIM) if scalable else (0.0, 0.0)
     point = within_friction(program, inner.point, margin)
-    with onto_equilibrium(program, point) as nearest:
-        projected = nearest(point)
-        moved = within_strength(program, less, projected, nearest, worth, aim)
-    # Reactions may leave their cones as stresses are moved: then those of the projection count.
-    for found in (moved,) if moved is projected else (moved, projected):
+
+    def candidates() -> Iterator[ProgramState]:
+        # Reactions may leave their cones as stresses are moved: then those of the projection count.
+        for moves in (alike, by_area):
+            with onto_equilibrium(program, point, moves) as nearest:
+                projected = nearest(point)
+                moved = within_strength(program, less, projected, nearest, worth, aim)
+            yield moved
+            if moved is not projected:
+                yield projected
+
+    for found in candidates():
         state = scaled(program, found) if scalable else found
         after = certify(program, state, laws)
         if _proves(after, exact):

@@ -4,12 +4,13 @@ The nearest stresses in equilibrium, ``min sum (||ds||^2 + dp^2)`` over points, 
 ``ds = w D v, dp = w theta v`` of the velocity v that the forces out of balance drive: one sparse
 solve. Points count alike whatever their weight w: what a solver leaves of nodal forces is alike on
 all elements, and where least weights are left to yield first, least elements pay for the others.
+Where that proves nothing they count by their weights.
 Reactions move too, the less the closer they are to the tip of their cone, so that none leaves it.
 The load factor stays, unless statics alone fixes it. It is floating point, not interval arithmetic:
 "exact" is round-off.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -35,6 +36,23 @@ _NOTHING = 1e-30
 _FINISHED = 0.5  # a refinement that leaves more than this of the forces has come to round-off
 
 
+Moves = Callable[[Floats], Floats]
+"""From weights of points per their mean to how far stresses move, per strain rate."""
+
+
+def alike(weights: Floats) -> Floats:
+    """Points count alike in what is least."""
+    return weights
+
+
+def by_area(weights: Floats) -> Floats:
+    """Points count by their weights: least ones move as far as others for the same strain rate.
+
+    On slivers of a soil of next to no cohesion that is what leaves stresses within strength.
+    """
+    return np.ones_like(weights)
+
+
 class Balancing(Protocol):
     """What moves stresses and reactions into equilibrium."""
 
@@ -43,14 +61,17 @@ class Balancing(Protocol):
 
 
 @contextmanager
-def onto_equilibrium(program: KinematicProgram, state: ProgramState) -> Iterator[Balancing]:
+def onto_equilibrium(
+    program: KinematicProgram, state: ProgramState, moves: Moves
+) -> Iterator[Balancing]:
     """Projection of states whose reactions are about those of a state; factorised once.
 
     Args:
         program: dimensionless.
         state: close to equilibrium, reactions inside their cones.
+        moves: how far the stress of a point moves by its weight, `alike` or `by_area`.
     """
-    moving = _Moving.of(program, state)
+    moving = _Moving.of(program, state, moves)
     stiffness = _stiffness(program, moving)
     diagonal = stiffness.diagonal()
     most = float(diagonal.max(initial=0.0)) or 1.0
@@ -99,7 +120,7 @@ class _Moving:
     """How far stresses and reactions move, per strain rate and velocity of the points.
 
     Attributes:
-        stress: of each group, shape (m,): its weights per their mean, over all groups.
+        stress: of each group, shape (m,).
         normal, tangential: of reactions, shape (m,) and (m tangent_dim,).
     """
 
@@ -108,7 +129,7 @@ class _Moving:
     tangential: Floats
 
     @classmethod
-    def of(cls, program: KinematicProgram, state: ProgramState) -> "_Moving":
+    def of(cls, program: KinematicProgram, state: ProgramState, moves: Moves) -> "_Moving":
         """Reactions in units of how far the largest of them may move.
 
         What carries a body far stronger than its weight must not be soft beside the body, or its
@@ -121,7 +142,7 @@ class _Moving:
         room = np.minimum(rows.limit + rows.dilatancy * np.maximum(state.normal_reaction, 0.0), 1.0)
         unit = max(t_n.max(initial=0.0), room.max(initial=0.0)) or 1.0
         return cls(
-            stress=tuple(own / mean for own in weights),
+            stress=tuple(moves(own / mean) for own in weights),
             normal=(t_n / unit) ** 2,
             tangential=np.repeat((room / unit) ** 2, rows.tangent_dim),
         )

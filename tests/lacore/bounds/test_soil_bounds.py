@@ -210,3 +210,13 @@ def test_a_bracket_is_narrow_around_the_exact_value():
     found = la.bracket(footing(20), target_width=0.06)
     assert found.lower < prandtl(20)[0] < found.upper
     assert found.width <= 0.06
+
+
+@pytest.mark.slow
+def test_slivers_of_a_soil_of_next_to_no_cohesion_are_proven():
+    """N_q with fans of 1.3 degrees: points that count alike leave its stresses beyond strength."""
+    _, exact = prandtl(20)
+    surcharged = footing(20, cohesion=1e-5, surcharge=1.0, size=(4.0, 1.7))
+    found = la.bracket(surcharged, target_width=1e-3, max_elements=1000)
+    assert found.strict
+    assert found.lower < exact + 1e-5 * prandtl(20)[0] < found.upper

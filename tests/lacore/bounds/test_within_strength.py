@@ -11,7 +11,7 @@ from lacore.backend import find_backend
 from lacore.bounds.static_model import static_model
 from lacore.bounds.stresses.admissible import weaker
 from lacore.bounds.stresses.attempt import attempt
-from lacore.bounds.stresses.projection import onto_equilibrium
+from lacore.bounds.stresses.projection import alike, onto_equilibrium
 from lacore.bounds.stresses.within_strength import beyond, within_strength
 from lacore.meshes.refinement import bisected
 from lacore.program import associated_contact, dimensionless
@@ -78,7 +78,7 @@ def test_noise_in_small_elements_hardly_costs_anything(solved):
     """Projection leaves the worst point beyond its strength by what scaling would take off."""
     program, answer = solved
     point = noisy(program, answer.point)
-    with onto_equilibrium(program, point) as nearest:
+    with onto_equilibrium(program, point, alike) as nearest:
         over = beyond(program, nearest(point))
     assert over > 1e-3
     found = attempt(program, program, 0.0, replace(answer, point=point), EXACT)
@@ -100,7 +100,7 @@ def test_stresses_come_within_strengths_that_leave_room(solved):
         mean_stress=tuple((1 - room) * mean for mean in state.mean_stress),
     )
     state = noisy(program, state)
-    with onto_equilibrium(program, state) as nearest:
+    with onto_equilibrium(program, state, alike) as nearest:
         projected = nearest(state)
         assert beyond(program, projected) > room
         moved = within_strength(program, weaker(program, room / 2), projected, nearest, 0.0, 0.0)
@@ -114,5 +114,5 @@ def test_stresses_come_within_strengths_that_leave_room(solved):
 def test_stresses_within_strengths_stay(solved):
     program, answer = solved
     half = replace(answer.point, stress=tuple(0.5 * stress for stress in answer.point.stress))
-    with onto_equilibrium(program, half) as nearest:
+    with onto_equilibrium(program, half, alike) as nearest:
         assert within_strength(program, program, half, nearest, 0.0, 0.0) is half
