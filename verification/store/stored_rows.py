@@ -281,6 +281,8 @@ def _check_bracket(row: Row, history: Sequence[Mapping[str, Any]]) -> None:
 
 def _check_stopped(row: Row) -> None:
     """Of a run that was refused, crashed or stopped there is no history, and no number of it."""
+    if row.status == _SOLVED:
+        raise WrongFieldError("history", f"is missing, and the status is {_SOLVED!r}")
     if not isnan(row.outer_iterations):
         _require_same("row.outer_iterations", row.outer_iterations, 0)
 

@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from verification.campaigns.sweep import plan
 from verification.runs.run import canonical
 from verification.store.results import load_results
 from verification.store.store import _APPLICATION, NAME, SCHEMA, Store, entries, sessions
+from verification.store.stored_rows import WrongFieldError, _check_stopped
 
 ROOT = Path(__file__).parents[3]
 ABOUT = {"date": "a day"}
@@ -78,6 +80,8 @@ def test_a_run_that_was_refused_leaves_a_store_that_can_be_read(case, coupling, 
     (entry,) = entries(tmp_path / NAME)
     assert np.isnan(entry.row.outer_iterations)
     (again,) = run_all(runs, tmp_path / NAME, executor=run_in_order)
+    with pytest.raises(WrongFieldError, match="history"):
+        _check_stopped(replace(entry.row, status="solved"))
     assert again.row.status == first.row.status
 
 
