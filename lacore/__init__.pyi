@@ -72,6 +72,7 @@ from .paths.pace import AdaptiveSteps as AdaptiveSteps
 from .paths.path import Path as Path
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
+from .problem import examples as examples
 from .problem.matching import matching as matching
 from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess

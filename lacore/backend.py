@@ -185,7 +185,12 @@ class Writes(Backend, Protocol):
 
 
 def backend_names() -> list[str]:
-    """Names of all registered backends, sorted."""
+    """Names of all registered backends, sorted.
+
+    Example:
+        >>> "clarabel" in la.backend_names()
+        True
+    """
     return sorted(_registered(tuple(sys.path)))
 
 
@@ -204,6 +209,10 @@ def find_backend(name: str) -> Backend:
     Raises:
         InputError: no such name.
         CapabilityError: it is registered, but cannot be loaded or run here.
+
+    Example:
+        >>> la.find_backend("clarabel").name
+        'clarabel'
     """
     backend = load_backend(name)
     if reason := backend.unavailable():

@@ -27,7 +27,7 @@ PAGES = {
     for page in (
         ROOT / "README.md",
         ROOT / "CONTRIBUTING.md",
-        *(ROOT / "docs" / "site" / f"{name}.md" for name in ("index", "claims", "examples")),
+        *(ROOT / "docs" / "site" / f"{name}.md" for name in ("index", "claims")),
         *sorted((ROOT / "docs" / "guide").glob("*.md")),
     )
 }

@@ -120,31 +120,6 @@ def test_every_public_name_is_in_the_reference(scripts):
     assert dir(la) == sorted(la.__all__)  # nothing else is shown to who looks
 
 
-WITHOUT = {"masonry.read", "masonry3d.read"}
-"""Functions that have no example yet: what they read is made on the pages of the guide."""
-
-
-def test_every_public_function_has_an_example(scripts):
-    """Run by tests/test_guide.py, and shown in the reference."""
-    from types import ModuleType
-
-    import lacore as la
-
-    public = scripts("api").public
-    found = {}
-    for name in la.__all__:
-        thing = getattr(la, name)
-        parts = {name: thing}
-        if isinstance(thing, ModuleType):
-            parts = {f"{name}.{own}": getattr(thing, own) for own in public(thing)}
-        found |= parts
-    functions = {n for n, own in found.items() if callable(own) and not isinstance(own, type)}
-    shown = {name.removeprefix("lacore.") for name in scripts("docstrings").examples()}
-    assert len(functions) > 60
-    assert functions - shown == WITHOUT
-    assert shown <= functions
-
-
 @pytest.fixture(scope="module")
 def html(tmp_path_factory):
     """The whole site without pictures of cases; nothing may be wrong with it."""

@@ -1,9 +1,7 @@
-"""A Sphinx extension for our docstrings: links of names, lists of fields, an example of each."""
+"""A Sphinx extension for our docstrings: links of names, lists of fields."""
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -12,7 +10,6 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
 _SHORT = {"la": "lacore"}
-_EXAMPLE = re.compile(r"^### (\S+)\n\n```python\n(.*?)```", re.MULTILINE | re.DOTALL)
 _SEVERAL = re.compile(r"( +)(\w+(?:, \w+)+): (.*)")
 
 
@@ -58,25 +55,8 @@ def _repeated(lines: Sequence[str]) -> Iterator[str]:
             yield from (f"{margin}{name}: {text}", *rest)
 
 
-@cache
-def examples() -> dict[str, str]:
-    """The code of each example by the name of its function, such as ``lacore.meshes.fan``."""
-    text = (Path(__file__).parent / "examples.md").read_text(encoding="utf-8")
-    return {f"lacore.{name}": code for name, code in _EXAMPLE.findall(text)}
-
-
-def with_example(
-    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
-) -> None:
-    """The example of a function, below what is said of it."""
-    if name in examples():
-        code = [f"   {line}" for line in examples()[name].splitlines()]
-        lines += ["", ".. rubric:: Example", "", ".. code-block:: python", "", *code, ""]
-
-
 def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
     app.connect("missing-reference", resolve)
     app.connect("autodoc-process-docstring", one_by_one, priority=400)  # before napoleon
-    app.connect("autodoc-process-docstring", with_example, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

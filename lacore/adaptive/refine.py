@@ -93,6 +93,13 @@ def bracket(
             `lower_mesh` of another domain or of one of several bodies, options that the backend has
             not; what a lower bound cannot state.
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
+
+    Example:
+        >>> found = la.bracket(la.examples.footing(), target_width=0.05)
+        >>> found.lower < 2 + np.pi < found.upper
+        True
+        >>> found.width < 0.05
+        True
     """
     begin = time.perf_counter()
     require_positive("target_width", target_width)

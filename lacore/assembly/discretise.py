@@ -73,6 +73,12 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         InputError: a footing that cannot move, a reference load that does no power because it
             acts on supports alone, rigid bodies under no dead load, tetrahedra whose factors
             would take more memory than there is.
+
+    Example:
+        >>> discrete = la.discretise(la.examples.footing())  # once, for several backends
+        >>> backends = ("clarabel", "interior_point")
+        >>> [round(la.solve(discrete, name).load_factor, 2) for name in backends]
+        [5.93, 5.93]
     """
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")

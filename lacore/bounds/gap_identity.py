@@ -100,6 +100,12 @@ def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdenti
     Raises:
         InputError: what is no bound, or not there; other meshes, a velocity space that gives no
             bounds, Coulomb friction, a state within a step of a path that hardens.
+
+    Example:
+        >>> problem = la.examples.footing()
+        >>> gap = la.gap_identity(la.upper_bound(problem), la.lower_bound(problem))
+        >>> round(gap.total, 2), round(gap.upper - gap.lower, 2)  # shares of all elements
+        (0.9, 0.9)
     """
     _check(upper, lower)
     discretisation, static, t = upper.discretisation, lower.model.full, lower.point

@@ -191,6 +191,11 @@ def lower_bound(
         InputError: what equilibrium elements cannot state, see `static_model`; unknown names.
         CapabilityError: the backend is missing, regularised, or cannot take the problem.
         SolveError: see `throw`.
+
+    Example:
+        >>> bound = la.lower_bound(la.examples.footing())
+        >>> bound.rigor.name, round(bound.load_factor, 2)  # exact: 2 + pi
+        ('LOWER', 4.95)
     """
     engine = find_backend(backend)
     read_options(engine, options or {})

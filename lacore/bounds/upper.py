@@ -139,6 +139,11 @@ def upper_bound(
             hardens or closes a distance; strength that depends on pressure in a space that is not
             strict by itself; what `lacore.solve` refuses.
         SolveError: see `throw`.
+
+    Example:
+        >>> bound = la.upper_bound(la.examples.footing())
+        >>> bound.rigor.name, round(bound.load_factor, 2)  # exact: 2 + pi
+        ('UPPER', 5.84)
     """
     if isinstance(problem, LimitState | Discretisation):
         stated = problem.discretisation if isinstance(problem, LimitState) else problem

@@ -36,6 +36,9 @@ class BodyForce(Compact):
 
     Raises:
         InputError: a component that is none of these; a field that knows its steepest slope.
+
+    Example:
+        >>> weight = la.BodyForce("soil", (0.0, -20e3))  # N/m^3
     """
 
     body: str

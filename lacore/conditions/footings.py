@@ -91,6 +91,10 @@ class RigidFooting(Footing):
             symmetric half those that keep its plane. None: it does not turn.
         through: where its force acts, m, and where these axes meet; asked for where it turns. What
             does not turn carries a force wherever it acts.
+
+    Example:
+        >>> under = la.Within(x=(0, 1), y=0)
+        >>> footing = la.RigidFooting("soil", under, direction=(0, -1), pressure=1e3)  # Pa
     """
 
     body: str
@@ -192,6 +196,9 @@ class Twist(Footing):
         torque: N m.
         warping: what it touches is free to move across the plate, as the end of a long bar is;
             else it sticks to the plate altogether.
+
+    Example:
+        >>> plate = la.Twist("bar", "zmax", axis=(0, 0, 1), through=(0.5, 0.5, 0))
     """
 
     body: str

@@ -21,6 +21,10 @@ class Linear(Compact):
 
     Raises:
         InputError: what are no numbers.
+
+    Example:
+        >>> deeper = la.Linear(10e3, gradient=(0.0, -2e3))  # Pa, at y < 0
+        >>> clay = la.VonMises(shear_strength=la.Field(deeper))
     """
 
     value: float
@@ -57,6 +61,10 @@ class ByLevel(Compact):
 
     Raises:
         InputError: what are no numbers, a level that is there twice, not as many of both.
+
+    Example:
+        >>> measured = la.ByLevel(levels=(-10.0, 0.0), values=(30e3, 10e3))  # m and Pa
+        >>> clay = la.VonMises(shear_strength=la.Field(measured))
     """
 
     levels: Sequence[float]

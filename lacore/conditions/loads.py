@@ -46,6 +46,9 @@ class Fix(Compact):
             ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
             frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks in
             space ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
+
+    Example:
+        >>> clamped, roller = la.Fix("soil", "bottom"), la.Fix("soil", "left", "x")
     """
 
     body: str
@@ -86,6 +89,9 @@ class Traction(Compact):
     """Uniform traction `vector` [Pa] on a part of the boundary.
 
     On a frame `where` names a member, and the vector is a force per length of it.
+
+    Example:
+        >>> pushed = la.Traction("soil", "top", (0.0, -1e3))  # Pa
     """
 
     body: str
@@ -114,7 +120,11 @@ class Traction(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Pressure(Compact):
-    """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary."""
+    """Uniform pressure `value` [Pa] against the outward normal of a part of the boundary.
+
+    Example:
+        >>> inside = la.Pressure("tube", "left", value=1e6)  # Pa
+    """
 
     body: str
     where: Where
@@ -149,6 +159,9 @@ class PointForce(Compact):
             centroid) or of a node of a frame, or a place on a member of one: a node is put there.
         vector: N/m, in space N; on an axisymmetric body the sum around the ring through `at`, N.
         where: the block that carries it, where `at` lies on several.
+
+    Example:
+        >>> wind = la.PointForce("frame", "B", (10e3, 0.0))  # N
     """
 
     body: str

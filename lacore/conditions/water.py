@@ -26,6 +26,11 @@ class WaterTable(Compact):
 
     Raises:
         InputError: a height that is no number, a weight that is not positive.
+
+    Example:
+        >>> table = la.WaterTable(height=-1.0)
+        >>> table(np.array([[0.0, 0.0], [0.0, -2.0]])).tolist()  # Pa
+        [0.0, 9810.0]
     """
 
     height: float
@@ -65,6 +70,9 @@ class PorePressure(Compact):
 
     Raises:
         InputError: suction, what is no pressure.
+
+    Example:
+        >>> wet = la.PorePressure("soil", la.WaterTable(height=-1.0))
     """
 
     body: str
@@ -122,6 +130,9 @@ class StandingWater(Compact):
 
     Raises:
         InputError: what is no such function.
+
+    Example:
+        >>> lake = la.StandingWater("dam", "left", la.WaterTable(height=5.0))
     """
 
     body: str

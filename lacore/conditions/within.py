@@ -24,6 +24,11 @@ class Within(Compact):
 
     Raises:
         InputError: neither x nor y, no numbers, an interval from its greater end.
+
+    Example:
+        >>> under = la.Within(x=(0, 1), y=0)  # a line 1 m long
+        >>> under(np.array([[0.5, 2.0], [0.0, 0.0]]))
+        array([ True, False])
     """
 
     x: Extent = None
@@ -67,6 +72,11 @@ class Along(Compact):
 
     Raises:
         InputError: no points, or one point twice.
+
+    Example:
+        >>> slope = la.Along(start=(0, 0), end=(4, 2))
+        >>> slope(np.array([[2.0, 2.0], [1.0, 0.0]]))
+        array([ True, False])
     """
 
     start: tuple[float, float]
@@ -108,6 +118,11 @@ class Beyond(Compact):
 
     Raises:
         InputError: no vectors, a normal without a direction.
+
+    Example:
+        >>> right = la.Beyond(point=(1, 0), normal=(1, 0))  # x >= 1
+        >>> right(np.array([[0.0, 2.0], [0.0, 0.0]]))
+        array([False,  True])
     """
 
     point: tuple[float, float]

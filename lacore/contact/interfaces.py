@@ -34,6 +34,10 @@ class Interface(Compact):
 
     Raises:
         InputError: a negative or NaN friction, a master of another kind.
+
+    Example:
+        >>> floor = la.RigidObstacle(point=(0, 0), normal=(0, 1))
+        >>> foot = la.Interface(slave=("block", "bottom"), master=floor, friction=0.3)
     """
 
     slave: tuple[str, Where]

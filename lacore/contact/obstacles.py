@@ -81,6 +81,9 @@ class RigidObstacle(Compact):
 
     Raises:
         InputError: a point without a normal, no vectors, a plane and another shape.
+
+    Example:
+        >>> floor = la.RigidObstacle(point=(0, 0), normal=(0, 1))
     """
 
     point: tuple[float, ...] | None = None

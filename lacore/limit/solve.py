@@ -122,6 +122,11 @@ def solve(
         InputError: an unknown name or an option out of range, before any solve.
         CapabilityError: the backend is missing, or cannot take the problem.
         SolveError: see `throw`.
+
+    Example:
+        >>> state = la.solve(la.examples.column(friction=0.3))
+        >>> state.status.name, round(state.load_factor, 3)
+        ('SOLVED', 0.3)
     """
     accepted = ACCEPTED if tolerance is None else None
     tolerance = TOLERANCE if tolerance is None else tolerance

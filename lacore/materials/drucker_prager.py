@@ -38,6 +38,9 @@ class DruckerPrager(Compact):
     Raises:
         InputError: as of `MohrCoulomb`; an unknown match; in plane stress so much friction that
             stresses of a sheet have no bound, or a dilation angle below the friction angle.
+
+    Example:
+        >>> sand = la.DruckerPrager(cohesion=5e3, friction_angle=30.0)  # Pa, degrees
     """
 
     cohesion: Given | Field

@@ -33,6 +33,10 @@ class Field(Compact):
     Raises:
         InputError: what is neither, numbers that are negative or none, a slope that is not
             positive.
+
+    Example:
+        >>> deeper = la.Field(lambda x: 10e3 - 2e3 * x[1])  # Pa, at y < 0
+        >>> clay = la.VonMises(shear_strength=deeper)
     """
 
     values: Callable[[Floats], Floats] | Floats

@@ -53,6 +53,10 @@ class Coulomb(Compact):
 
     Raises:
         InputError: a negative number or NaN; a tension beyond the apex of the cone.
+
+    Example:
+        >>> joint = la.Coulomb(0.6)
+        >>> wall = la.Coulomb(0.3, adhesion=5e3)  # Pa
     """
 
     mu: float
@@ -114,6 +118,9 @@ class Tresca(Compact):
     """Unilateral contact with a fixed bound on friction, ``||t_t|| <= limit``, in Pa.
 
     The bound holds wherever the body is, also where it lifts off.
+
+    Example:
+        >>> film = la.Tresca(limit=10e3)  # Pa
     """
 
     limit: float

@@ -46,6 +46,10 @@ class Perfect(Compact):
 
     Raises:
         InputError: not a positive finite number.
+
+    Example:
+        >>> la.hardening.Perfect(yield_stress=235e6).stress(np.array([0.0, 0.1])).tolist()
+        [235000000.0, 235000000.0]
     """
 
     yield_stress: float
@@ -72,6 +76,10 @@ class Linear(Compact):
 
     Raises:
         InputError: a yield stress that is not positive, a slope that is negative.
+
+    Example:
+        >>> la.hardening.Linear(yield_stress=235e6, slope=1e9).stress(np.array([0.0, 0.1])).tolist()
+        [235000000.0, 335000000.0]
     """
 
     yield_stress: float
@@ -104,6 +112,11 @@ class Voce(Compact):
 
     Raises:
         InputError: a number that is not positive, a saturation below the yield stress.
+
+    Example:
+        >>> law = la.hardening.Voce(yield_stress=200e6, saturation=400e6, rate=10.0)
+        >>> (law.stress(np.array([0.0, 0.1])) / 1e6).round(1).tolist()  # MPa
+        [200.0, 326.4]
     """
 
     yield_stress: float
@@ -143,6 +156,11 @@ class Swift(Compact):
 
     Raises:
         InputError: a strength or offset that is not positive, an exponent out of its range.
+
+    Example:
+        >>> law = la.hardening.Swift(strength=600e6, offset=0.01, exponent=0.2)
+        >>> (law.stress(np.array([0.0, 0.1])) / 1e6).round(1).tolist()  # MPa
+        [238.9, 385.9]
     """
 
     strength: float
@@ -184,6 +202,11 @@ class Table(Compact):
     Raises:
         InputError: fewer than two points, not as many stresses as strains, numbers that are not
             finite, not positive or not in order.
+
+    Example:
+        >>> law = la.hardening.Table(strains=(0.0, 0.1, 0.3), stresses=(200e6, 300e6, 350e6))
+        >>> (law.stress(np.array([0.0, 0.1])) / 1e6).round(1).tolist()  # MPa
+        [200.0, 300.0]
     """
 
     strains: Sequence[float]

@@ -45,6 +45,10 @@ class MohrCoulomb(Compact):
         InputError: an angle outside of [0, 89] degrees, or one that looks like radians; neither
             cohesion nor friction; a cut-off beyond the apex; a dilation angle above the friction
             angle, or beside one that varies.
+
+    Example:
+        >>> sand = la.MohrCoulomb(cohesion=5e3, friction_angle=30.0)  # Pa, degrees
+        >>> cracked = la.MohrCoulomb(cohesion=5e3, friction_angle=30.0, tension_cutoff=0.0)
     """
 
     cohesion: Given | Field
@@ -184,6 +188,9 @@ class Rankine(Compact):
 
     Raises:
         InputError: a strength that is no number, negative, or beyond what can be computed with.
+
+    Example:
+        >>> concrete = la.Rankine(tensile_strength=2e6, compressive_strength=30e6)  # Pa
     """
 
     tensile_strength: Given | Field
@@ -236,6 +243,9 @@ class NoTension(Compact):
 
     Raises:
         InputError: a strength that is not positive.
+
+    Example:
+        >>> rubble = la.NoTension(compressive_strength=5e6)  # Pa
     """
 
     compressive_strength: Given | Field | None = None
@@ -285,6 +295,9 @@ class MaximumShear(Compact):
 
     Raises:
         InputError: a strength that is not positive.
+
+    Example:
+        >>> clay = la.MaximumShear(shear_strength=20e3)  # Pa
     """
 
     shear_strength: Given | Field

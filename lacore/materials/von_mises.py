@@ -24,6 +24,11 @@ class VonMises(Compact):
     Raises:
         InputError: none or several given, not a positive finite number, not a law or one that
             softens.
+
+    Example:
+        >>> clay = la.VonMises(shear_strength=20e3)  # Pa: 20 kPa
+        >>> steel = la.VonMises(hardening=la.hardening.Linear(yield_stress=235e6, slope=1e9))
+        >>> steel.shear_strength
     """
 
     shear_strength: Given | Field | None = None

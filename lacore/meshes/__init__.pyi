@@ -4,6 +4,7 @@ from .archive import load as load
 from .archive import save as save
 from .checks import quality as quality
 from .curved import isoparametric as isoparametric
+from .fans import fan as fan
 from .layered import layered as layered
 from .naming import named as named
 from .outline import remeshed as remeshed
@@ -12,7 +13,6 @@ from .patches import patches as patches
 from .reading import read as read
 from .solid.box import box as box
 from .solid.extruded import extruded as extruded
-from .structured import fan as fan
 from .structured import graded as graded
 from .structured import quadrilaterals as quadrilaterals
 from .structured import quarter_ring as quarter_ring

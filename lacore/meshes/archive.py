@@ -21,6 +21,11 @@ def save(mesh: Any, path: str | PathLike[str]) -> None:
 
     Raises:
         InputError: a name with another ending, a file that cannot be written.
+
+    Example:
+        >>> la.meshes.save(la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2), "mesh.npz")
+        >>> la.meshes.load("mesh.npz").nelements
+        32
     """
     place = _named(path)
     arrays = {"points": mesh.doflocs, "elements": mesh.t}
@@ -41,6 +46,11 @@ def load(path: str | PathLike[str]) -> Any:
 
     Raises:
         InputError: no such file, one that `save` did not write.
+
+    Example:
+        >>> la.meshes.save(la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2), "named.npz")
+        >>> sorted(la.meshes.load("named.npz").boundaries)
+        ['bottom', 'left', 'right', 'top']
     """
     place = _named(path)
     if not place.is_file():

@@ -26,6 +26,11 @@ def quality(mesh: MeshTri | MeshQuad | MeshTet) -> Floats:
     ``4 sqrt(3) area / sum of squared edges``; of a quadrilateral the least of its four corners; of
     tetrahedra see `lacore.meshes.solid.shape.shapes`. Upper bounds stay strict whatever it is;
     below `SLIVER` a body refuses the mesh.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> round(la.meshes.quality(mesh).min().item(), 3)
+        0.866
     """
     if isinstance(mesh, MeshTet):
         return shapes(mesh)

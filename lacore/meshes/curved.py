@@ -35,6 +35,11 @@ def isoparametric(
 
     Raises:
         InputError: another mesh, a function that does not return one place a node.
+
+    Example:
+        >>> ring = la.meshes.quarter_ring(inner=1.0, outer=2.0, n_radial=2, n_angular=6)
+        >>> type(la.meshes.isoparametric(ring)).__name__
+        'MeshTri2'
     """
     kinds = {MeshTri1: MeshTri2, MeshQuad1: MeshQuad2}
     if type(mesh) not in kinds:

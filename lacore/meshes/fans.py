@@ -1,18 +1,125 @@
-"""Fans: elements that turn around a vertex, as lower bounds need at singular points (T26b)."""
+"""Fans: elements that turn around a point, as lower bounds need at singular ones (T26b)."""
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import ceil, log2, pi
+from math import ceil, exp, log2, pi
 
 import numpy as np
 from skfem import MeshTri
 
 from lacore.arrays import Floats
+from lacore.errors import InputError
 from lacore.meshes.refinement import facets_between, with_named_elements
+from lacore.meshes.structured import graded, named_sides
 
 _STRAIGHT = 1e-6  # rad: round-off of angles
 _SHRINK = (0.55, 0.7)  # radius of a ring of a fan, per next larger one: elements about as long as
 _LATER = 0.8  # wide, while sectors are halved from ring to ring
+
+
+def fan(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    at: tuple[float, float],
+    sectors: int,
+    rings: int,
+    grade: float | None = None,
+    crossed: bool = True,
+) -> MeshTri:
+    """Triangle mesh of a rectangle that turns around a point; boundaries as in `rectangle`.
+
+    Where a stress fan ends in a point, a lower bound needs many elements there, and refinement
+    does not halve their angles: with n sectors in the 90 degrees of a footing's fan it stays at
+    about ``(2 + 2 n sin(pi/(2 n)))/(2 + pi)`` of the load.
+
+    Args:
+        x, y: extents.
+        at: the point: inside, on a side or at a corner.
+        sectors: in 180 degrees, an even number; equal at the point, where rays are straight. The
+            ray next to a corner of the rectangle bends towards it.
+        rings: of cells around the point; those of the first one are triangles.
+        grade: ratio of the outermost cell to the innermost; None: cells as long as wide.
+        crossed: see `rectangle`.
+
+    Raises:
+        InputError: see `graded`; a point outside, sectors that are too few for the corners.
+
+    Example:
+        >>> mesh = la.meshes.fan(x=(0, 2), y=(-1, 0), at=(1, 0), sectors=6, rings=3)
+        >>> bool(np.isclose(mesh.p.T, (1, 0)).all(axis=1).any())  # a vertex where velocities jump
+        True
+    """
+    if not (x[0] <= at[0] <= x[1] and y[0] <= at[1] <= y[1]):
+        raise InputError("at", at, "outside the rectangle", "give one of its points")
+    if not (isinstance(sectors, (int, np.integer)) and sectors >= 4 and sectors % 2 == 0):
+        raise InputError("sectors", sectors, "not an even number from 4 on", "give 8, 16, 24, ...")
+    angle = pi / sectors
+    share = graded(0.0, 1.0, rings, (0.0, exp(rings * angle) if grade is None else grade))[1:]
+    straight, ends, closed = _rays(np.array([x, y]), np.array(at), sectors)
+    bend, centre = ends - straight, np.reshape(at, (2, 1, 1))
+    towards = (straight - centre[:, 0])[:, None]
+    rows = centre + towards * share[:, None] + bend[:, None] * share[:, None] ** 2
+    rows[:, -1] = ends
+    rays = ends.shape[1]
+    number = 1 + np.arange(rows[0].size).reshape(rings, rays)
+    number = np.append(number, number[:, :1], axis=1) if closed else number
+    inner, outer = number[:-1], number[1:]
+    points = np.concatenate([centre[:, :, 0], rows.reshape(2, -1)], axis=1)
+    a, b, c, d = (
+        part.ravel() for part in (inner[:, :-1], outer[:, :-1], outer[:, 1:], inner[:, 1:])
+    )
+    triangles = [np.stack([np.zeros_like(number[0, 1:]), number[0, :-1], number[0, 1:]])]
+    if crossed:
+        middle = points.shape[1] + np.arange(a.size)
+        points = np.append(points, _crossing(*(points[:, part] for part in (a, c, b, d))), axis=1)
+        triangles += [np.stack([p, q, middle]) for p, q in ((a, b), (b, c), (c, d), (d, a))]
+    else:
+        triangles += [np.stack([a, b, c]), np.stack([a, c, d])]
+    turning: MeshTri = named_sides(MeshTri(points, np.concatenate(triangles, axis=1)))
+    return turning
+
+
+def _rays(box: Floats, at: Floats, sectors: int) -> tuple[Floats, Floats, bool]:
+    """Where rays from a point meet the sides of a box, and where they end; whether they close.
+
+    Two arrays of shape (2, rays): the second has the corners of the box in place of the nearest.
+    """
+    low, high = at == box[:, 0], at == box[:, 1]
+    on = int(np.sum(low | high))
+    # Quarter turns to the first direction, anticlockwise, that stays in the box.
+    sides = {(0, 0): 0, (0, 1): 0, (-1, 0): 1, (0, -1): 2, (1, 0): 3}
+    corners = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
+    start = (sides | corners)[int(low[0]) - int(high[0]), int(low[1]) - int(high[1])]
+    count = {0: 2 * sectors, 1: sectors + 1, 2: sectors // 2 + 1}[on]
+    angles = start * pi / 2 + np.arange(count) * pi / sectors
+    direction = np.stack([np.cos(angles), np.sin(angles)])
+    direction[np.abs(direction) < 1e-12] = 0.0
+    side = np.where(direction > 0, box[:, 1:], box[:, :1])
+    reach = np.full(direction.shape, np.inf)
+    np.divide(side - at[:, None], direction, out=reach, where=np.abs(direction) > 0)
+    first, every = np.argmin(reach, axis=0), np.arange(count)
+    straight = at[:, None] + direction * reach[first, every]
+    straight[first, every] = side[first, every]  # without round-off
+    ends, taken = straight.copy(), set()
+    for corner in np.array(np.meshgrid(*box)).reshape(2, 4).T:
+        if np.array_equal(corner, at):
+            continue
+        along = (corner - at) / np.linalg.norm(corner - at)
+        nearest = int(np.argmax(along @ direction))
+        if nearest in taken:
+            raise InputError(
+                "sectors", sectors, "too few for the corners of the rectangle", "give more"
+            )
+        taken.add(nearest)
+        ends[:, nearest] = corner
+    return straight, ends, on == 0
+
+
+def _crossing(a: Floats, c: Floats, b: Floats, d: Floats) -> Floats:
+    """Where the diagonals a-c and b-d of quadrilaterals cross, shape (2, n)."""
+    u, v, w = c - a, d - b, b - a
+    share = (w[0] * v[1] - w[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])
+    return np.asarray(a + share * u)
 
 
 def fanned(mesh: MeshTri, vertices: Sequence[int], sectors: int) -> MeshTri:

@@ -29,6 +29,11 @@ def layered(
 
     Raises:
         InputError: layers that are no intervals, overlap, or leave gaps; see `graded`.
+
+    Example:
+        >>> ground = la.meshes.layered((0, 4), {"clay": (-2, -1), "sand": (-1, 0)}, nx=8, ny=4)
+        >>> sorted(ground.subdomains)
+        ['clay', 'sand']
     """
     if not layers:
         raise InputError("layers", dict(layers), "no layer", "give {name: (from, to)}")

@@ -33,6 +33,12 @@ def named(
 
     Raises:
         InputError: no edge or element, or a place that ends inside of one; it names the part.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> mesh = la.meshes.named(mesh, boundaries={"strip": lambda x: (x[1] == 1) & (x[0] <= 1)})
+        >>> len(mesh.boundaries["strip"])  # edges
+        2
     """
     own = mesh.with_subdomains(_elements(mesh, regions)) if regions else mesh
     own = own.with_boundaries(_facets(mesh, boundaries)) if boundaries else own

@@ -48,6 +48,11 @@ def remeshed(mesh: Mesh, size: float, keep: Sequence[tuple[float, float]] = ()) 
 
     Raises:
         InputError: gmsh is missing or fails; a size that is not positive; no vertex at a place.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> sorted(la.meshes.remeshed(mesh, size=0.5).boundaries)  # as before
+        ['bottom', 'left', 'right', 'top']
     """
     require_positive("size", size)
     outlines = _outlines(mesh, size, np.reshape(np.array(keep, dtype=float), (-1, 2)))

@@ -32,6 +32,11 @@ class Patch(Compact):
 
     Raises:
         InputError: corners that are no convex quadrangle, anticlockwise.
+
+    Example:
+        >>> skew = la.meshes.Patch([(0, 0), (2, 0), (3, 1), (1, 1)], nx=4, ny=2)
+        >>> la.meshes.patches([skew]).nelements
+        32
     """
 
     corners: Sequence[tuple[float, float]]
@@ -79,6 +84,12 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
 
     Raises:
         InputError: no part. What does not fit together is refused by the body that is made of it.
+
+    Example:
+        >>> left = la.meshes.Patch([(0, 0), (1, 0), (1, 1), (0, 1)], nx=2, ny=2)
+        >>> right = la.meshes.Patch([(1, 0), (2, 0), (2, 1), (1, 1)], nx=2, ny=2)
+        >>> la.meshes.patches([left, right]).nelements
+        32
     """
     if not parts:
         raise InputError("parts", None, "there is none", "give at least one lacore.meshes.Patch")

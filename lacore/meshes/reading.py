@@ -54,6 +54,11 @@ def read(
         InputError: a file that cannot be read, that holds no triangles or other elements of
             surfaces and volumes, that is not plane or has curved edges; a line that is no edge of
             a triangle; an unknown surface.
+
+    Example:
+        >>> la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2).save("rectangle.msh")  # or of gmsh
+        >>> la.meshes.read("rectangle.msh").nelements
+        32
     """
     if not (is_number(merge) and 0 <= merge < 1):
         raise InputError("merge", merge, "not a share of the size", "give 1e-9, or 0 for none")

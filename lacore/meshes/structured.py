@@ -5,7 +5,7 @@ Any `skfem.MeshTri` with named boundaries serves as well.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import exp, isfinite, log1p, pi
+from math import isfinite, log1p, pi
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,10 @@ def graded(
 
     Raises:
         InputError: an empty row, no cells, a point outside the row, a ratio below 1.
+
+    Example:
+        >>> la.meshes.graded(0.0, 1.0, 4, grade=(0.0, 4.0)).round(2).tolist()  # small cells at 0
+        [0.0, 0.14, 0.33, 0.61, 1.0]
     """
     return _row(start, stop, cells, grade, ("extent", "cells", "grade"))
 
@@ -120,6 +124,10 @@ def rectangle(
 
     Raises:
         InputError: see `graded`.
+
+    Example:
+        >>> la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2).nelements  # four triangles a cell
+        32
     """
     cells = _cells(x, y, nx, ny, grade_x, grade_y)
     return named_sides(cells.to_meshtri(style="x" if crossed else None))
@@ -133,7 +141,12 @@ def quadrilaterals(
     grade_x: tuple[float, float] | None = None,
     grade_y: tuple[float, float] | None = None,
 ) -> MeshQuad:
-    """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries."""
+    """The cells of `rectangle` themselves, for the space `q2`, with the same boundaries.
+
+    Example:
+        >>> la.meshes.quadrilaterals(x=(0, 2), y=(0, 1), nx=4, ny=2).nelements
+        8
+    """
     return named_sides(_cells(x, y, nx, ny, grade_x, grade_y))
 
 
@@ -151,106 +164,6 @@ def named_sides(mesh: Any) -> Any:
             "top": lambda middle: middle[1] == top,
         }
     )
-
-
-def fan(
-    x: tuple[float, float],
-    y: tuple[float, float],
-    at: tuple[float, float],
-    sectors: int,
-    rings: int,
-    grade: float | None = None,
-    crossed: bool = True,
-) -> MeshTri:
-    """Triangle mesh of a rectangle that turns around a point; boundaries as in `rectangle`.
-
-    Where a stress fan ends in a point, a lower bound needs many elements there, and refinement
-    does not halve their angles: with n sectors in the 90 degrees of a footing's fan it stays at
-    about ``(2 + 2 n sin(pi/(2 n)))/(2 + pi)`` of the load.
-
-    Args:
-        x, y: extents.
-        at: the point: inside, on a side or at a corner.
-        sectors: in 180 degrees, an even number; equal at the point, where rays are straight. The
-            ray next to a corner of the rectangle bends towards it.
-        rings: of cells around the point; those of the first one are triangles.
-        grade: ratio of the outermost cell to the innermost; None: cells as long as wide.
-        crossed: see `rectangle`.
-
-    Raises:
-        InputError: see `graded`; a point outside, sectors that are too few for the corners.
-    """
-    if not (x[0] <= at[0] <= x[1] and y[0] <= at[1] <= y[1]):
-        raise InputError("at", at, "outside the rectangle", "give one of its points")
-    if not (isinstance(sectors, (int, np.integer)) and sectors >= 4 and sectors % 2 == 0):
-        raise InputError("sectors", sectors, "not an even number from 4 on", "give 8, 16, 24, ...")
-    angle = pi / sectors
-    share = graded(0.0, 1.0, rings, (0.0, exp(rings * angle) if grade is None else grade))[1:]
-    straight, ends, closed = _rays(np.array([x, y]), np.array(at), sectors)
-    bend, centre = ends - straight, np.reshape(at, (2, 1, 1))
-    towards = (straight - centre[:, 0])[:, None]
-    rows = centre + towards * share[:, None] + bend[:, None] * share[:, None] ** 2
-    rows[:, -1] = ends
-    rays = ends.shape[1]
-    number = 1 + np.arange(rows[0].size).reshape(rings, rays)
-    number = np.append(number, number[:, :1], axis=1) if closed else number
-    inner, outer = number[:-1], number[1:]
-    points = np.concatenate([centre[:, :, 0], rows.reshape(2, -1)], axis=1)
-    a, b, c, d = (
-        part.ravel() for part in (inner[:, :-1], outer[:, :-1], outer[:, 1:], inner[:, 1:])
-    )
-    triangles = [np.stack([np.zeros_like(number[0, 1:]), number[0, :-1], number[0, 1:]])]
-    if crossed:
-        middle = points.shape[1] + np.arange(a.size)
-        points = np.append(points, _crossing(*(points[:, part] for part in (a, c, b, d))), axis=1)
-        triangles += [np.stack([p, q, middle]) for p, q in ((a, b), (b, c), (c, d), (d, a))]
-    else:
-        triangles += [np.stack([a, b, c]), np.stack([a, c, d])]
-    turning: MeshTri = named_sides(MeshTri(points, np.concatenate(triangles, axis=1)))
-    return turning
-
-
-def _rays(box: Floats, at: Floats, sectors: int) -> tuple[Floats, Floats, bool]:
-    """Where rays from a point meet the sides of a box, and where they end; whether they close.
-
-    Two arrays of shape (2, rays): the second has the corners of the box in place of the nearest.
-    """
-    low, high = at == box[:, 0], at == box[:, 1]
-    on = int(np.sum(low | high))
-    # Quarter turns to the first direction, anticlockwise, that stays in the box.
-    sides = {(0, 0): 0, (0, 1): 0, (-1, 0): 1, (0, -1): 2, (1, 0): 3}
-    corners = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
-    start = (sides | corners)[int(low[0]) - int(high[0]), int(low[1]) - int(high[1])]
-    count = {0: 2 * sectors, 1: sectors + 1, 2: sectors // 2 + 1}[on]
-    angles = start * pi / 2 + np.arange(count) * pi / sectors
-    direction = np.stack([np.cos(angles), np.sin(angles)])
-    direction[np.abs(direction) < 1e-12] = 0.0
-    side = np.where(direction > 0, box[:, 1:], box[:, :1])
-    reach = np.full(direction.shape, np.inf)
-    np.divide(side - at[:, None], direction, out=reach, where=np.abs(direction) > 0)
-    first, every = np.argmin(reach, axis=0), np.arange(count)
-    straight = at[:, None] + direction * reach[first, every]
-    straight[first, every] = side[first, every]  # without round-off
-    ends, taken = straight.copy(), set()
-    for corner in np.array(np.meshgrid(*box)).reshape(2, 4).T:
-        if np.array_equal(corner, at):
-            continue
-        along = (corner - at) / np.linalg.norm(corner - at)
-        nearest = int(np.argmax(along @ direction))
-        if nearest in taken:
-            raise InputError(
-                "sectors", sectors, "too few for the corners of the rectangle", "give more"
-            )
-        taken.add(nearest)
-        ends[:, nearest] = corner
-    return straight, ends, on == 0
-
-
-def _crossing(a: Floats, c: Floats, b: Floats, d: Floats) -> Floats:
-    """Where the diagonals a-c and b-d of quadrilaterals cross, shape (2, n)."""
-    u, v, w = c - a, d - b, b - a
-    share = (w[0] * v[1] - w[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])
-    return np.asarray(a + share * u)
 
 
 def quarter_ring(
@@ -273,6 +186,11 @@ def quarter_ring(
 
     Raises:
         InputError: see `graded`; an inner radius that is not positive.
+
+    Example:
+        >>> ring = la.meshes.quarter_ring(inner=1.0, outer=2.0, n_radial=2, n_angular=6)
+        >>> sorted(ring.boundaries)
+        ['bore', 'outside', 'x_axis', 'y_axis']
     """
     if not inner > 0:
         raise InputError("inner", inner, "not a positive radius", "give inner > 0")
@@ -296,6 +214,11 @@ def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
 
     For corners that one element fills, where linear stresses cannot follow tractions on both sides
     (`lacore.lower_bound`).
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> mesh.nelements, la.meshes.split(mesh, [0]).nelements
+        (32, 34)
     """
     chosen = np.unique(np.asarray(elements, dtype=np.int64))
     if chosen.size and not (chosen[0] >= 0 and chosen[-1] < mesh.nelements):
@@ -337,6 +260,11 @@ def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
     Raises:
         InputError: a place that is not within, or leaves vertices singular; triangles that
             would turn over.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> la.meshes.unaligned(mesh).nelements == mesh.nelements  # with no lines to slide along
+        True
     """
     if (
         not all(is_number(share) and 0 < share < 1 for share in to)

@@ -49,7 +49,11 @@ def gauge_of(control: Control, problem: Problem) -> Gauge:
 
 @dataclass(frozen=True, repr=False)
 class FootingTravel(Compact):
-    """How far the rigid footing of the reference load has moved along its direction, m."""
+    """How far the rigid footing of the reference load has moved along its direction, m.
+
+    Example:
+        >>> control = la.FootingTravel()  # of a problem whose load is a `RigidFooting`
+    """
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""
@@ -72,6 +76,9 @@ class PointTravel(Compact):
         body: name.
         at: a vertex of its mesh at the beginning of the path.
         direction: normalised.
+
+    Example:
+        >>> control = la.PointTravel("tube", at=(1, 0), direction=(1, 0))
     """
 
     body: str
@@ -99,7 +106,11 @@ class PointTravel(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Time(Compact):
-    """The time that has gone by, s, at velocities of ``F0.u = 1``: the work of the unit load."""
+    """The time that has gone by, s, at velocities of ``F0.u = 1``: the work of the unit load.
+
+    Example:
+        >>> control = la.Time()
+    """
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""

@@ -22,6 +22,9 @@ class AdaptiveSteps(Compact):
             size; see `PathStep.error`.
         first: length of the first step, of the travel.
         smallest: of a step, of the travel; below it the path ends.
+
+    Example:
+        >>> steps = la.AdaptiveSteps(tolerance=1e-3, first=0.05)  # in place of a number of them
     """
 
     tolerance: float = 1e-3

@@ -45,6 +45,9 @@ class LeastNorm(Compact):
         within: what the velocity may dissipate more than the least, of the power turned over: by so
             much the load of the velocity that moves the bodies may be above the load factor. At
             most 0.1.
+
+    Example:
+        >>> selection = la.LeastNorm(within=1e-4)
     """
 
     within: float = 1e-4

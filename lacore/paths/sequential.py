@@ -82,6 +82,19 @@ def sequential(
         InputError: bad arguments; bodies, contact and friction that a path does not follow; a
             checkpoint that is damaged, cannot be written, or is of another path: it stays as it is.
         CapabilityError: the backend is missing, or takes no hardening.
+
+    Example:
+        >>> ring = la.meshes.quadrilaterals(x=(1, 2), y=(0, 0.25), nx=2, ny=1)
+        >>> steel = la.VonMises(shear_strength=1.0)
+        >>> tube = la.Problem(
+        ...     bodies={"tube": la.Body(ring, steel, kinematics="axisymmetric", space="q2")},
+        ...     supports=[la.Fix("tube", "bottom", "y"), la.Fix("tube", "top", "y")],
+        ...     reference_loads=[la.Pressure("tube", "left")],
+        ... )
+        >>> wall = la.PointTravel("tube", at=(1, 0), direction=(1, 0))
+        >>> path = la.sequential(tube, travel=0.2, steps=2, control=wall)
+        >>> path.history.load_factor.round(2).tolist()  # 2 k ln(b/a) of the tube that it has become
+        [1.31, 1.18]
     """
     require_positive("travel", travel)
     require_known("scheme", scheme, SCHEMES)

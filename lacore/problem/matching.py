@@ -31,6 +31,19 @@ def matching(problem: Problem) -> Problem:
 
     Raises:
         InputError: a body with such an edge that is not of straight triangles.
+
+    Example:
+        >>> lower = la.meshes.rectangle(x=(0, 2), y=(-1, 0), nx=3, ny=1)
+        >>> upper = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
+        >>> clay = la.VonMises(shear_strength=1.0)
+        >>> bonded = la.Problem(
+        ...     bodies={"lower": la.Body(lower, clay), "upper": la.Body(upper, clay)},
+        ...     supports=[la.Fix("lower", "bottom")],
+        ...     interfaces=[la.Interface(("upper", "bottom"), ("lower", "top"), friction=la.BOND)],
+        ...     reference_loads=[la.Traction("upper", "right", (1, 0))],
+        ... )
+        >>> lower.nelements, la.matching(bonded).bodies["lower"].mesh.nelements
+        (12, 17)
     """
     for _ in range(_ROUNDS):
         finer: dict[str, Body] = {}

@@ -42,6 +42,22 @@ class Problem(Shown):
 
     Raises:
         InputError: anything that cannot be right: see the messages.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> problem = la.Problem(
+        ...     bodies={"block": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        ...     supports=[la.Fix("block", "bottom")],
+        ...     reference_loads=[la.Pressure("block", "top", value=1.0)],
+        ...     dead_loads=[la.BodyForce("block", (0, -0.1))],
+        ... )
+        >>> print(problem)
+        Problem: 1 body, 1 support, 1 reference load, 1 dead load
+          bodies      block: 32 triangles, plane_strain, p2-vertex, k = 1 Pa
+          supports    xy of block.bottom
+          interfaces  none
+          reference   pressure 1 Pa on block.top
+          dead        (0, -0.1) N/m^3 in block
     """
 
     bodies: Mapping[str, AnyBody]

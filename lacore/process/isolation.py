@@ -25,6 +25,12 @@ class SolverProcess:
     """An interpreter that runs backends one after the other; started anew when one kills it.
 
     A context manager: leaving it stops the process. For one thread at a time: it holds one program.
+
+    Example:
+        >>> with la.SolverProcess() as process:  # a solver that crashes does not end this one
+        ...     state = la.solve(la.examples.beam(), process=process)
+        >>> round(state.load_factor, 3)
+        2.0
     """
 
     def __init__(self) -> None:

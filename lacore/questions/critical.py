@@ -210,6 +210,12 @@ def critical(
         InputError: a range that is none; a problem that cannot be, with its value; what `solve`
             refuses.
         CapabilityError: the backend is missing, or cannot take a problem.
+
+    Example:
+        >>> columns = lambda width: la.examples.column(friction=0.9, width=width)
+        >>> found = la.critical(columns, within=(0.2, 1.5), target=0.4)
+        >>> round(found.value, 4)  # it tips at width/2
+        0.8
     """
     if not is_number(target):
         raise InputError("target", target, "not a load factor", "give a finite number")

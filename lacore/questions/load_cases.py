@@ -141,6 +141,14 @@ def load_cases(
         InputError: no case; loads that cannot be, with the name of their case; what `solve` and
             `bracket` refuse.
         CapabilityError: the backend is missing, or cannot take a problem.
+
+    Example:
+        >>> cases = {
+        ...     "east": [la.BodyForce("column", (1, 0))],
+        ...     "at its head": [la.PointForce("column", (0.5, 2), (2, 0))],
+        ... }
+        >>> la.load_cases(la.examples.column(friction=0.9), cases).governing
+        'at its head'
     """
     begin = time.perf_counter()
     require_count("workers", workers)

@@ -120,6 +120,11 @@ def worst_position(
         InputError: a range that is none, too few positions; a problem that cannot be, with its
             position; what `solve` refuses.
         CapabilityError: the backend is missing, or cannot take a problem.
+
+    Example:
+        >>> found = la.worst_position(la.examples.beam, within=(0.5, 3.5), scan=7)
+        >>> round(found.position, 2), round(found.load_factor, 2)  # 8 M/L at its middle
+        (2.0, 2.0)
     """
     begin = time.perf_counter()
     low, high = read_range(within)

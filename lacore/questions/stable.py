@@ -89,6 +89,10 @@ def stable(
     Raises:
         InputError: no dead loads; what `lacore.discretise` refuses.
         CapabilityError: the backend is missing, or cannot take the problem.
+
+    Example:
+        >>> bool(la.stable(la.examples.column()))  # it stands under its weight alone
+        True
     """
     require_positive("tolerance", tolerance)
     begin = time.perf_counter()

@@ -49,6 +49,18 @@ def limit_thickness(
     Raises:
         InputError: a range that is none; no dead loads; a problem that cannot be, with its value.
         CapabilityError: the backend is missing, or cannot take a problem.
+
+    Example:
+        >>> def arch(thickness):
+        ...     stones = la.masonry.arch(9, 1 - thickness / 2, thickness, friction=0.9)
+        ...     return la.Problem(
+        ...         bodies={"arch": stones},
+        ...         supports=[la.Fix("arch", ("left", "right"))],
+        ...         dead_loads=[la.BodyForce("arch", (0, -1))],
+        ...         reference_loads=[la.BodyForce("arch", (1, 0))],
+        ...     )
+        >>> round(la.limit_thickness(arch, within=(0.05, 0.3)).value, 3)  # per radius
+        0.102
     """
     low, high = read_range(within)
     given = {"backend": backend, "coupling": "associated", "options": options}

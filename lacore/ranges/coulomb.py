@@ -202,6 +202,11 @@ def coulomb_range(
         InputError: an unknown name, an option out of range, a regularised backend; a target width
             for a problem that `lacore.bracket` refuses.
         CapabilityError: the backend is missing, or cannot take the problem.
+
+    Example:
+        >>> found = la.coulomb_range(la.examples.column(friction=0.3))
+        >>> round(found.low, 3), round(found.high, 3)
+        (0.3, 0.3)
     """
     require_whole("seed", seed)
     require_whole("restarts", restarts)

@@ -102,6 +102,11 @@ def safety_factor(
         InputError: Coulomb friction that is not associated; a criterion that cannot be weakened;
             a body without any cohesion, whose factor no load factor tells; what bounds refuse.
         CapabilityError: the backend cannot take the problem.
+
+    Example:
+        >>> found = la.safety_factor(la.examples.footing(strength=0.25), tolerance=0.05)
+        >>> round(found.lower, 2), round(found.upper, 2)  # exact: (2 + pi)/4
+        (1.21, 1.46)
     """
     if of != "strength":
         raise InputError("of", of, "nothing that can be divided", "give 'strength'")

@@ -144,6 +144,18 @@ def soil_range(
         InputError: no soil whose flow is not associated; shares or a tolerance out of range; a
             regularised backend.
         CapabilityError: the backend is missing, or cannot take the problem.
+
+    Example:
+        >>> sand = la.MohrCoulomb(cohesion=1.0, friction_angle=30.0, dilation_angle=0.0)
+        >>> square = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+        >>> pressed = la.Problem(
+        ...     bodies={"sand": la.Body(square, sand, space="p2-gauss")},
+        ...     supports=[la.Fix("sand", "left", "x"), la.Fix("sand", "bottom", "y")],
+        ...     reference_loads=[la.Pressure("sand", "top")],
+        ... )
+        >>> found = la.soil_range(pressed)
+        >>> round(found.high, 3)  # 2 c cos(phi)/(1 - sin(phi)), whatever the dilation
+        3.464
     """
     require_positive("tolerance", tolerance)
     require_positive("time_limit", time_limit)

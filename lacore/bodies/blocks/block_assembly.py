@@ -71,6 +71,14 @@ class BlockAssembly(Shown):
             cross themselves; blocks that overlap deeper than `tolerance`, or nearly touch (a gap
             above `tolerance` and below 1 % of the shorter edge); friction below 0 or NaN; a pair
             of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+
+    Example:
+        >>> outlines = {
+        ...     "base": la.masonry.rectangle(left=0, right=2, bottom=-1, top=0),
+        ...     "stone": [(0, 0), (2, 0), (1, 2)],
+        ... }
+        >>> la.BlockAssembly(outlines, friction=0.6).names
+        ('base', 'stone')
     """
 
     blocks: Polygons
@@ -287,5 +295,10 @@ def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Fl
 
 
 def RigidBlock(vertices: npt.ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
-    """An assembly of one block, named "block"."""
+    """An assembly of one block, named "block".
+
+    Example:
+        >>> la.RigidBlock([(0, 0), (1, 0), (1, 2), (0, 2)]).names
+        ('block',)
+    """
     return BlockAssembly({"block": vertices}, friction=0.0)

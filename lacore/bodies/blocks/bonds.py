@@ -25,6 +25,11 @@ class Opening:
     Attributes:
         left, width: position of its left side and width, in blocks.
         sill, height: courses below it, and courses that it takes.
+
+    Example:
+        >>> door = la.masonry.Opening(left=2, width=2, sill=0, height=3)
+        >>> la.masonry.regular_bond(wide=6, courses=4, openings=[door])[0]
+        [1.0, 1.0, -2.0, 1.0, 1.0]
     """
 
     left: float
@@ -47,6 +52,10 @@ def regular_bond(
 
     Raises:
         InputError: openings that leave the wall or overlap.
+
+    Example:
+        >>> la.masonry.regular_bond(wide=3, courses=2)
+        [[1.0, 1.0, 1.0], [0.5, 1.0, 1.0, 0.5]]
     """
     require_count("regular_bond.wide", wide)
     require_count("regular_bond.courses", courses)
@@ -65,6 +74,11 @@ def windows(wide: int, courses: int, every: int) -> list[Opening]:
 
     They lie like the opening of wall 3 of the literature, and so below full courses of a
     `regular_bond` whose first course is full: two blocks corbel over each.
+
+    Example:
+        >>> openings = la.masonry.windows(wide=12, courses=12, every=6)
+        >>> len(openings), openings[0]
+        (2, Opening(left=2.5, width=1.0, sill=3, height=5))
     """
     require_count("windows.wide", wide)
     require_count("windows.courses", courses)
@@ -92,6 +106,11 @@ def random_bond(
 
     Raises:
         InputError: a wall too small for its openings.
+
+    Example:
+        >>> rows = la.masonry.random_bond(seed=1, wide=4, courses=3)
+        >>> [sum(row) for row in rows]
+        [4.0, 4.0, 4.0]
     """
     if not isinstance(seed, np.random.Generator):
         require_whole("random_bond.seed", seed)

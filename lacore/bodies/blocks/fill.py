@@ -44,6 +44,12 @@ def fill(
     Raises:
         InputError: a weight that is not positive, a ratio or surcharge below 0, nothing below the
             level.
+
+    Example:
+        >>> stones = la.masonry.arch(9, inner_radius=1.0, thickness=0.2, friction=0.6)
+        >>> forces = la.masonry.fill("arch", stones, unit_weight=18e3, level=1.5)
+        >>> forces[0].body
+        'arch'
     """
     require_positive("unit_weight", unit_weight)
     for name, value in (("lateral", lateral), ("surcharge", surcharge)):

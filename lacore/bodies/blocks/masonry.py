@@ -40,7 +40,12 @@ Rows = Sequence[Sequence[float]]
 
 
 def rectangle(left: float, right: float, bottom: float, top: float) -> Floats:
-    """Vertices (4, 2) of an upright rectangle, counterclockwise."""
+    """Vertices (4, 2) of an upright rectangle, counterclockwise.
+
+    Example:
+        >>> la.masonry.rectangle(left=0, right=2, bottom=0, top=1).tolist()
+        [[0, 0], [2, 0], [2, 1], [0, 1]]
+    """
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 
@@ -65,6 +70,11 @@ def running_bond(
     Raises:
         InputError: courses that differ in width, an empty course, a width of 0; what
             `BlockAssembly` refuses.
+
+    Example:
+        >>> wall = la.masonry.running_bond([[1, 1], [0.5, 1, 0.5], [1, 1]], friction=0.6)
+        >>> len(wall.names)  # seven, and their base
+        8
     """
     if not is_plane_vector(block) or min(block) <= 0:
         raise InputError("running_bond.block", block, "not a block", "give (width, height) in m")
@@ -115,6 +125,10 @@ def stack(
     Args:
         sizes: width and height of each block, m, bottom first; the base is as wide as the widest.
         friction: law of all joints; `joint_friction` for single pairs.
+
+    Example:
+        >>> la.masonry.stack([(1.0, 0.5), (0.8, 0.5)], friction=0.5).names
+        ('base', '1', '2')
     """
     listed = isinstance(sizes, Sequence | np.ndarray) and len(sizes) > 0
     if not listed or not all(is_plane_vector(size) and min(size) > 0 for size in sizes):
@@ -147,6 +161,11 @@ def arch(
         thickness: length of a joint, m.
         friction: law of all joints; `joint_friction` for single pairs.
         embrace: angle of the arch at the centre, rad; pi is a semicircle.
+
+    Example:
+        >>> stones = la.masonry.arch(9, inner_radius=1.0, thickness=0.2, friction=0.6)
+        >>> len(stones.names)  # nine, and their two springings
+        11
     """
     require_count("arch.voussoirs", voussoirs)
     require_positive("arch.inner_radius", inner_radius)

@@ -57,6 +57,11 @@ class BlockAssembly3D(Shown):
         InputError: no block, what is no polyhedron; blocks that overlap, or nearly touch (a gap
             above `tolerance` and below 1 % of the width of a face); friction below 0 or NaN; a pair
             of `joint_friction` given twice, unknown, or without joint. It names the blocks.
+
+    Example:
+        >>> cubes = la.masonry3d.wall([[1, 1]], friction=0.6, base=False).blocks
+        >>> la.BlockAssembly3D(cubes, friction=la.Coulomb(0.5)).names
+        ('c1b1', 'c1b2')
     """
 
     blocks: Mapping[str, Polyhedron] | Sequence[Polyhedron]

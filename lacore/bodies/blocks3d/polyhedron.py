@@ -54,6 +54,12 @@ class Polyhedron(Compact):
         InputError: vertices that are not finite or that no face has; faces that are warped, without
             area, crossed; a surface that is open, has one side only or several parts, meets or
             crosses itself; no volume.
+
+    Example:
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
+        >>> stone = la.Polyhedron(corners, faces=[(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> round(stone.volume, 3)
+        0.167
     """
 
     vertices: Floats

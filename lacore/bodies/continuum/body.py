@@ -68,6 +68,12 @@ class Body(Shown):
         InputError: wrong mesh type, a mesh that `check_mesh` refuses, unknown names, a space that
             locks on the mesh; regions that the mesh lacks, that overlap or leave elements out;
             strengths that are negative somewhere, or of another number of elements.
+
+    Example:
+        >>> mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2)
+        >>> plate = la.Body(mesh, la.VonMises(shear_strength=20e3), kinematics="plane_stress")
+        >>> plate.mesh.nelements
+        32
     """
 
     mesh: MeshTri | MeshQuad | MeshTet

@@ -66,6 +66,13 @@ class Frame(Shown):
         InputError: unknown or unused nodes, nodes at one place, members without length or on top
             of each other, M_p that is missing, given twice or not positive, bars with nodes inside,
             parts that no member joins.
+
+    Example:
+        >>> nodes = {"A": (0, 0), "B": (0, 3), "C": (4, 3)}
+        >>> members = {"column": ("A", "B"), "beam": ("B", "C")}
+        >>> frame = la.Frame(nodes, members, plastic_moment={"column": 60e3, "beam": 100e3})
+        >>> list(frame.members)
+        ['column', 'beam']
     """
 
     nodes: Mapping[str, tuple[float, float]]

@@ -39,6 +39,11 @@ class Section(Compact):
 
     Raises:
         InputError: corners that are no sides of a convex polygon, or leave ``N = M = 0`` outside.
+
+    Example:
+        >>> diamond = la.sections.Section(corners=((-1e3, 0.0), (0.0, 50.0), (1e3, 0.0)))
+        >>> diamond.plastic_moment
+        50.0
     """
 
     corners: Corners

@@ -50,6 +50,10 @@ def plastic(plastic_moment: float, hogging: float | None = None) -> Section:
         plastic_moment: where it sags, with tension on the right of the member, seen from its first
             node: below a beam that is drawn from left to right.
         hogging: in the other sense; the same where it is None, 0 of what bears none.
+
+    Example:
+        >>> la.sections.plastic(100e3).plastic_moment
+        100000.0
     """
     require_positive("plastic_moment", plastic_moment)
     upper = ((-inf, float(plastic_moment)), (inf, float(plastic_moment)))
@@ -69,6 +73,10 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Section
     Args:
         points: N/m, tension positive, and N, positive where it sags (see `plastic`).
         name: for messages and tables.
+
+    Example:
+        >>> la.sections.polygon([(1, 0), (0, 1), (-1, 0), (0, -1)]).plastic_moment
+        1.0
     """
     if not isinstance(points, Sequence | np.ndarray) or not all(map(is_plane_vector, points)):
         raise InputError("points", points, "not pairs (N, M)", "give [(N, M), ...], finite numbers")
@@ -104,6 +112,11 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
         parts: of each fibre ``(y, tension, compression)``: height above the axis of the member, m,
             to its left seen from the first node, and its strengths, N/m.
         name: for messages and tables.
+
+    Example:
+        >>> two = la.sections.fibres([(0.05, 10e3, 10e3), (-0.05, 10e3, 10e3)])
+        >>> round(two.plastic_moment, 3)
+        1000.0
     """
     shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
     good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
@@ -132,7 +145,12 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
 
 
 def rigid() -> Section:
-    """What never yields: an arm, a plate, a pier."""
+    """What never yields: an arm, a plate, a pier.
+
+    Example:
+        >>> la.sections.rigid().plastic_moment
+        inf
+    """
     return Section(((-inf, inf), (inf, inf)), "rigid")
 
 
@@ -145,6 +163,10 @@ def bar(tension: float = inf, compression: float | None = None) -> Section:
     Args:
         tension: strength; 0 of a prop that only presses.
         compression: the same where it is None; less of what buckles, 0 of a cable.
+
+    Example:
+        >>> la.sections.bar(tension=10e3).plastic_moment
+        0.0
     """
     compression = tension if compression is None else compression
     if tension != inf or compression != inf:
@@ -168,6 +190,10 @@ def rectangle(
         yield_stress: f, Pa.
         layers: sides of the polygon between N = 0 and N_p.
         polygon: ``inner``: its corners lie on the curve; ``outer``: its sides touch it.
+
+    Example:
+        >>> round(la.sections.rectangle(0.1, 0.2, yield_stress=235e6).plastic_moment)  # b h^2/4
+        235000
     """
     for name, value in (("width", width), ("height", height), ("yield_stress", yield_stress)):
         require_positive(name, value)
@@ -197,6 +223,13 @@ def i_section(
         yield_stress: Pa.
         layers: sides of the polygon between N = 0 and N_p, half of them for web and flange each.
         polygon: ``inner`` or ``outer``, see `rectangle`.
+
+    Example:
+        >>> section = la.sections.i_section(
+        ...     height=0.3, width=0.15, web=0.0071, flange=0.0107, fillet=0.015, yield_stress=235e6
+        ... )
+        >>> round(section.plastic_moment / 1e3)  # kN m
+        148
     """
     profile = Profile(height, width, web, flange, fillet)
     return _of_profile(profile, yield_stress, layers, polygon, f"I {height:g} x {width:g}")
@@ -216,6 +249,10 @@ def standard(
 
     Raises:
         InputError: a name that is not in the table.
+
+    Example:
+        >>> round(la.sections.standard("IPE 300", yield_stress=235e6).plastic_moment / 1e3)  # kN m
+        148
     """
     known = {own.replace(" ", ""): own for own in PROFILES}
     wanted = str(name).upper().replace(" ", "")

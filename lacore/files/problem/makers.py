@@ -22,11 +22,12 @@ from lacore.materials.friction import BOND, SMOOTH, STICK, Coulomb, Tresca
 from lacore.materials.mohr_coulomb import MaximumShear, MohrCoulomb, NoTension, Rankine
 from lacore.materials.von_mises import VonMises
 from lacore.meshes.archive import load
+from lacore.meshes.fans import fan
 from lacore.meshes.layered import layered
 from lacore.meshes.naming import named
 from lacore.meshes.patches import Patch, patches
 from lacore.meshes.reading import read
-from lacore.meshes.structured import fan, quadrilaterals, quarter_ring, rectangle
+from lacore.meshes.structured import quadrilaterals, quarter_ring, rectangle
 from lacore.problem.problem import Problem
 
 MAKERS: Mapping[str, Callable[..., Any]] = {

@@ -74,6 +74,11 @@ def read_problem(path: str | PathLike[str]) -> Problem:
     Raises:
         InputError: no such file, no TOML, keys, values, units or names that cannot be right; it
             says the file, the line, the field, the value, and what to do.
+
+    Example:
+        >>> la.write_problem(la.examples.beam(), "beam.toml", title="A beam")
+        >>> list(la.read_problem("beam.toml").bodies)
+        ['beam']
     """
     return read(path).problem
 

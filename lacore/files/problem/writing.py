@@ -30,6 +30,11 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
     Raises:
         InputError: what no file can state: functions of places, laws of hardening, criteria and
             obstacles of your own; a file that cannot be written.
+
+    Example:
+        >>> la.write_problem(la.examples.column(friction=0.3), "column.toml")
+        >>> round(la.solve(la.read_problem("column.toml")).load_factor, 3)
+        0.3
     """
     from lacore.files.problem.layout import toml  # here: tomlkit is for writing alone
 

@@ -36,6 +36,10 @@ def box(
 
     Raises:
         InputError: see `graded`.
+
+    Example:
+        >>> la.meshes.box(x=(0, 1), y=(0, 1), z=(0, 1), nx=1, ny=1, nz=1).nelements
+        6
     """
     rows = [
         along_axis("x", x, nx, grade_x),

@@ -31,6 +31,11 @@ def extruded(
 
     Raises:
         InputError: no mesh of straight-edged triangles, a side of it named as an end; see `graded`.
+
+    Example:
+        >>> section = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
+        >>> section.nelements, la.meshes.extruded(section, z=(0, 1), nz=1).nelements
+        (8, 24)
     """
     if type(section) is not MeshTri1:
         raise InputError(

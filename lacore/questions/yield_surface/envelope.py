@@ -172,6 +172,15 @@ def envelope(
         InputError: components that do no power in any motion, or all the same, before any solve;
             dead loads that are not carried; what bounds refuse.
         CapabilityError: the backend is missing, or cannot take the problem.
+
+    Example:
+        >>> forces = {
+        ...     "P": [la.PointForce("beam", (1, 0), (0, -1))],
+        ...     "Q": [la.PointForce("beam", (3, 0), (0, -1))],
+        ... }
+        >>> found = la.envelope(la.examples.beam(), forces)
+        >>> found.outer.max(axis=0).round(2).tolist()  # N: the most of each, whatever the other is
+        [3.0, 3.0]
     """
     begin = time.perf_counter()
     require_count("n", n)

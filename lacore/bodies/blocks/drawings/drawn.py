@@ -23,6 +23,9 @@ class Layer(Compact):
     Attributes:
         friction: law of joints between them: a Coulomb coefficient, `Coulomb`, `Tresca`, ...
         density: kg/m^3; 0 of what is held anyway.
+
+    Example:
+        >>> stone = la.masonry.Layer(friction=0.6, density=2000.0)  # kg/m^3
     """
 
     friction: float | Friction

@@ -54,6 +54,17 @@ def read(
     Raises:
         InputError: a file that cannot be read, no unit, a layer that is not there; open lines,
             slivers, blocks that overlap, by layer, handle and place; what `BlockAssembly` refuses.
+
+    Example:
+        >>> import ezdxf
+        >>> drawing = ezdxf.new(units=6)  # m
+        >>> for x in (0, 1):
+        ...     stone = [(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)]
+        ...     outline = drawing.modelspace().add_lwpolyline(stone, close=True)
+        >>> drawing.saveas("stones.dxf")
+        >>> layers = {"0": la.masonry.Layer(friction=0.6, density=2000.0)}
+        >>> la.masonry.read("stones.dxf", layers).blocks.names
+        ('0 1', '0 2')
     """
     shown = fspath(path)
     _require_layers(layers, openings)

@@ -43,6 +43,11 @@ def dome(
 
     Raises:
         InputError: numbers that make no dome; what `BlockAssembly3D` refuses.
+
+    Example:
+        >>> dome = la.masonry3d.dome(6, 2, radius=1.0, thickness=0.2, oculus=0.3, friction=0.6)
+        >>> len(dome.names)
+        18
     """
     require_count("dome.meridians", meridians)
     require_count("dome.rings", rings)

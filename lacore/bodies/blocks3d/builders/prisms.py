@@ -31,6 +31,11 @@ def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssemb
         plane: as `lacore.masonry` makes it, say.
         depth: along y, m.
         slices: equal ones, one behind the other.
+
+    Example:
+        >>> plane = la.masonry.stack([(1.0, 0.5), (0.8, 0.5)], friction=0.5)
+        >>> la.masonry3d.extruded(plane, depth=0.4).names
+        ('base', '1', '2')
     """
     require_positive("extruded.depth", depth)
     require_count("extruded.slices", slices)

@@ -49,6 +49,15 @@ def read(
     Raises:
         InputError: a file that cannot be read; what `Polyhedron` and `BlockAssembly3D` refuse, with
             the name of the block.
+
+    Example:
+        >>> corners = [f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> faces = ["f 1 2 4 3", "f 5 7 8 6", "f 1 5 6 2", "f 3 4 8 7", "f 1 3 7 5", "f 2 6 8 4"]
+        >>> with open("cube.obj", "w") as file:
+        ...     for line in corners + faces:
+        ...         print(line, file=file)
+        >>> la.masonry3d.read("cube.obj", friction=0.6).names
+        ('1',)
     """
     shown = fspath(path)
     require_known("unit", unit, METRES)

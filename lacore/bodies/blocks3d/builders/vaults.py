@@ -36,6 +36,11 @@ def arch(
         depth: along y, m; `slices`: equal ones, one behind the other.
         friction: law of all joints.
         embrace: angle of the arch at the centre, rad; pi is a semicircle.
+
+    Example:
+        >>> stones = la.masonry3d.arch(5, inner_radius=1.0, thickness=0.2, depth=0.5, friction=0.6)
+        >>> len(stones.names)  # five, and their two springings
+        7
     """
     plane = masonry.arch(voussoirs, inner_radius, thickness, friction, embrace)
     return extruded(plane, depth, slices)
@@ -64,6 +69,13 @@ def barrel_vault(
         friction: law of all joints.
         embrace: angle of the section at the centre, rad.
         bond: whether head joints of neighbouring voussoirs are shifted by half a block.
+
+    Example:
+        >>> vault = la.masonry3d.barrel_vault(
+        ...     voussoirs=5, courses=2, inner_radius=1.0, thickness=0.2, length=1.0, friction=0.6
+        ... )
+        >>> len(vault.names)
+        14
     """
     require_count("barrel_vault.courses", courses)
     require_positive("barrel_vault.length", length)
@@ -104,6 +116,13 @@ def cross_vault(
         friction: law of all joints.
         base: whether blocks ``base+x1``, ... lie below the lowest voussoirs, one each, for
             supports.
+
+    Example:
+        >>> vault = la.masonry3d.cross_vault(
+        ...     voussoirs=5, inner_radius=1.0, thickness=0.2, half_side=1.3, friction=0.6
+        ... )
+        >>> len(vault.names)
+        28
     """
     require_count("cross_vault.voussoirs", voussoirs)
     require_positive("cross_vault.inner_radius", inner_radius)

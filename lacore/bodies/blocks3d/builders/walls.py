@@ -30,6 +30,11 @@ def wall(
         block: length (x), depth (y) and height (z) of a block, m.
         base: whether a block ``base`` lies below.
         slices: leaves of the wall, one behind the other, of the depth altogether.
+
+    Example:
+        >>> wall = la.masonry3d.wall([[1, 1], [0.5, 1, 0.5]], friction=0.6)
+        >>> len(wall.names)  # five, and their base
+        6
     """
     length, depth, height = _size(block, "wall.block")
     plane = masonry.running_bond(rows, friction, (length, height), base)
@@ -55,6 +60,11 @@ def corner(
         friction: law of all joints.
         block: length, depth and height of a block, m; the depth is below the length.
         base: whether a block ``base`` of the shape of an L lies below.
+
+    Example:
+        >>> corner = la.masonry3d.corner(blocks=(2, 2), courses=2, friction=0.6)
+        >>> len(corner.names)
+        9
     """
     length, depth, height = _size(block, "corner.block")
     if not depth < length:
@@ -115,6 +125,13 @@ def stairs(
 
     Raises:
         InputError: numbers that make no stairs; what `BlockAssembly3D` refuses.
+
+    Example:
+        >>> stairs = la.masonry3d.stairs(
+        ...     steps=3, going=0.3, rise=0.18, width=1.0, overlap=0.05, friction=0.6
+        ... )
+        >>> len(stairs.names)
+        5
     """
     require_count("stairs.steps", steps)
     for name, value in (("going", going), ("rise", rise), ("width", width), ("overlap", overlap)):
