@@ -27,7 +27,8 @@ def pages() -> Mapping[str, str]:
     """A page a room, and one that leads to them."""
     rooms = by_room()
     found = {f"api/{room}.md": _page(room, names) for room, names in rooms.items()}
-    lines = ["# API reference", "", "All public names, by the room that they are from.", ""]
+    said = "All public names, by the room that they are from. Examples follow `import lacore as la`"
+    lines = ["# API reference", "", f"{said} and `import numpy as np`.", ""]
     for room, names in rooms.items():
         shown = ", ".join(f"{{any}}`{name} <lacore.{name}>`" for name in names)
         if isinstance(getattr(la, room, None), ModuleType) and names == [room]:
