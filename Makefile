@@ -75,7 +75,6 @@ test-browser: $(READY)
 
 test-site: $(READY)
 	$(BIN)/python -m pytest tests/test_site.py -m "slow or not slow" $(PYTEST_ARGS) \
-		"tests/test_guide.py::test_quick_code_runs_as_printed[examples]" \
 		"tests/test_guide.py::test_quick_code_runs_as_printed[claims]"
 
 lint: $(READY)
