@@ -13,6 +13,7 @@ from .bodies.blocks.block_assembly import BlockAssembly as BlockAssembly
 from .bodies.blocks.block_assembly import RigidBlock as RigidBlock
 from .bodies.blocks3d import masonry3d as masonry3d
 from .bodies.blocks3d.block_assembly import BlockAssembly3D as BlockAssembly3D
+from .bodies.blocks3d.crushing import Crushing as Crushing
 from .bodies.blocks3d.polyhedron import Polyhedron as Polyhedron
 from .bodies.continuum.body import Body as Body
 from .bodies.frames import sections as sections

@@ -29,7 +29,13 @@ def stated(problem, state):
         normal_force=(table["t_n"] * table["area"]).to_numpy(),
         tangential_force=table[["t_t_x", "t_t_y", "t_t_z"]].to_numpy() * table[["area"]].to_numpy(),
         load_factor=state.load_factor,
+        area=table["area"].to_numpy(),
+        strength=np.full(len(table), strength(body.crushing)),
     )
+
+
+def strength(crushing):
+    return np.inf if crushing is None else crushing.strength
 
 
 def coefficient(law):

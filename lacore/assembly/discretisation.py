@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from lacore.arrays import Bools, Ints, Sparse
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.blocks3d.dofs import AnyRigidDofs, RigidDofs3D
@@ -81,6 +83,12 @@ class Discretisation(Shown):
     def jointed(self) -> dict[str, AnyRigidDofs]:
         """Rigid blocks, in the plane or in space."""
         return {**self.assemblies, **self.solids}
+
+    @property
+    def crushing(self) -> Ints:
+        """Unknowns of points that crush, see `RigidDofs3D`; none of them touches two points."""
+        own = [dofs.crushing for dofs in self.solids.values()]
+        return np.concatenate([np.zeros(0, dtype=np.int64), *own])
 
     @property
     def jumping(self) -> list[Jumps]:

@@ -11,7 +11,7 @@ from lacore.assembly.contact_checks import movable_points, shared_corners
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.holding import held_by
 from lacore.assembly.loading import load_vector, require_power
-from lacore.assembly.natural import natural_scales
+from lacore.assembly.natural import natural_scales, with_speeds_of_crushing
 from lacore.assembly.ordering import point_order
 from lacore.assembly.seams import seams
 from lacore.assembly.slips import slips
@@ -122,7 +122,8 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         + load_vector(acting(problem, problem.dead_loads), dofs, continua, unknowns.footings, n),
         parts=joined_parts(unknowns.parts, problem, dofs),
     )
-    program = reduced(full, held.basis)
+    basis = with_speeds_of_crushing(held.basis, unknowns, full.dead_load)
+    program = reduced(full, basis)
     order = point_order(contact, points, unknowns.jointed, len(problem.interfaces))
     kept = order[movable_points(program.contact, points)[order]]
     full, program = (
@@ -135,7 +136,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         problem=problem,
         full=full,
         program=program,
-        free_basis=held.basis,
+        free_basis=basis,
         held_nodes=held.nodes,
         bodies=continua,
         assemblies=unknowns.assemblies,

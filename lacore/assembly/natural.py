@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from math import cbrt, fsum, sqrt
 
 import numpy as np
+from scipy.sparse import csr_matrix, diags_array
 
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Sparse
 from lacore.assembly.unknowns import Unknowns
+from lacore.bodies.blocks3d.crushing import crushing_of
 from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
 from lacore.program import KinematicProgram, Scales
@@ -29,8 +31,26 @@ def strengths_of(
     return strengths
 
 
+def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats) -> Sparse:
+    """A basis of free velocities with crushing in such units that it costs what other motions cost.
+
+    Joints are far stronger than what presses them: a speed that is small beside all others is a
+    power that is not.
+    """
+    unit = np.ones(basis.shape[0])
+    for dofs in unknowns.solids.values():
+        law, across = crushing_of(dofs.body.crushing), cbrt(dofs.extent)
+        if law is not None and np.any(dead_load):
+            pressed = fsum(np.abs(dead_load)) / across**2
+            unit[dofs.crushing] = min(1.0, pressed / law.strength)
+    return csr_matrix(diags_array(unit) @ basis)
+
+
 def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: float) -> Scales:
     """Scales of the answer: strengths of continua, else of hinges, else those of the dead load.
+
+    Joints that crush are far stronger than what presses them; without dead load they are all there
+    is.
 
     In space the thickness is the length: loads are N there.
 
@@ -42,8 +62,9 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     length = cbrt(extent) if solid else sqrt(extent)
     across = length if solid else 1.0
     bodies = unknowns.continua
+    pressed = solid and bool(np.any(program.dead_load))
     yielding = program.groups[: len(bodies)] or program.groups
-    strengths = strengths_of(yielding, program.dead_load, length)
+    strengths = [] if pressed and not bodies else strengths_of(yielding, program.dead_load, length)
     if not strengths:
         limit = program.contact.limit
         strengths = [

@@ -24,7 +24,7 @@ def column_order(basis: Sparse, assemblies: Mapping[str, AnyRigidDofs]) -> Ints:
     order = np.arange(row.size)
     for dofs in assemblies.values():
         own = np.flatnonzero((row >= dofs.offset) & (row < dofs.offset + dofs.count))
-        place = dofs.body.centroid[:, (row[own] - dofs.offset) // dofs.per_block]
+        place = dofs.places[:, row[own] - dofs.offset]
         order[own] = own[np.lexsort((own, *_digits(place, dofs.body.size)))]
     return order
 

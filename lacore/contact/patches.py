@@ -12,7 +12,8 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.faces import flat_polygons
-from lacore.bodies.blocks3d.joints import Joints3D, find_joints, hull_corners
+from lacore.bodies.blocks3d.hulls import hull_corners
+from lacore.bodies.blocks3d.joints import Joints3D, find_joints
 from lacore.bodies.blocks3d.surface import axes_of
 from lacore.conditions.where import where_name
 from lacore.contact.interfaces import Interface

@@ -231,9 +231,12 @@ def laws_of(interface: Interface, strength: float, count: int) -> Laws:
 def _joints(dofs: AnyRigidDofs, first: int, n: int) -> Station:
     joints = dofs.body.joints
     laws = Laws(*dofs.body.joint_terms)
-    number = first + np.arange(joints.count)
+    number, where = first + np.arange(joints.count), of_joints(joints)
     sides = [(dofs, joints.slave), (dofs, joints.master)]
-    return _stations(of_joints(joints), number, laws, sides, n)
+    if crushed := dofs.crushed(n):
+        assert isinstance(where, Patches)
+        return _at_points(where, number, laws, sides, n, crushed)
+    return _stations(where, number, laws, sides, n)
 
 
 @singledispatch
@@ -266,10 +269,22 @@ def _on_segments(
 def _on_patches(
     patches: Patches, interface: Ints, laws: Laws, sides: Sequence[tuple[Dofs, Ints]], n: int
 ) -> Station:
+    return _at_points(patches, interface, laws, sides, n)
+
+
+def _at_points(
+    patches: Patches,
+    interface: Ints,
+    laws: Laws,
+    sides: Sequence[tuple[Dofs, Ints]],
+    n: int,
+    crushed: Sequence[Sparse] = (),
+) -> Station:
+    """As `_stations`; with what crushing adds to the jumps along x, y, z, (m, n) each."""
     own = patches.patch
     stands = [Controls(patches.point, patches.normal[:, own], patches.weight)]
     corners = [(dofs, parts[own]) for dofs, parts in sides]
-    return _standing(stands, interface[own], laws.at(own), corners, n)
+    return _standing(stands, interface[own], laws.at(own), corners, n, crushed)
 
 
 @_stations.register(Faces)
@@ -296,9 +311,12 @@ def _standing(
     laws: Laws,
     sides: Sequence[tuple[Dofs, Ints]],
     n: int,
+    crushed: Sequence[Sparse] = (),
 ) -> Station:
     """Control values of the jump; sides: slave and master, and which parts of them."""
     values = jump_rows(stands, sides, n)
+    if crushed:  # of single points, which blocks in space have
+        values = [[csr_matrix(a + b) for a, b in zip(values[0], crushed, strict=True)]]
     count, copies = interface.size, len(stands)
     every = Controls(
         np.concatenate([stand.place for stand in stands], axis=1),

@@ -8,7 +8,7 @@ import pandas as pd
 from lacore.arrays import Floats, Ints
 from lacore.limit.state import LimitState
 
-KINDS = ("stick", "slip", "open")
+KINDS = ("stick", "slip", "open", "crush")
 
 
 def write_solids(state: LimitState, place: Path) -> Path:

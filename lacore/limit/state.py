@@ -203,6 +203,8 @@ class LimitState(Shown):
     def reactions(self) -> pd.DataFrame:
         """Contact points: place, length, tractions on the slave (Pa), velocities, stick/slip/open.
 
+        Joints of blocks in space that crush have a state ``crush``, where ``u_n < 0``.
+
         `slave` and `master` are the names of what touches: of assemblies that of the block, of
         other bodies their own, or "obstacle"; the normal points from the master into the slave.
         `length` is the share of the edge that a point stands for, m; of axisymmetric bodies that

@@ -15,7 +15,12 @@ from lacore.limit.state import LimitState
 from lacore.numerics.quantities import Units
 from lacore.pictures.contact_segments import SegmentedContact
 
-COLOURS = {"stick": "#4d4d4d", "slip": "#0072b2", "open": "#e69f00"}  # legible to the colour-blind
+COLOURS = {  # legible to the colour-blind
+    "stick": "#4d4d4d",
+    "slip": "#0072b2",
+    "open": "#e69f00",
+    "crush": "#cc79a7",
+}
 GROUND = "#8a8a8a"
 PLANE_DEPTH = 0.03  # of plane obstacles, per size of the picture
 _SAME = 1e-6  # of the length of a contact, and of unit vectors

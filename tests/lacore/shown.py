@@ -147,8 +147,9 @@ def drawn():
     drawing = la.masonry.DrawnBlocks(
         blocks, layers, of, of, LONG, "mm", 1 / 3, float(wide), counts, MANY
     )
-    solids = la.BlockAssembly3D(dict.fromkeys(MANY[:1], solid), la.Tresca(wide))
-    return [layer, drawing, solid, solids]
+    law = la.Crushing(wide, 1)
+    solids = la.BlockAssembly3D(dict.fromkeys(MANY[:1], solid), la.Tresca(wide), crushing=law)
+    return [layer, drawing, solid, solids, law]
 
 
 def states():

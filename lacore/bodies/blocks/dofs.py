@@ -35,9 +35,14 @@ class RigidUnknowns(Compact):
     bent = axisymmetric = False
 
     @property
+    def of_blocks(self) -> int:
+        """Number of unknowns of motions of blocks, which come first."""
+        return self.per_block * len(self.body.names)
+
+    @property
     def count(self) -> int:
         """Number of unknowns."""
-        return self.per_block * len(self.body.names)
+        return self.of_blocks
 
     @property
     def strength(self) -> float:
@@ -48,6 +53,15 @@ class RigidUnknowns(Compact):
     def pieces_of_unknowns(self) -> Ints:
         """The block of each unknown, shape (count,)."""
         return np.repeat(np.arange(len(self.body.names)), self.per_block)
+
+    @property
+    def places(self) -> Floats:
+        """Where each unknown moves something: the centroid of its block, (d, count), m."""
+        return np.repeat(self.body.centroid, self.per_block, axis=1)
+
+    def crushed(self, n: int) -> tuple[Sparse, ...]:
+        """Joints crush in space alone, see `RigidDofs3D.crushed`."""
+        return ()
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
         """Rigid blocks dissipate nothing."""

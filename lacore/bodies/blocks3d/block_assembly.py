@@ -15,6 +15,7 @@ from lacore.bodies.blocks.checks import check_isolated
 from lacore.bodies.blocks.joints import JointFriction, joint_law, joint_names, joint_terms
 from lacore.bodies.blocks.polygons import block_name
 from lacore.bodies.blocks3d.apart import require_apart, touched_by
+from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
 from lacore.bodies.blocks3d.faces import Faces, faces_of
 from lacore.bodies.blocks3d.joints import Joints3D, find_joints
 from lacore.bodies.blocks3d.loaded import carried
@@ -45,6 +46,7 @@ class BlockAssembly3D(Shown):
         friction: law of all joints: a Coulomb coefficient, `Coulomb`, `Tresca`, `SMOOTH`, `STICK`.
         joint_friction: other laws for single pairs ``(name, name)``, in either order.
         tolerance: m; if None 1e-6 of the mean block size (cubic root of the volume).
+        crushing: largest pressure in all joints, Pa, or `Crushing`; None: there is none (T95).
         names: (B,). `volume`: (B,), m^3. `centroid`: (3, B), m.
         radius: largest distance of a vertex from the centroid, (B,), m: turns rates of rotation
             into velocities.
@@ -68,6 +70,7 @@ class BlockAssembly3D(Shown):
     friction: float | Friction
     joint_friction: JointFriction | None = None
     tolerance: float | None = None
+    crushing: float | Crushing | None = None
     dimension: ClassVar[int] = 3
     pointwise: ClassVar[bool] = False  # it touches others along faces
     deforms: ClassVar[bool] = False
@@ -96,7 +99,8 @@ class BlockAssembly3D(Shown):
         laws = {} if self.joint_friction is None else self.joint_friction
         require_apart(blocks, tolerance, "BlockAssembly3D.blocks")
         require_no_slits(blocks, tolerance, "BlockAssembly3D.blocks")
-        joints = find_joints(blocks, tolerance)
+        crushing = crushing_of(self.crushing)
+        joints = find_joints(blocks, tolerance, crushing)
         terms = joint_terms(
             names, joints.slave, joints.master, friction, laws, "BlockAssembly3D.joint_friction"
         )
@@ -105,6 +109,7 @@ class BlockAssembly3D(Shown):
             "friction": friction,
             "joint_friction": MappingProxyType(dict(laws)),
             "tolerance": tolerance,
+            "crushing": crushing,
             "names": names,
             "volume": volume,
             "centroid": np.stack([block.centroid for block in polyhedra], axis=1),
@@ -132,6 +137,8 @@ class BlockAssembly3D(Shown):
             "friction": short(self.friction) + (f", {len(laws)} joints differ" if laws else ""),
             "size": f"{self.volume.sum():.4g} m^3, {self.size:.4g} m across",
         }
+        if law := crushing_of(self.crushing):
+            told["crushing"] = f"{short(law.strength)} Pa, {counted(law.divisions, 'division')}"
         return Facts(f"BlockAssembly3D: {self.contents}", told)
 
     @property
@@ -192,8 +199,18 @@ class BlockAssembly3D(Shown):
     def check_contact(
         self, field: str, supports: Sequence[Fix], touched: Sequence[Touched]
     ) -> None:
-        """Raise `InputError` where a block touches nothing, or an obstacle where a joint is."""
+        """Raise `InputError` where a block touches nothing, or an obstacle where a joint is.
+
+        Of blocks that crush wherever they touch what is not of this assembly.
+        """
         for own in touched:
+            if self.crushing is not None:
+                raise InputError(
+                    own.field,
+                    own.name,
+                    "joints of these blocks crush, contact with what is no block of them would not",
+                    "give what they touch as a block, and hold it by a Fix",
+                )
             taken = np.intersect1d(own.edges, self.jointed_faces)
             if own.by_obstacle and taken.size:
                 block = self.names[self.faces.block[taken[0]]]

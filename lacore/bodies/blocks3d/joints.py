@@ -7,7 +7,9 @@ import numpy as np
 import shapely
 
 from lacore.arrays import Floats, Geometries, Ints
+from lacore.bodies.blocks3d.crushing import Crushing, cells
 from lacore.bodies.blocks3d.faces import Faces, faces_of, facing, flat_polygons
+from lacore.bodies.blocks3d.hulls import hull_corners
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.bodies.blocks3d.surface import axes_of
 from lacore.showing import Compact
@@ -19,6 +21,8 @@ _POLYGON = 3  # type number of shapely
 class Joints3D(Compact):
     """Areas that two faces share, and the contact points at their corners (T71, T72).
 
+    Where joints crush these are the centroids of cells in place of corners (T95).
+
     Sorted by master, slave, and their faces. Two blocks may share several.
 
     Attributes:
@@ -29,7 +33,7 @@ class Joints3D(Compact):
         points: contact points, (3, m), m: corners of the convex hulls of the joints, each joint's
             one after the other, counterclockwise about its normal.
         joint: number of the joint of each point, (m,).
-        weight: area of the joint over its number of points, (m,), m^2.
+        weight: area of the joint over its number of points, or that of the cell, (m,), m^2.
     """
 
     slave: Ints
@@ -54,7 +58,9 @@ class Joints3D(Compact):
         return np.stack([np.bincount(self.joint, own, self.count) for own in self.points]) / number
 
 
-def find_joints(polyhedra: Mapping[str, Polyhedron], tolerance: float) -> Joints3D:
+def find_joints(
+    polyhedra: Mapping[str, Polyhedron], tolerance: float, crushing: Crushing | None = None
+) -> Joints3D:
     """The joints of blocks.
 
     Two faces make one where they lie in one plane, look at each other, and overlap on more than a
@@ -64,6 +70,7 @@ def find_joints(polyhedra: Mapping[str, Polyhedron], tolerance: float) -> Joints
     Args:
         polyhedra: by name.
         tolerance: m: how far the two faces may be apart, or in each other.
+        crushing: of joints that have cells in place of corners.
     """
     faces = faces_of(list(polyhedra.values()))
     first, second = facing(faces, tolerance)
@@ -71,23 +78,33 @@ def find_joints(polyhedra: Mapping[str, Polyhedron], tolerance: float) -> Joints
     normal /= np.linalg.norm(normal, axis=0)
     one, two = axes_of(normal)
     pair, shared = shared_pieces(faces, first, second, one, two, tolerance)
-    corners, joint = hull_corners(shared, tolerance)
-    own = pair[joint]
-    axes = normal[:, own], one[:, own], two[:, own]
-    low, gap = gaps(faces, first[own], second[own], axes, corners)
+    area = np.asarray(shapely.area(shared))
+    flat, joint = hull_corners(shared, tolerance)
+    weight = (area / np.bincount(joint, minlength=area.size))[joint]
+
+    def placed(flat: Floats, joint: Ints) -> tuple[Floats, Floats]:
+        own = pair[joint]
+        axes = normal[:, own], one[:, own], two[:, own]
+        low, gap = gaps(faces, first[own], second[own], axes, flat)
+        points = axes[0] * (low + gap / 2) + axes[1] * flat[0] + axes[2] * flat[1]
+        return points + faces.origin[:, None], gap
+
+    points, gap = placed(flat, joint)
     apart = np.zeros(pair.size)
     np.maximum.at(apart, joint, np.abs(gap))
-    points = axes[0] * (low + gap / 2) + axes[1] * corners[0] + axes[2] * corners[1]
-    points += faces.origin[:, None]
+    if crushing is not None:
+        flat, joint, weight = cells(shared, crushing.divisions, tolerance)
+        points, _ = placed(flat, joint)
     return _sorted(
         faces,
         np.where(apart <= tolerance)[0],
         first[pair],
         second[pair],
         normal[:, pair],
-        np.asarray(shapely.area(shared)),
+        area,
         points,
         joint,
+        weight,
     )
 
 
@@ -106,36 +123,6 @@ def shared_pieces(
     wide = shapely.get_type_id(shared) == _POLYGON
     wide &= 2 * shapely.area(shared) > width * shapely.length(shared)
     return pair[wide], shared[wide]
-
-
-def hull_corners(shared: Geometries, tolerance: float) -> tuple[Floats, Ints]:
-    """Corners of convex hulls, (2, m), counterclockwise, and the number of the hull of each, (m,).
-
-    Points that lie on the line of their neighbours, to the tolerance (m), are no corners.
-    """
-    hull = shapely.convex_hull(shared)
-    place, joint = shapely.get_coordinates(shapely.get_exterior_ring(hull), return_index=True)
-    place, joint = _opened(place, joint)
-    # Each ring begins where it is farthest from its middle: a corner, which simplifying keeps.
-    count = np.bincount(joint, minlength=shared.size)
-    begin = np.cumsum(count) - count
-    middle = np.stack([np.bincount(joint, own, shared.size) for own in place.T], axis=1)
-    far = np.linalg.norm(place - (middle / np.maximum(count, 1)[:, None])[joint], axis=1)
-    farthest = np.lexsort((-far, joint))[begin] if joint.size else begin
-    behind = np.arange(joint.size) - begin[joint]
-    turned = begin[joint] + (behind + (farthest - begin)[joint]) % count[joint]
-    rings = shapely.linearrings(place[turned], indices=joint)
-    simple = shapely.simplify(shapely.polygons(rings), tolerance)
-    simple = shapely.orient_polygons(simple)
-    place, joint = shapely.get_coordinates(shapely.get_exterior_ring(simple), return_index=True)
-    place, joint = _opened(place, joint)
-    return place.T, joint
-
-
-def _opened(place: Floats, ring: Ints) -> tuple[Floats, Ints]:
-    """Points of rings without the last of each, which repeats the first."""
-    kept = np.diff(ring, append=-1) == 0
-    return place[kept], ring[kept]
 
 
 def gaps(
@@ -171,6 +158,7 @@ def _sorted(
     area: Floats,
     points: Floats,
     joint: Ints,
+    weight: Floats,
 ) -> Joints3D:
     """The joints that are `kept`, by the numbers of their blocks, masters before slaves."""
     turned = faces.block[first] > faces.block[second]
@@ -186,7 +174,7 @@ def _sorted(
     # Seen from the other side, corners that ran counterclockwise run clockwise.
     inside = np.where(turned[joint[place]], -place, place)
     place = place[np.lexsort((inside, label[joint[place]]))]
-    joint = label[joint[place]]
+    joint, weight = label[joint[place]], weight[place]
     begin = np.append(0, np.cumsum(np.bincount(faces.block)))[:-1]
     return Joints3D(
         faces.block[slave[order]],
@@ -197,5 +185,5 @@ def _sorted(
         area[order],
         points[:, place],
         joint,
-        (area[order] / number[order])[joint],
+        weight,
     )

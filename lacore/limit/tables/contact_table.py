@@ -23,10 +23,12 @@ Table = pd.DataFrame | Mapping[str, ArrayLike]
 def contact_table(discretisation: Discretisation, point: ProgramState) -> pd.DataFrame:
     """Contact points, see `LimitState.reactions`; `point` in SI units."""
     rows, where = discretisation.full.contact, discretisation.points
-    u_n, slip = rows.opening(point.velocity), rows.slip(point.velocity)
+    slip, crushing = rows.slip(point.velocity), discretisation.crushing
+    crushed = rows.normal[:, crushing] @ point.velocity[crushing]  # opens what blocks close
+    u_n = rows.opening(point.velocity) - crushed
     rest = _MOVES * float(np.abs(point.velocity).max(initial=0.0))
     slave, master = contact_sides(discretisation)
-    states = [u_n + rows.lead > rest, np.linalg.norm(slip, axis=1) > rest]
+    states = [u_n + rows.lead > rest, crushed > rest, np.linalg.norm(slip, axis=1) > rest]
     dimension = where.position.shape[1]
     table = pd.DataFrame(
         {
@@ -40,7 +42,7 @@ def contact_table(discretisation: Discretisation, point: ProgramState) -> pd.Dat
             **_along(where, point.tangential_reaction, "t_t"),
             "u_n": u_n,
             **_along(where, slip, "u_t"),
-            "state": np.select(states, ["open", "slip"], "stick"),
+            "state": np.select(states, ["open", "crush", "slip"], "stick"),
         }
     )
     if where.gap is not None:

@@ -75,7 +75,7 @@ def _fill(plotter: Any, state: LimitState) -> None:
         faces = [blocks.faces[face] for face in np.flatnonzero(colours == colour).tolist()]
         plotter.add_mesh(_surface(moved, faces), color=colour, opacity=_OPAQUE)
     plotter.add_mesh(_lines(moved, blocks.edges), color="#555555", line_width=1)
-    for kind in ("slip", "open"):
+    for kind in ("slip", "open", "crush"):
         corners = [
             own + stretch * _mean_velocity(motion, own, slave, master)
             for own, slave, master, does in zip(

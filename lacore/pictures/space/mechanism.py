@@ -24,7 +24,7 @@ from lacore.pictures.space.problem import FIXED, FREE
 from lacore.pictures.space.structure import Motion, Touches, motion_of, stretch_of, touches_of
 
 THRUST, LOAD = "#b2182b", "#0f7b3f"
-_OPAQUE = {"stick": 0.3, "slip": 0.8, "open": 0.8}  # most stick, and hide the others
+_OPAQUE = {"stick": 0.3, "slip": 0.8, "open": 0.8, "crush": 0.8}  # most stick, and hide the others
 MOVES = 1e-3  # of the largest velocity: what the eye would see as slip or opening
 _FAINTEST = 2e-3  # of the largest force: lines of thrust below it would not be seen
 _SHORTEST = 0.3  # of the radius of the smaller block: lines of thrust
@@ -117,7 +117,7 @@ def _draw_load(axes: Axes3D, state: LimitState, motion: Motion) -> list[Artist]:
     d = state.discretisation
     loads = []
     for name, dofs in d.solids.items():
-        own = d.full.reference_load[dofs.offset : dofs.offset + dofs.count].reshape(-1, 6).T
+        own = d.full.reference_load[dofs.offset : dofs.offset + dofs.of_blocks].reshape(-1, 6).T
         held = motion.held[motion.blocks.first[name] :][: own.shape[1]]
         loads.append(np.where(held, 0.0, own[:3]))
     force = np.concatenate(loads, axis=1)

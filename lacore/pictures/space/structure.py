@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 
 import numpy as np
+import shapely
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.hulls import hull_corners
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.limit.state import LimitState
 from lacore.showing import Compact
@@ -183,11 +185,11 @@ class Touches(Compact):
     """Plane polygons in which two blocks touch, or a block and an obstacle.
 
     Attributes:
-        corners: contact points of each, in order around it, (3, c) each, m.
+        corners: of the hull of the contact points of each, in order around it, (3, c) each, m.
         slave, master: block numbers, (k,); an obstacle is -1.
         normal: from the master into the slave, (3, k).
         force: on the slave, N, (3, k). `centre`: of pressure, m, (3, k).
-        kind: ``stick``, ``slip`` or ``open``, (k,): what most of its points do.
+        kind: ``stick``, ``slip``, ``open`` or ``crush``, (k,): what most of its points do.
     """
 
     corners: list[Floats]
@@ -230,7 +232,8 @@ def touches_of(state: LimitState, motion: Motion, rest: float) -> Touches:
     slip = table[["u_t_x", "u_t_y", "u_t_z"]].to_numpy()
     opening = total((area * table["u_n"].to_numpy())[None])[0] / total(area[None])[0]
     sliding = total((area * np.linalg.norm(slip, axis=1))[None])[0] / total(area[None])[0]
-    kind = np.select([opening > rest, sliding > rest], ["open", "slip"], "stick")
+    does = [opening > rest, opening < -rest, sliding > rest]
+    kind = np.select(does, ["open", "crush", "slip"], "stick")
     corners = _around(position, normal[:, first], group)
     slave, master = sides[:, first]
     return Touches(corners, slave, master, normal[:, first], force, centre, kind)
@@ -256,7 +259,7 @@ def _sides(state: LimitState, blocks: Blocks) -> Ints:
 
 
 def _around(position: Floats, normal: Floats, group: Ints) -> list[Floats]:
-    """Points of each group in order around its normal, (3, c) each."""
+    """Corners of the hull of each group of points, in order around its normal, (3, c) each."""
     count = normal.shape[1]
     number = np.bincount(group, minlength=count)
     middle = np.stack([np.bincount(group, row, count) for row in position]) / number
@@ -264,7 +267,9 @@ def _around(position: Floats, normal: Floats, group: Ints) -> list[Floats]:
     one = np.cross(axis, normal, axis=0)
     two = np.cross(normal, one, axis=0)
     own = position - middle[:, group]
-    angle = np.arctan2(np.sum(own * two[:, group], axis=0), np.sum(own * one[:, group], axis=0))
-    order = np.lexsort((angle, group))
-    ends = np.flatnonzero(np.diff(group[order])) + 1
-    return [position[:, own] for own in np.split(order, ends)]
+    flat = np.stack([np.sum(own * across[:, group], axis=0) for across in (one, two)])
+    order = np.argsort(group, kind="stable")
+    clouds = shapely.multipoints(flat[:, order].T, indices=group[order])
+    corners, rim = hull_corners(clouds, 0.0)
+    places = middle[:, rim] + corners[0] * one[:, rim] + corners[1] * two[:, rim]
+    return np.split(places, np.flatnonzero(np.diff(rim)) + 1, axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.materials.friction import Friction
@@ -21,6 +22,7 @@ def dome(
     springing: float = pi / 2,
     bond: bool = False,
     base: bool = True,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """A spherical dome about the z axis, its centre at the origin.
 
@@ -35,7 +37,7 @@ def dome(
         radius: of the sphere halfway between the inner and the outer corners, m.
         thickness: m, below twice the radius.
         oculus: angle at the centre from the axis to the topmost bed, rad.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         springing: angle from the axis to the lowest bed, rad; pi/2 is a hemisphere.
         bond: whether head joints of neighbouring rings are shifted by half a block.
         base: whether blocks ``base1``, ``base2``, ... lie below the lowest ring, one a block of it
@@ -78,7 +80,7 @@ def dome(
         for place in range(meridians):
             own = [(sectors * place + k) % around.size for k in range(sectors + 1)]
             blocks[f"base{place + 1}"] = _block(grid[rings + 1], grid[0], own)
-    return BlockAssembly3D(blocks, friction)
+    return BlockAssembly3D(blocks, friction, crushing=crushing)
 
 
 def _bed(shells: Floats, polar: float, around: Floats) -> Floats:

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.errors import require_count, require_positive
 from lacore.materials.friction import Friction
@@ -21,7 +22,9 @@ def prism(outline: npt.ArrayLike, low: float, high: float) -> Polyhedron:
     return Polyhedron(np.concatenate([near, far]), [range(count), range(count, 2 * count), *sides])
 
 
-def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssembly3D:
+def extruded(
+    plane: BlockAssembly, depth: float, slices: int = 1, crushing: float | Crushing | None = None
+) -> BlockAssembly3D:
     """A plane assembly made deep: its x and y become x and z, y runs from 0 to the depth (T78).
 
     Blocks keep their names; of several slices they are ``NAME/1``, ``NAME/2``, ..., and a law of
@@ -30,6 +33,7 @@ def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssemb
     Args:
         plane: as `lacore.masonry` makes it, say.
         depth: along y, m.
+        crushing: strength of joints in compression, Pa, if it is finite.
         slices: equal ones, one behind the other.
 
     Example:
@@ -50,7 +54,7 @@ def extruded(plane: BlockAssembly, depth: float, slices: int = 1) -> BlockAssemb
         for (one, other), law in (plane.joint_friction or {}).items()
         for k in range(slices)
     }
-    return BlockAssembly3D(blocks, plane.friction, laws, plane.tolerance)
+    return BlockAssembly3D(blocks, plane.friction, laws, plane.tolerance, crushing)
 
 
 def _named(name: str, slice_: int, slices: int) -> str:

@@ -16,6 +16,7 @@ from lacore.bodies.blocks.drawings.reading import json_of
 from lacore.bodies.blocks.drawings.strokes import METRES
 from lacore.bodies.blocks.joints import JointFriction
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
+from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
@@ -32,6 +33,7 @@ def read(
     tolerance: float | None = None,
     joint_friction: JointFriction | None = None,
     unit: str = "m",
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """Blocks from a file: an assembly of compas (JSON), or closed surfaces of OBJ, PLY or STL.
 
@@ -42,6 +44,7 @@ def read(
     Args:
         path: of the file: .json, .obj, .ply or .stl.
         friction: law of all joints; `joint_friction` for single pairs.
+        crushing: their strength in compression, Pa, if it is finite.
         tolerance: m; 1e-5 of the size of all if None. Vertices of surfaces that are nearer become
             one, faces may be warped, and blocks apart or in each other, by as much.
         unit: of the file: "m", "dm", "cm", "mm", "km", "in", "ft", "yd".
@@ -87,7 +90,7 @@ def read(
         name: _block(shown, name, points * METRES[unit], faces, allowed)
         for name, (points, faces) in meshes.items()
     }
-    return BlockAssembly3D(blocks, friction, joint_friction, allowed)
+    return BlockAssembly3D(blocks, friction, joint_friction, allowed, crushing)
 
 
 def _block(

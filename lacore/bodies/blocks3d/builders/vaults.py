@@ -8,6 +8,7 @@ from lacore.arrays import Floats
 from lacore.bodies.blocks import masonry
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.builders.prisms import extruded, prism
+from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.errors import InputError, require_count, require_positive
 from lacore.materials.friction import Friction
@@ -24,6 +25,7 @@ def arch(
     friction: float | Friction,
     embrace: float = pi,
     slices: int = 1,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """The arch of `lacore.masonry.arch`, in the plane of x and z, `depth` deep along y.
 
@@ -34,7 +36,7 @@ def arch(
         inner_radius: of the circle through the inner corners, m.
         thickness: length of a joint, m.
         depth: along y, m; `slices`: equal ones, one behind the other.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         embrace: angle of the arch at the centre, rad; pi is a semicircle.
 
     Example:
@@ -43,7 +45,7 @@ def arch(
         7
     """
     plane = masonry.arch(voussoirs, inner_radius, thickness, friction, embrace)
-    return extruded(plane, depth, slices)
+    return extruded(plane, depth, slices, crushing)
 
 
 def barrel_vault(
@@ -55,6 +57,7 @@ def barrel_vault(
     friction: float | Friction,
     embrace: float = pi,
     bond: bool = True,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """A barrel vault along y, whose beds are radial and whose head joints are planes of y.
 
@@ -66,7 +69,7 @@ def barrel_vault(
         courses: blocks along y; in bond every second voussoir begins and ends with half of one.
         inner_radius: of the circle through the inner corners, m.
         thickness: m. `length`: along y, m.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         embrace: angle of the section at the centre, rad.
         bond: whether head joints of neighbouring voussoirs are shifted by half a block.
 
@@ -90,7 +93,7 @@ def barrel_vault(
         ends = halves if bond and int(name) % 2 == 0 else whole
         for k in range(len(ends) - 1):
             blocks[f"v{name}c{k + 1}"] = prism(outline, ends[k], ends[k + 1])
-    return BlockAssembly3D(blocks, friction)
+    return BlockAssembly3D(blocks, friction, crushing=crushing)
 
 
 def cross_vault(
@@ -100,6 +103,7 @@ def cross_vault(
     half_side: float,
     friction: float | Friction,
     base: bool = True,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """Two equal barrel vaults that cross: four webs, each cut off along x = y and x = -y.
 
@@ -113,7 +117,7 @@ def cross_vault(
         thickness: m.
         half_side: distance of the free ends of the webs from the z axis, m, more than the outer
             radius.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         base: whether blocks ``base+x1``, ... lie below the lowest voussoirs, one each, for
             supports.
 
@@ -153,7 +157,7 @@ def cross_vault(
             number = name.removeprefix("base")
             label = name[: -len(number)] + side + number
             blocks[label] = _turned(_web(section, half_side), quarter)
-    return BlockAssembly3D(blocks, friction)
+    return BlockAssembly3D(blocks, friction, crushing=crushing)
 
 
 def _web(section: Floats, half_side: float) -> tuple[Floats, list[tuple[int, ...]]]:

@@ -8,6 +8,7 @@ from lacore.bodies.blocks import masonry
 from lacore.bodies.blocks.masonry import Rows
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.builders.prisms import extruded, prism
+from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
 from lacore.errors import InputError, is_number, require_count, require_positive
 from lacore.materials.friction import Friction
@@ -17,7 +18,12 @@ _SIZE: Size = (0.4, 0.2, 0.175)
 
 
 def wall(
-    rows: Rows, friction: float | Friction, block: Size = _SIZE, base: bool = True, slices: int = 1
+    rows: Rows,
+    friction: float | Friction,
+    block: Size = _SIZE,
+    base: bool = True,
+    slices: int = 1,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """The wall of `lacore.masonry.running_bond`, along x, its lower left corner at the origin.
 
@@ -26,7 +32,7 @@ def wall(
     Args:
         rows: courses, bottom first: widths in blocks, an opening as minus its width;
             `lacore.masonry.regular_bond` and `lacore.masonry.random_bond` make some.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         block: length (x), depth (y) and height (z) of a block, m.
         base: whether a block ``base`` lies below.
         slices: leaves of the wall, one behind the other, of the depth altogether.
@@ -38,7 +44,7 @@ def wall(
     """
     length, depth, height = _size(block, "wall.block")
     plane = masonry.running_bond(rows, friction, (length, height), base)
-    return extruded(plane, depth, slices)
+    return extruded(plane, depth, slices, crushing)
 
 
 def corner(
@@ -47,6 +53,7 @@ def corner(
     friction: float | Friction,
     block: Size = _SIZE,
     base: bool = True,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """Two walls at a right angle, along x and along y, in bond at the corner, the origin.
 
@@ -57,7 +64,7 @@ def corner(
     Args:
         blocks: lengths of the two walls from the corner on, in blocks.
         courses: how many.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         block: length, depth and height of a block, m; the depth is below the length.
         base: whether a block ``base`` of the shape of an L lies below.
 
@@ -97,7 +104,7 @@ def corner(
             (0.0, long),
         ]
         found["base"] = _upright(outline, -height, 0.0)
-    return BlockAssembly3D(found, friction)
+    return BlockAssembly3D(found, friction, crushing=crushing)
 
 
 def stairs(
@@ -108,6 +115,7 @@ def stairs(
     overlap: float,
     friction: float | Friction,
     bearing: float = 0.0,
+    crushing: float | Crushing | None = None,
 ) -> BlockAssembly3D:
     """A straight flight of steps that climbs along x, each laid on the back of the one below.
 
@@ -120,7 +128,7 @@ def stairs(
         going: horizontal distance of steps, m. `rise`: their height, m.
         width: of the flight along y, m.
         overlap: of a step with the next one, along x, m.
-        friction: law of all joints.
+        friction: law of all joints. `crushing`: their strength, Pa, if it is finite.
         bearing: how deep steps go into the wall, m; 0 is a free flight.
 
     Raises:
@@ -154,7 +162,7 @@ def stairs(
                 blocks[f"below{n + 1}"] = _box(under, wall_, (z - rise, z))
     x, z = steps * going + overlap, steps * rise
     blocks["landing"] = _box((x, x + deep), across, (z - rise, z))
-    return BlockAssembly3D(blocks, friction)
+    return BlockAssembly3D(blocks, friction, crushing=crushing)
 
 
 def _size(block: Size, field: str) -> Size:
