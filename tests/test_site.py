@@ -52,6 +52,18 @@ def test_results_that_were_changed_are_not_shown(scripts, monkeypatch, tmp_path)
         module.load()
 
 
+def test_runs_of_one_backend_take_the_place_of_its_own_only(scripts, results):
+    """Dear backends are asked later, and what others said of the case stays."""
+    kept = scripts("results")._read()
+    rest = kept.without({("prandtl-punch", "clarabel")})
+    for lines in (rest.lines, kept.lines):
+        told = [one["identity"] for one in lines if one["identity"]["case"] == "prandtl-punch"]
+        assert ("clarabel" in {one["backend"] for one in told}) == (lines is kept.lines)
+        assert "newton" in {one["backend"] for one in told}
+    assert 0 < len(rest.checks) < len(kept.checks)
+    assert not results.checks["allowed"].astype(str).str.startswith("'").any()
+
+
 def test_values_outside_of_proven_bounds_are_found(scripts, results):
     """A reference that is moved by a tenth is excluded by the bracket of its variant."""
     manual = scripts("manual")

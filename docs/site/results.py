@@ -1,7 +1,8 @@
 """The committed results that the verification manual is built of, and how they are made.
 
 ``python docs/site/results.py DIR`` keeps those of `lacore verify` in DIR: every run, its residuals
-and the history of brackets and paths, without states; those of cases that DIR does not have stay.
+and the history of brackets and paths, without states; those of cases that DIR does not have stay,
+and so do those of backends that it did not ask about a case.
 ``results.jsonl.gz.sha256`` is of the whole file; of one that was changed by hand nothing is shown.
 """
 
@@ -25,6 +26,7 @@ from verification.runs.row import Row
 from verification.runs.run import Run, canonical
 from verification.store.results import load_outcomes
 from verification.store.store import file_of, sessions
+from verification.verify.finding import load_checks
 
 FILE = Path(__file__).parent / "results.jsonl.gz"
 SEAL = Path(f"{FILE}.sha256")
@@ -70,15 +72,20 @@ class _Kept:
     checks: Sequence[dict[str, Any]] = ()
     lines: Sequence[dict[str, Any]] = ()
 
-    def without(self, cases: Set[str]) -> "_Kept":
-        """What is kept of other cases."""
-        lines = [line for line in self.lines if line["identity"]["case"] not in cases]
+    def without(self, asked: Set[tuple[str, str]]) -> "_Kept":
+        """What is kept of others than these cases with these backends."""
+        lines = [line for line in self.lines if _asked(line["identity"]) not in asked]
         dates = {line["date"] for line in lines}
         return _Kept(
             [own for own in self.sessions if own["date"] in dates],
-            [own for own in self.checks if own["case"] not in cases],
+            [own for own in self.checks if _asked(own) not in asked],
             lines,
         )
+
+
+def _asked(told: Mapping[str, Any]) -> tuple[str, str]:
+    """Which case of which backend."""
+    return told["case"], told["backend"]
 
 
 def _read() -> _Kept:
@@ -142,14 +149,14 @@ def _same(name: str, value: Any) -> bool:
 def _found(folder: Path) -> _Kept:
     outcomes, _ = load_outcomes(folder, catalogue())
     newest = list(sessions(file_of(folder)).values())[-1]
-    checks = json.loads(pd.read_csv(folder / "checks.csv").to_json(orient="records"))
+    checks = json.loads(load_checks(folder).to_json(orient="records"))
     return _Kept([newest], checks, [_line(outcome, newest["date"]) for outcome in outcomes])
 
 
 def main(folder: Path) -> None:
-    """Keep the results of a folder, in place of older ones of the same cases."""
+    """Keep the results of a folder, in place of older ones of the same cases and backends."""
     new = _found(folder)
-    old = _read().without({line["identity"]["case"] for line in new.lines})
+    old = _read().without({_asked(line["identity"]) for line in new.lines})
     parts = [[*old.sessions, *new.sessions], [*old.checks, *new.checks], *old.lines, *new.lines]
     data = "".join(f"{canonical(part)}\n" for part in parts).encode()
     packed = gzip.compress(data, mtime=0)

@@ -22,7 +22,7 @@ from verification.report.blocks import (
 )
 from verification.report.document import Place, render
 from verification.report.manifest import replace_files
-from verification.store.spreadsheets import as_text, quoted
+from verification.store.spreadsheets import quoted
 
 INDEX = "index.html"
 """The page that is opened first."""
@@ -156,8 +156,8 @@ def markdown(table: Table) -> str:
 
 
 def _cell(text: object) -> str:
-    """Text that neither ends a cell nor is taken for markup, nor for a formula when pasted."""
-    line = " ".join(str(as_text(text)).replace("&", "&amp;").split())
+    """Text that neither ends a cell nor is taken for markup."""
+    line = " ".join(str(text).replace("&", "&amp;").split())
     return _SPECIAL.sub(r"\\\1", line)
 
 
