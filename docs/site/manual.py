@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 
 import pandas as pd
 
+from lacore.bounds.enclosing import has_coulomb
 from myst import Writer, escaped
 from pictures import enclosed, mechanism
 from results import Results
@@ -133,7 +134,10 @@ def _width(own: VariantSummary) -> str:
 
 
 def excluded(cases: Sequence[Case], results: Results) -> str:
-    """Values of others that lie outside of what is proven of the continuum, with the run."""
+    """Values of others that lie outside of what is proven of the continuum, with the run.
+
+    Of Coulomb friction an upper bound is proven: that of associated friction (T14).
+    """
     compared = list(_compared(cases, results))
     if not compared:
         raise ValueError("nothing is proven of any case: no value can be held against it")
@@ -143,14 +147,17 @@ def excluded(cases: Sequence[Case], results: Results) -> str:
         "# Published values that our bounds exclude\n\nEach value that a case takes from others,"
         " its reference and what stands beside it, is held against the bounds that are proven of"
         " the same problem. One that lies outside, by more than its own uncertainty and what the"
-        " proof lets through, is listed here with the run that proves it.\n\n"
+        " proof lets through, is listed here with the run that proves it. With Coulomb friction"
+        " no load factor is above that of associated friction (T14), and a lower bound is not"
+        " proven.\n\n"
     )
     counted = f"{len(compared)} values were compared with proven bounds. "
     if not rows:
         return head + counted + "**None lies outside.**\n"
     lines = ["| " + " | ".join(table.columns) + " |", "|" + "---|" * len(table.columns)]
     lines += ["| " + " | ".join(map(str, row)) + " |" for row in table.to_numpy()]
-    return head + counted + f"{len(rows)} lie outside:\n\n" + "\n".join(lines) + "\n"
+    verb = "lies" if len(rows) == 1 else "lie"
+    return head + counted + f"{len(rows)} {verb} outside:\n\n" + "\n".join(lines) + "\n"
 
 
 _ROUND_OFF = 1e-6
@@ -169,13 +176,8 @@ def _told(cases: Sequence[Case]) -> Iterator[Told]:
                 yield case, variant.name, one.source, one.low, one.high
             for other in case.beside_of(variant):
                 if not other.name.endswith(("at least", "at most")):
-                    yield (
-                        case,
-                        variant.name,
-                        f"{other.name}: {other.source}",
-                        other.value,
-                        other.value,
-                    )
+                    ends = other.value - other.half_width, other.value + other.half_width
+                    yield case, variant.name, f"{other.name}: {other.source}", *ends
 
 
 def _compared(cases: Sequence[Case], results: Results) -> Iterator[tuple[Told, Row]]:
@@ -188,14 +190,21 @@ def _compared(cases: Sequence[Case], results: Results) -> Iterator[tuple[Told, R
     for told in _told(cases):
         row = proofs.get((told[0].id, told[1]))
         if row is not None:
-            yield told, row
+            yield told, row if _is_of_both_sides(told[0], told[1]) else replace(row, lower=-inf)
+
+
+def _is_of_both_sides(case: Case, name: str) -> bool:
+    """Whether a bracket is of the problem itself: that of Coulomb friction is of associated one."""
+    (variant,) = (one for one in case.variants if one.name == name)
+    return not has_coulomb(case.problem(variant, case.bracketed_from))
 
 
 def _outside(compared: Sequence[tuple[Told, Row]]) -> Iterator[tuple[str, ...]]:
     for (case, variant, who, low, high), row in compared:
-        slack = _ROUND_OFF * max(abs(row.lower), abs(row.upper))
+        slack = _ROUND_OFF * max(abs(end) for end in (row.lower, row.upper) if isfinite(end))
         if high < row.lower - slack or low > row.upper + slack:
             value = f"{low:.7g}" if low == high else f"[{low:.7g}, {high:.7g}]"
-            bounds = f"[{row.lower:.7g}, {row.upper:.7g}]"
+            both = isfinite(row.lower)
+            bounds = f"[{row.lower:.7g}, {row.upper:.7g}]" if both else f"<= {row.upper:.7g}"
             by = f"{row.backend}, {row.n_elements_lower:g} and {row.n_elements:g} elements"
             yield f"[{escaped(case.title)}]({case.id}.md)", variant, escaped(who), value, bounds, by

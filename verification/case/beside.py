@@ -14,8 +14,10 @@ class Beside:
         name: what it is, such as ``Davis's strength``.
         value: in units of the case.
         source: where it comes from, and what it is worth.
+        half_width: they say ``value +- half_width``.
     """
 
     name: str
     value: float
     source: str
+    half_width: float = 0.0
