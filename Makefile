@@ -17,7 +17,7 @@ FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regulari
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
-.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site lint bench bench-page readme architecture reference docs results clean
+.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site test-wheel lint bench bench-page readme architecture reference docs results clean
 
 help:
 	@echo "make compare   a first look at every case with every backend, and reports/compare/index.html"
@@ -28,6 +28,7 @@ help:
 	@echo "make test-kernels   run the numerically fragile ones under the BLAS kernels of other processors"
 	@echo "make test-browser   open a report in Chromium; fails where there is none"
 	@echo "make test-site   build the site without pictures, follow its links, open it in Chromium"
+	@echo "make test-wheel   install the wheel for each Python that is here, in clean environments, and try it"
 	@echo "make lint      formatting, lint and types"
 	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
 	@echo "make bench-page   write docs/benchmarks.md from that JSON"
@@ -76,6 +77,9 @@ test-browser: $(READY)
 test-site: $(READY)
 	$(BIN)/python -m pytest tests/test_site.py -m "slow or not slow" $(PYTEST_ARGS) \
 		"tests/test_guide.py::test_quick_code_runs_as_printed[claims]"
+
+test-wheel: $(READY)
+	$(BIN)/python -m pytest tests/test_wheel.py -m "slow or not slow" -rs
 
 lint: $(READY)
 	$(BIN)/ruff check .

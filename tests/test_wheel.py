@@ -1,9 +1,18 @@
-"""What pip installs is all of it: built, unpacked elsewhere, put to work from another folder."""
+"""What pip installs is all of it: built, unpacked elsewhere, put to work from another folder.
 
+And installed with what it depends on for each Python that pyproject.toml names and this machine
+has: from PATH, or one of pyenv, whose commands do not run where it has chosen another.
+"""
+
+import json
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -15,33 +24,39 @@ SOURCES = ("pyproject.toml", "README.md", "LICENSE")
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """A folder with the packages as pip installs them, and how to run modules of it."""
+def wheel(tmp_path_factory):
+    """The file that pip installs."""
     folder = tmp_path_factory.mktemp("wheel")
-    source, target, empty = folder / "source", folder / "site", folder / "empty"
     # A copy: a build leaves its artefacts beside its sources, and finds those of an earlier one.
+    source = folder / "source"
     source.mkdir()
-    empty.mkdir()
     for name in ROOMS:
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in SOURCES:
         shutil.copy(ROOT / name, source)
-    ours = {name: value for name, value in os.environ.items() if not name.startswith("PIP_")}
-    environment = ours | {"PYTHONPATH": str(target), "PIP_CONFIG_FILE": os.devnull}
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir"]
+    options += ["-w", str(folder), str(source)]
+    run(sys.executable, "-m", "pip", "wheel", *options, at=folder, PIP_CONFIG_FILE=os.devnull)
+    (made,) = folder.glob("lacore-*.whl")
+    return made
 
-    def run(*command):
-        return subprocess.run(
-            [sys.executable, *command],
-            env=environment,
-            cwd=empty,
-            capture_output=True,
-            text=True,
-        )
 
-    options = ["--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir", "--no-compile"]
-    made = run("-m", "pip", "install", *options, "--target", str(target), str(source))
-    assert made.returncode == 0, made.stderr
-    return target, run
+def run(*command, at, **more):
+    """Run what must go well, away from the repository."""
+    ours = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(command, env=ours | more, cwd=at, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """A folder with the packages as pip installs them, and how to run modules of it."""
+    target, empty = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("empty")
+    options = ["--no-deps", "--no-index", "--no-cache-dir", "--no-compile"]
+    install = [sys.executable, "-m", "pip", "install", *options, "--target", str(target)]
+    run(*install, str(wheel), at=empty, PIP_CONFIG_FILE=os.devnull)
+    return target, lambda *command: run(sys.executable, *command, at=empty, PYTHONPATH=str(target))
 
 
 def files(place):
@@ -66,7 +81,6 @@ def test_a_case_is_compared_by_it(installed, tmp_path):
     out = tmp_path / "out"
     options = ["--meshes", "coarse", "--backends", "clarabel,newton", "--out", str(out)]
     compared = run("-m", "lacore_start", "compare", "prandtl-punch", *options)
-    assert compared.returncode == 0, compared.stdout + compared.stderr
     assert " 0 FAIL" in compared.stdout
     page = (out / "cases" / "prandtl-punch.html").read_text(encoding="utf-8")
     assert "<style>" in page
@@ -78,5 +92,125 @@ def test_cases_are_verified_by_it(installed):
     options = ["-q", "-p", "no:cacheprovider", "-k", "prandtl"]
     _, run = installed
     verified = run("-m", "pytest", "--pyargs", "verification", *options)
-    assert verified.returncode == 0, verified.stdout + verified.stderr
     assert " passed" in verified.stdout
+
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+VERSIONS = re.findall(r"Python :: (3\.\d+)", " ".join(PROJECT["classifiers"]))
+HERE = "{}.{}".format(*sys.version_info)
+FIRST_STEPS = """
+import json
+import sys
+from importlib.metadata import packages_distributions
+
+before = set(sys.modules)
+import lacore as la
+
+loaded = {name.partition(".")[0] for name in sys.modules.keys() - before}
+loaded &= packages_distributions().keys()
+stack = la.masonry.stack([(1, 1)], 0.3)
+pushed = la.Problem(
+    {"stack": stack},
+    [la.BodyForce("stack", (1, 0))],
+    [la.Fix("stack", "base")],
+    dead_loads=[la.BodyForce("stack", (0, -1))],
+)
+
+def pressed(material):
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    return la.Problem(
+        {"block": la.Body(mesh, material)},
+        [la.Traction("block", "top", (0, -1))],
+        [la.Fix("block", "left", "x"), la.Fix("block", "bottom", "y")],
+    )
+
+dome = la.masonry3d.dome(
+    meridians=8, rings=4, radius=1.0, thickness=0.15, oculus=0.25, friction=0.5
+)
+springing = tuple(name for name in dome.names if name.startswith("base"))
+shaken = la.Problem(
+    {"dome": dome},
+    [la.BodyForce("dome", (1, 0, 0))],
+    [la.Fix("dome", springing)],
+    dead_loads=[la.BodyForce("dome", (0, 0, -1))],
+)
+state = la.solve(shaken)
+bracket = la.bracket(pressed(la.VonMises(shear_strength=1.0)), 0.01, jobs=1)
+soil = pressed(la.MohrCoulomb(1.0, 30.0))
+print(json.dumps({
+    "where": la.__file__,
+    "imported": sorted(loaded),
+    "stack": la.solve(pushed).load_factor,
+    "bracket": [bracket.lower, bracket.upper],
+    "soil": [la.lower_bound(soil).load_factor, la.upper_bound(soil).load_factor],
+    "dome": [state.load_factor, la.solve(shaken, coupling="associated").load_factor],
+    "dome holds": bool(state.certificate.holds(1e-6)),
+}))
+"""
+
+
+def python_of(version):
+    """An interpreter of a version that runs; None where there is none."""
+    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    named = [found for found in [shutil.which(f"python{version}")] if found]
+    for path in [sys.executable, *named, *map(str, versions.glob(f"{version}.*/bin/python"))]:
+        code = "import sys, venv, ensurepip; print('{}.{}'.format(*sys.version_info))"
+        asked = subprocess.run([path, "-c", code], capture_output=True, text=True)
+        if asked.returncode == 0 and asked.stdout.strip() == version:
+            return path
+    return None
+
+
+def test_this_python_is_one_of_those_that_are_named():
+    least = re.fullmatch(r">=(3\.\d+)", PROJECT["requires-python"])
+    assert VERSIONS[0] == least[1]
+    assert HERE in VERSIONS
+    assert python_of(HERE) == sys.executable
+
+
+@pytest.fixture(scope="module", params=VERSIONS)
+def clean(request, wheel, tmp_path_factory):
+    """The folder of commands of a new environment: the wheel, and what pip takes with it."""
+    python = python_of(request.param)
+    if python is None:
+        pytest.skip(f"there is no Python {request.param} here")
+    folder = tmp_path_factory.mktemp("clean")
+    run(python, "-m", "venv", "env", at=folder)
+    commands = folder / "env" / ("Scripts" if os.name == "nt" else "bin")
+    pip = [str(commands / "python"), "-m", "pip"]
+    pins = ["--constraint", str(ROOT / "constraints.txt")]
+    run(*pip, "install", "--quiet", "--no-compile", *pins, str(wheel), at=folder)
+    assert "No broken requirements" in run(*pip, "check", at=folder).stdout
+    return commands
+
+
+@pytest.mark.slow
+def test_first_steps_in_a_clean_environment(clean, tmp_path):
+    """A solve, a bracket, a soil, a dome; before them nothing is loaded but what is called."""
+    done = run(str(clean / "python"), "-c", FIRST_STEPS, at=tmp_path)
+    told = json.loads(done.stdout)
+    assert Path(told["where"]).is_relative_to(clean.parent)
+    assert told["imported"] == ["lacore", "lazy_loader"]
+    # It slides: tolerances of solvers, 1e-6 of the load.
+    assert told["stack"] == pytest.approx(0.3, rel=1e-6)
+    # A homogeneous field is in every space: round-off, and what bounds keep as a margin.
+    exact = {"bracket": 2.0, "soil": 2 * math.cos(math.pi / 6) / (1 - math.sin(math.pi / 6))}
+    for name, value in exact.items():
+        low, high = told[name]
+        assert low <= value * (1 + 1e-9)
+        assert high >= value * (1 - 1e-9)
+        assert high - low < 0.01 * value
+    coulomb, associated = told["dome"]
+    assert told["dome holds"]
+    assert 0 < coulomb <= associated * (1 + 1e-6)  # T14, to the tolerance of both
+
+
+@pytest.mark.slow
+def test_the_command_in_a_clean_environment(clean, tmp_path):
+    command = str(clean / "lacore")
+    assert "Usage: lacore" in run(command, "--help", at=tmp_path).stdout
+    cases = ["prandtl-punch", "platens-soil:associated", "dome-plain-8x4"]
+    options = ["--meshes", "coarse", "--backends", "clarabel", "--jobs", "1", "--out", "out"]
+    compared = run(command, "compare", *cases, *options, at=tmp_path)
+    assert " 0 FAIL" in compared.stdout
+    assert (tmp_path / "out" / "index.html").is_file()

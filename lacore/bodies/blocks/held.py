@@ -38,11 +38,9 @@ def unheld(held: Floats) -> Sparse:
     untouched = is_free.all(axis=1)
     vectors[untouched] = np.eye(held.shape[1])
     vectors[np.abs(vectors) < _ROUND_OFF] = 0.0
-    return csr_matrix(
-        block_diag(
-            [axes[:, kept] for axes, kept in zip(vectors, is_free, strict=True)], format="csr"
-        )
-    )
+    free = [axes[:, kept] for axes, kept in zip(vectors, is_free, strict=True)]
+    # Of arrays alone scipy is to make another kind of matrix from 1.20 on, and warns.
+    return csr_matrix(block_diag([csr_matrix((0, 0)), *free], format="csr"))
 
 
 def lever(body: "BlockAssembly", blocks: Ints, points: Floats) -> Floats:

@@ -110,7 +110,8 @@ def modes_of(frame: Frame) -> Modes:
     piece, side, end_of = numbers[:3].astype(np.int64)
     stretch, turn, strengths, centres = numbers[3:]
     every = np.array(slides, dtype=np.int64)
-    more = csr_matrix(block_diag(beyond)) if beyond else csr_matrix((0, 0))
+    # Of arrays alone scipy is to make another kind of matrix from 1.20 on, and warns.
+    more = csr_matrix(block_diag([csr_matrix((0, 0)), *beyond]))
     return Modes(piece, side, end_of, stretch, turn, strengths, every, more, centres)
 
 
