@@ -91,8 +91,9 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
 
 
 def _space(body: Body) -> str:
-    """That of upper bounds: in space velocities that jump are the closest by far (T90)."""
-    return BOUNDING if body.dimension == 2 or body.pressed else "p2-disc"
+    """That of upper bounds: in space velocities that jump, the closest by far, where they can."""
+    jump = all(own.form.opens or not own.form.surfaces for own in body.regions)
+    return "p2-disc" if body.dimension == 3 and jump else BOUNDING
 
 
 def elements(problem: Problem, mesh: MeshTri, name: str) -> Ints:

@@ -23,7 +23,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.jumps import Jumps, jumps, movable
 from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.face_jumps import face_jumps
-from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
+from lacore.bodies.continuum.solid.holding import slid_past
 from lacore.bodies.continuum.solid.memory import require_memory, velocity_memory
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
@@ -62,8 +62,8 @@ def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -
     own, footings = unknowns.continua[name], tuple(unknowns.footings)
     if own.body.dimension == 2:
         return jumps(name, own, unknowns.n, slip)
-    asked = face_conditions(own.body, problem.supports, footings, name)
-    return face_jumps(name, own, held_faces(own, asked, footings), unknowns.speeds, unknowns.n)
+    held = slid_past(own, problem.supports, footings, name)
+    return face_jumps(name, own, held, unknowns.speeds, unknowns.n)
 
 
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:

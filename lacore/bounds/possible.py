@@ -15,7 +15,7 @@ from lacore.arrays import Floats
 from lacore.backend import checked_answer
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.inner.preparing import Prepare
-from lacore.program import KinematicProgram, associated_contact
+from lacore.program import DissipationGroup, KinematicProgram, associated_contact
 
 _MARGINS = (1e-6, 1e-5, 1e-4)  # M, of a dimensionless program: the first is enough as a rule
 _ROUND_OFF = 1e-12  # of the largest rate: the margin that is left
@@ -48,7 +48,9 @@ def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Float
         if group.surfaces is None
         else replace(
             group,
-            surfaces=replace(group.surfaces, dilation=margin / group.volume_weights),
+            surfaces=replace(
+                group.surfaces, dilation=margin * _straining(group) / group.volume_weights
+            ),
         )
         for group in program.groups
     )
@@ -56,6 +58,12 @@ def _inside(program: KinematicProgram, margin: float, prepare: Prepare) -> Float
     with closing(prepare(widened)) as solver:
         point = checked_answer(widened, False, solver.solve(associated_contact(program.contact)))
     return None if point.point is None else admissible_velocity(program, point.point.velocity)
+
+
+def _straining(group: DissipationGroup) -> Floats:
+    """1 of volumetric rows that supports leave something of, else 0: where nothing can strain."""
+    entries = np.asarray(abs(group.volumetric).sum(axis=1)).ravel()
+    return np.asarray(entries > _ROUND_OFF * entries.max(initial=0.0), dtype=np.float64)
 
 
 def _between(program: KinematicProgram, velocity: Floats, inside: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """Whether the mechanism of a soil comes to where the soil is held: a box that is too small."""
 
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 
@@ -151,14 +152,33 @@ def _beside(dofs: BodyDofs, facets: Ints, speed: Floats) -> float:
     """Largest speed at 2 % of the size of a body from facets, as it rises to the next vertices."""
     mesh, near = dofs.body.mesh, _NEAR * dofs.body.size
     nodes = _nodes_beside(dofs, facets)
-    start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
-    distance = _distance(dofs.nodes[:, nodes], start, end)
+    distance = _distance(dofs.nodes[:, nodes], mesh.p[:, mesh.facets[:, facets]])
     return float((speed[nodes] * near / np.maximum(distance, near)).max(initial=0.0))
 
 
-def _distance(points: Floats, start: Floats, end: Floats) -> Floats:
-    """From points (2, k) to the nearest of segments (2, f), shape (k,), m."""
+def _distance(points: Floats, corner: Floats) -> Floats:
+    """From points (d, k) to the nearest of edges (2, 2, f), or faces (3, 3, f), shape (k,), m."""
+    sides = [(corner[:, i], corner[:, j]) for i, j in combinations(range(corner.shape[1]), 2)]
+    apart = [_from_segments(points, start, end).min(axis=1) for start, end in sides]
+    if len(sides) > 1:
+        apart.append(_above_faces(points, corner))
+    return np.asarray(np.min(apart, axis=0))
+
+
+def _from_segments(points: Floats, start: Floats, end: Floats) -> Floats:
+    """From points (d, k) to segments (d, f), shape (k, f), m."""
     along, to = end - start, points[:, :, None] - start[:, None, :]
     share = np.einsum("if,ikf->kf", along, to) / np.sum(along**2, axis=0)
     foot = np.clip(share, 0.0, 1.0)[None] * along[:, None, :]
-    return np.asarray(np.hypot(*(to - foot)).min(axis=1))
+    return np.asarray(np.linalg.norm(to - foot, axis=0))
+
+
+def _above_faces(points: Floats, corner: Floats) -> Floats:
+    """From points (3, k) to the nearest of the faces that they are above, shape (k,), m; or inf."""
+    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    to = points[:, :, None] - corner[:, 0, None, :]
+    inverse = np.linalg.pinv(np.stack([first, second], axis=-1).transpose(1, 0, 2))  # (f, 2, 3)
+    share = np.einsum("fai,ikf->akf", inverse, to)
+    inside = (share >= 0).all(axis=0) & (share.sum(axis=0) <= 1)
+    foot = share[0] * first[:, None] + share[1] * second[:, None]
+    return np.asarray(np.where(inside, np.linalg.norm(to - foot, axis=0), np.inf).min(axis=1))

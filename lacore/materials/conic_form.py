@@ -176,30 +176,43 @@ class ConicForm(Compact):
 
         `rows` and `volumetric` act on these two, in space on ``(eps_nn, gamma_ns, gamma_nt)``. Of
         an isotropic criterion. Where strength depends on pressure, of one plane, it is
-        ``|tau| <= c - sigma_n tan(phi)`` (T43).
+        ``|tau| <= c - sigma_n tan(phi)`` (T43, T94).
 
         Raises:
-            InputError: several planes: the layer would have an envelope that is none of planes.
+            InputError: several planes: the layer would have an envelope that is none of planes;
+                so much friction that nothing opens fast enough to slip.
         """
         axes = np.array([0, 3, 5] if self.rows.shape[1] == 6 else [0, 2])
         if self.surfaces:
-            return self._layer()
+            return self._layer(axes)
         rows, factor = self.rows[:, axes], self.volumetric_factor
         if not self.compressible:  # eps_nn = theta = 0: it stays in regularised norms only
             factor = float(np.hypot(np.linalg.norm(rows[:, 0]), factor))
             rows = rows * (np.arange(axes.size) > 0)
         return ConicForm(rows[rows.any(axis=1)], self.volumetric[axes], self.bound, factor)
 
-    def _layer(self) -> "ConicForm":
-        plane, *others = self.surfaces
+    @property
+    def opens(self) -> bool:
+        """Whether velocity jumps open as they slip, see `across`: of one plane, not too steep."""
+        if len(self.surfaces) != 1 or self.frictional or not self.surfaces[0].normed:
+            return False
+        return bool(np.all(self._rest > 0))
+
+    @property
+    def _rest(self) -> Floats:
+        """What a layer that opens by 1 has left to slip, squared, as of ``1 - sin(phi)^2``."""
+        opening = float(self.rows[:, 0] @ self.rows[:, 0])
+        return np.asarray(1 - opening * np.asarray(self.surfaces[0].slope[0]) ** 2)
+
+    def _layer(self, axes: Ints) -> "ConicForm":
         if self.frictional:
             raise InputError(
                 "Body.space",
                 "flow that is not associated",
                 "velocities that jump have a strength of their own beside it (T62): two laws",
-                "take 'p2-gauss', or leave dilation_angle at the friction angle",
+                "take a continuous space, or leave dilation_angle at the friction angle",
             )
-        if others or not plane.normed or np.any(np.asarray(plane.slope[0]) >= 1):
+        if len(self.surfaces) > 1 or not self.surfaces[0].normed:
             raise InputError(
                 "Body.space",
                 f"a criterion of {len(self.surfaces)} planes",
@@ -207,14 +220,21 @@ class ConicForm(Compact):
                 " plane stress and revolution do not have",
                 "take 'p2-vertex', or 'p2-gauss'; or MohrCoulomb without cut-offs in plane strain",
             )
-        (sine,) = plane.slope
-        cosine = np.sqrt(1 - sine**2)
+        if not self.opens:
+            raise InputError(
+                "Body.space",
+                f"a cone of slope {np.max(self.surfaces[0].slope[0]):.4g}",
+                "too much friction for velocities that jump: nothing opens fast enough to slip",
+                "take 'p2-vertex', or less friction",
+            )
+        (plane,), cosine = self.surfaces, np.sqrt(self._rest)
+        slope, strength = plane.slope[0] / cosine, plane.strength / cosine  # c of c cos(phi)
         return ConicForm(
-            rows=np.array([[0.0, 1.0]]),
-            volumetric=np.array([[1.0, 0.0]]),
+            rows=np.eye(axes.size)[1:],
+            volumetric=np.eye(axes.size)[:1],
             bound=self.bound / cosine,
             volumetric_factor=0.0,
-            surfaces=(Surface((sine / cosine,), plane.strength / cosine),),  # c of c cos(phi)
+            surfaces=(Surface((slope,), strength),),
         )
 
 

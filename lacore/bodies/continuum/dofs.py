@@ -142,6 +142,11 @@ class BodyDofs(Compact):
         places = np.asarray(self.basis.global_coordinates())
         return np.asarray(self.basis.dx * self.body.thickness(places))
 
+    @property
+    def normal_flow(self) -> bool:
+        """Whether velocities jump, and normal ones do not by construction: not of soil (T90)."""
+        return self.body.dimension == 3 and self.space.jumps and not self.body.pressed
+
     def parts(self, facets: Ints) -> Ints:
         """The facets themselves: velocities differ from one to the next."""
         return facets

@@ -11,6 +11,7 @@ of them, so that their sum is never below the dissipation, and ``[u_n] = 0`` hol
 edge. The thickness cancels from all powers; only the regularised law sees it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,6 +24,7 @@ from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.layers import (
     Beside,
     Carried,
+    Ends,
     Layer,
     costs,
     shares_of_controls,
@@ -86,11 +88,12 @@ class Jumps(Compact):
             ends=self.ends[:, mask],
         )
 
-    def held_force(self, stress: Floats) -> Floats:
-        """Nodal forces of stresses of shape (m, dim) on what the body slips past, shape (n,)."""
+    def held_force(self, stress: Floats, mean: Floats) -> Floats:
+        """Nodal forces on what the body moves past, shape (n,), of stresses (m, dim) and (m,)."""
         outer = self.elements[0] == self.elements[1]
         weights = np.where(outer, self.group.weights, 0.0)
-        return np.asarray(self.group.rows.T @ (weights[:, None] * stress).ravel())
+        along = self.group.rows.T @ (weights[:, None] * stress).ravel()
+        return np.asarray(along + self.group.volumetric.T @ (weights * mean))
 
     def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
         """Elements on both sides of edges, shape (2, e), and the power dissipated there, (e,).
@@ -150,17 +153,42 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
     # What holds a boundary, or does not, has no normal jump.
     normal = np.stack([along[1], -along[0]]) * within
     opening, slipping = across(normal * _outward(mesh, edges, normal)), across(along)
-    regions = dofs.body.regions
+    start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    return layered(name, dofs, elements, (start, end), (opening, slipping), length**2 / copies)
+
+
+def layered(
+    name: str,
+    dofs: BodyDofs,
+    elements: Ints,
+    ends: Ends,
+    jump: Sequence[Sparse],
+    volumes: Floats,
+    kind: type[Jumps] = Jumps,
+) -> list[Jumps]:
+    """Jumps at e facets, as many control values m/e each, by what layers of both sides carry.
+
+    Args:
+        name: of the body.
+        dofs: of it.
+        elements: on both sides of the facets, shape (2, e).
+        ends: of edges; of faces any two corners, as strengths do not vary along them.
+        jump: rows of ``[u_n]``, and ``[u_t]`` along each tangent, per thickness of the layer, facet
+            by facet, (m, n) each.
+        volumes: of the layer, shape (m,).
+        kind: of the jumps.
+    """
+    mesh, regions = dofs.body.mesh, dofs.body.regions
     beside = [
         number
         for number, region in enumerate(regions)
         if dofs.space.jumps or np.isin(elements[0], region.elements).any()
     ]
     layers = {number: Layer.of(regions[number]) for number in beside}
-    start, end = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
-    cost = [costs(layers, mesh, (start, end), side) for side in elements]
+    cost = [costs(layers, mesh, ends, side) for side in elements]
     side = np.argmin([mean for mean, _ in cost], axis=0)
-    every = np.arange(facets.size)
+    every = np.arange(elements.shape[1])
+    copies = len(_control(dofs))
     weak, strong = (
         Beside(
             mesh, layers, elements[at, every], np.asarray(np.where(at == 0, cost[0][1], cost[1][1]))
@@ -170,29 +198,24 @@ def jumps(name: str, dofs: BodyDofs, n: int, slip: Slip | None) -> list[Jumps]:
     found = []
     for number, ours in layers.items():
         mine = np.flatnonzero(weak.owner == number)
-        parts = within_both(weak, strong, number, mine, (start, end), copies)
+        parts = within_both(weak, strong, number, mine, ends, copies)
         for opposite, part, carried in parts:
             cones = (copies * part[:, None] + np.arange(copies)).ravel()
             title = f"{ours.region.group_name(name)}: jumps"
             if opposite is not None:
                 title = f"{title} beside {layers[opposite].region.name or 'other angles'}"
-            group = layer(
-                title,
-                ours.form,
-                (opening[cones], slipping[cones]),
-                (length**2 / copies)[cones],
-                carried,
-            )
+            own = [csr_matrix(rows[cones]) for rows in jump]
+            group = layer(title, ours.form, own, volumes[cones], carried)
             both = np.repeat(elements[:, part], copies, axis=1)
-            ends = np.repeat(carried.ends, copies, axis=1)
-            found.append(Jumps((name, name), group, both, np.arange(cones.size), copies, ends))
+            bounds = np.repeat(carried.ends, copies, axis=1)
+            found.append(kind((name, name), group, both, np.arange(cones.size), copies, bounds))
     return found
 
 
 def layer(
     name: str,
     form: ConicForm,
-    jump: tuple[Sparse, Sparse],
+    jump: Sequence[Sparse],
     weights: Floats,
     carried: Carried,
 ) -> DissipationGroup:
@@ -201,18 +224,20 @@ def layer(
     Args:
         name: of the group.
         form: of the layer, see `ConicForm.across`.
-        jump: rows of ``[u_n]`` (opening) and ``[u_t]`` per thickness of the layer, (m, n) each.
+        jump: rows of ``[u_n]`` (opening), and ``[u_t]`` along each tangent, per thickness of the
+            layer, (m, n) each.
         weights: volumes of the layer, shape (m,).
         carried: strengths of the layer.
     """
-    opening, slipping = jump
     dim, count = form.rows.shape[0], weights.size
     order = np.arange(dim * count).reshape(dim, count).T.ravel()
-    rows = csr_matrix(
-        vstack([a * opening + b * slipping for a, b in form.rows], format="csr")[order]
-    )
-    (across_it, along_it), *_ = form.volumes
-    volumetric = csr_matrix(across_it * opening + along_it * slipping)
+
+    def combined(factors: Floats) -> Sparse:
+        parts = [factor * rows for factor, rows in zip(factors, jump, strict=True)]
+        return csr_matrix(sum(parts[1:], start=parts[0]))
+
+    rows = csr_matrix(vstack([combined(own) for own in form.rows], format="csr")[order])
+    volumetric = combined(form.volumes[0])
     for matrix in (rows, volumetric):
         matrix.eliminate_zeros()
     return DissipationGroup(
@@ -262,10 +287,15 @@ def _control_values_of_part(control: Floats, start: float, end: float) -> list[F
     return [between(between(control, a), b)[:, 0] for a, b in pairs]
 
 
+def _control(dofs: BodyDofs) -> Floats:
+    """Control values of a facet from the values at its nodes."""
+    return (FACE_CONTROL if dofs.body.dimension == 3 else CONTROL)[dofs.degree]
+
+
 def control_values(dofs: BodyDofs, facets: Ints, side: int, n: int) -> list[Sparse]:
     """Rows of u_x, u_y (and u_z) at the control values of facets, facet by facet."""
     nodes = dofs.facet_nodes(facets, side)
-    control = (FACE_CONTROL if dofs.body.dimension == 3 else CONTROL)[dofs.degree]
+    control = _control(dofs)
     shape = (facets.size, *control.shape)
     values = np.broadcast_to(control, shape).ravel()
     start = np.arange(facets.size * shape[1] + 1) * shape[2]

@@ -6,7 +6,7 @@ from lacore.arrays import Floats, Ints
 from lacore.assembly.loading import footings_of
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.solid.faces import face_nodes
-from lacore.bodies.continuum.solid.holding import face_conditions, held_faces
+from lacore.bodies.continuum.solid.holding import slid_past
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.problem.problem import Problem
 
@@ -50,12 +50,10 @@ def solid_restriction(
     total[:, :, inner] = (total[:, :, inner] + other) / 2
     if dofs.space.jumps:
         footings = footings_of(problem)
-        held = held_faces(
-            dofs, face_conditions(dofs.body, problem.supports, footings, name), footings
-        )
+        held = slid_past(dofs, problem.supports, footings, name)
         moving = np.einsum("sxfn,s,an->xaf", held.motion, speeds, weights)
         away = moving - total[:, :, held.facets]
-        for axis in held.along:
+        for axis in held.directions:
             along = np.sum(axis[:, None] * away, axis=0)
             total[:, :, held.facets] += axis[:, None] * along
     mean = np.einsum("xne,n->xe", u[:, dofs.element_nodes], _MEANS[dofs.degree])

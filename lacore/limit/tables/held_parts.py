@@ -54,12 +54,13 @@ def _nodal(
     d: Discretisation, name: str, dofs: BodyDofs, force: Floats, point: ProgramState
 ) -> Floats:
     """Forces of supports and footings on the nodes of a continuum, shape (d, nodes)."""
-    after = point.stress[gathering.region_count(d.bodies) :]
+    first = gathering.region_count(d.bodies)
+    after = zip(point.stress[first:], point.mean_stress[first:], strict=True)
     pulled = np.zeros(force.size)  # what the body slips past pulls it back
-    for jump, stress in zip(d.jumps.values(), after, strict=False):
+    for jump, stresses in zip(d.jumps.values(), after, strict=False):
         if name in jump.bodies:
-            pulled += jump.held_force(stress)
-    if dofs.body.dimension == 2 or not dofs.space.jumps:
+            pulled += jump.held_force(*stresses)
+    if not dofs.normal_flow:
         return np.asarray((force - pulled)[dofs.dofs])
     # Forces between elements whose normal velocities are one stand in the balance, too.
     own = force[dofs.offset : dofs.offset + dofs.count]

@@ -37,7 +37,7 @@ def on_lattice(
     onto = places @ space.to_vertices()
     area = group.weights.reshape(-1, count).sum(axis=1)
     if group.surfaces is not None:
-        return _pressed(region, group, velocity, onto, area, parts)
+        return np.asarray(area * (_pressed(region, group, velocity, onto, parts) @ share))
     strained = (group.rates(velocity) > 0)[:, None]
     known = np.where(strained, group.cone_vectors(velocity), 0.0).reshape(-1, count, group.dim)
     size = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
@@ -53,12 +53,14 @@ def _pressed(
     group: DissipationGroup,
     velocity: Floats,
     onto: Floats,
-    area: Floats,
     parts: int,
 ) -> Floats:
-    """The same where strength depends on pressure: the dissipation is convex all the same."""
+    """Power per volume where strength depends on pressure, at the places of each element, (e, p).
+
+    It is convex all the same.
+    """
     assert group.surfaces is not None
-    count, (_, share) = onto.shape[1], lattice(parts, onto.shape[1])
+    count, places = onto.shape[1], len(onto)
     known = group.cone_vectors(velocity).reshape(-1, count, group.dim)
     length = np.linalg.norm(np.einsum("pq,eqd->epd", onto, known), axis=2)
     volume = (group.volumetric @ velocity).reshape(-1, count) @ onto.T
@@ -66,9 +68,9 @@ def _pressed(
         _, surfaces = _strengths(region, parts)
         assert surfaces is not None
     else:
-        surfaces = group.surfaces.at(np.repeat(count * np.arange(len(known)), share.size))
+        surfaces = group.surfaces.at(np.repeat(count * np.arange(len(known)), places))
     power = surfaces.dissipation(length.ravel(), volume.ravel())
-    return np.asarray(area * (power.reshape(-1, share.size) @ share))
+    return np.asarray(power.reshape(-1, places))
 
 
 def _strengths(region: Region, parts: int) -> tuple[Floats, Surfaces | None]:

@@ -111,7 +111,7 @@ class Layer(Compact):
         """A field at places (2, e) of elements, shape (e,), nowhere more between them."""
         at = np.searchsorted(self.region.elements, elements)
         known = self.region.of(own).above_if_known()[at]
-        if len(mesh.t) != 3:  # of quadrilaterals, whose values are no bounds
+        if len(mesh.t) != 3:  # of tetrahedra; of quadrilaterals, whose values are no bounds
             return np.asarray(known.max(axis=1))
         a, b, c = mesh.p[:, mesh.t[:, elements]].swapaxes(0, 1)
         to_a, to_b, to_c = a - places, b - places, c - places

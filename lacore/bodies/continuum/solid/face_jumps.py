@@ -1,9 +1,9 @@
 """Velocity jumps on faces of tetrahedra, as dissipation like any other (T89, T90).
 
 A jump over a face of area A is a layer of thickness ``h = sqrt(A)``: the strain rates of which are
-``[u]/h``, its volume is A h. Normal velocities do not jump by construction; along the face the
-cones stand at the control values of the jump, a vertex each of a linear one, six of a quadratic one
-(`lacore.bodies.continuum.jumps.FACE_CONTROL`), A over their number each.
+``[u]/h``, its volume is A h. The cones stand at the control values of the jump, a vertex each of a
+linear one, six of a quadratic one (`lacore.bodies.continuum.jumps.FACE_CONTROL`), A over their
+number each. Normal velocities do not jump by construction, but of soil, which opens as it slips.
 """
 
 from collections.abc import Sequence
@@ -15,25 +15,21 @@ from scipy.sparse import csr_matrix, vstack
 
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
-from lacore.bodies.continuum.jumps import Jumps, control_values
-from lacore.bodies.continuum.regions.region import Region
+from lacore.bodies.continuum.jumps import Jumps, control_values, layered
 from lacore.bodies.continuum.solid.faces import SIDES, face_corners, face_geometry
 from lacore.bodies.continuum.solid.holding import HeldFaces
 from lacore.bodies.continuum.solid.lattice import divided
 from lacore.bodies.continuum.solid.normal_flow import nodes_of_faces
-from lacore.errors import InputError
-from lacore.materials.conic_form import of_elements
-from lacore.materials.fields import Field
-from lacore.numerics.interleaving import interleaved
-from lacore.program import DissipationGroup
 
 
 @dataclass(frozen=True, repr=False)
 class FaceJumps(Jumps):
-    """Those on faces; `ends` are bounds at the corners of faces, all the same, shape (3, m)."""
+    """Those on faces, along which strengths are the same everywhere."""
 
     def power(self, velocity: Floats, parts: int) -> tuple[Ints, Floats]:
         """As `Jumps.power`: on parts of each face, whose edges are 1/parts of its own."""
+        if self.group.surfaces is not None:
+            return super().power(velocity, parts)
         _, first, face = np.unique(
             self.place // self.copies, return_index=True, return_inverse=True
         )
@@ -66,12 +62,12 @@ def _blossoms(copies: int, parts: int) -> tuple[Floats, Floats]:
 def face_jumps(name: str, dofs: BodyDofs, held: HeldFaces, speeds: Ints, n: int) -> list[Jumps]:
     """All jumps of a body for n unknowns: between its elements, and past what holds it.
 
-    Between elements of different strength a jump costs what the weaker one asks for.
+    Between elements of different strength as in the plane, see `lacore.bodies.continuum.jumps`.
 
     Args:
         name: of the body.
         dofs: of it.
-        held: what holds it.
+        held: what holds it, and what it slips past.
         speeds: unknowns of the footings, shape (f,).
         n: unknowns.
     """
@@ -89,7 +85,7 @@ def face_jumps(name: str, dofs: BodyDofs, held: HeldFaces, speeds: Ints, n: int)
         )
     ]
     jump = [csr_matrix(b - a) for a, b in zip(own, beyond, strict=True)]
-    area, _ = face_geometry(mesh, facets)
+    area, normal = face_geometry(mesh, facets)
     thickness = np.sqrt(area)
     axes = np.concatenate([_in_faces(face_corners(mesh, inner)), held.along[:, :, past]], axis=2)
 
@@ -100,58 +96,12 @@ def face_jumps(name: str, dofs: BodyDofs, held: HeldFaces, speeds: Ints, n: int)
         rows.eliminate_zeros()
         return rows
 
-    slipping = interleaved(along(axes[0]), 1, along(axes[1]), 1)
-    weak, bound = _weaker(dofs, elements)
-    found: list[Jumps] = []
-    for number, region in enumerate(dofs.body.regions):
-        mine = np.flatnonzero(weak == number)
-        cones = (copies * mine[:, None] + np.arange(copies)).ravel()
-        strength = np.repeat(bound[mine], copies)
-        group = DissipationGroup(
-            name=f"{region.group_name(name)}: jumps",
-            rows=csr_matrix(slipping[(2 * cones[:, None] + np.arange(2)).ravel()]),
-            dim=2,
-            weights=np.repeat((area * thickness / copies)[mine], copies),
-            bound=strength,
-            volumetric=csr_matrix((cones.size, n)),
-            volumetric_factor=0.0,
-        )
-        both = np.repeat(elements[:, mine], copies, axis=1)
-        ends = np.tile(strength, (3, 1))
-        found.append(FaceJumps((name, name), group, both, np.arange(cones.size), copies, ends))
-    return found
-
-
-def _weaker(dofs: BodyDofs, elements: Ints) -> tuple[Ints, Floats]:
-    """Regions of the weaker of two elements, shape (e,), and what layers of it carry, Pa."""
-    strength = np.zeros(dofs.body.mesh.nelements)
-    owner = np.zeros(strength.size, dtype=np.int64)
-    for number, region in enumerate(dofs.body.regions):
-        strength[region.elements] = _strengths(region)
-        owner[region.elements] = number
-    side = np.argmin(strength[elements], axis=0)
-    weak = elements[side, np.arange(side.size)]
-    return owner[weak], strength[weak]
-
-
-def _strengths(region: Region) -> Floats:
-    """Largest strength of a layer in each element of a region, shape (elements,), Pa."""
-    form = region.form.across()
-    if form.surfaces or form.rows.shape[0] != 2:
-        raise InputError(
-            "Body.space",
-            region.criterion,
-            "velocities that jump in space do not open: of a strength that depends on pressure they"
-            " would have to",
-            "take 'p2-vertex', or VonMises",
-        )
-    slope = float(np.abs(np.linalg.svd(form.rows[:, 1:], compute_uv=False)).max())
-    if isinstance(form.bound, Field):
-        most = region.of(form.bound).above_if_known().max(axis=1)
-        largest = of_elements(form.bound.factor, region.elements) * most
-    else:
-        largest = np.asarray(region.seen(form.bound))
-    return np.asarray(slope * np.broadcast_to(largest, region.elements.shape))
+    opening = csr_matrix(jump[0].shape) if dofs.normal_flow else along(normal)
+    start, end, _ = face_corners(mesh, facets).transpose(1, 0, 2)
+    volumes = np.repeat(area * thickness / copies, copies)
+    return layered(
+        name, dofs, elements, (start, end), (opening, *map(along, axes)), volumes, FaceJumps
+    )
 
 
 def _in_faces(corner: Floats) -> Floats:

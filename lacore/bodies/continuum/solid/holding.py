@@ -48,6 +48,27 @@ class HeldFaces(Compact):
         """Faces along which something is held, shape (e,)."""
         return np.asarray(np.any(self.along, axis=(0, 1)))
 
+    @property
+    def altogether(self) -> Bools:
+        """Faces held in all directions, shape (e,)."""
+        return np.asarray(self.pressed & np.any(self.along, axis=1).all(axis=0))
+
+    @property
+    def directions(self) -> Floats:
+        """Orthonormal directions in which faces are held, 0 for none, shape (3, 3, e)."""
+        return np.concatenate([self.along, [self.normal * self.pressed]])
+
+    def kept(self, mask: Bools) -> "HeldFaces":
+        """Those of a mask of shape (e,)."""
+        return HeldFaces(
+            self.facets[mask],
+            self.normal[:, mask],
+            self.footing[mask],
+            self.motion[:, :, mask],
+            self.pressed[mask],
+            self.along[:, :, mask],
+        )
+
 
 def face_conditions(
     body: Body, supports: Sequence[Fix], footings: Sequence[Footing], name: str
@@ -70,6 +91,21 @@ def face_conditions(
             for direction in footing.held(outward.T):
                 parts.append(_held(facets, direction, number))
     return _joined(parts)
+
+
+def slid_past(
+    dofs: BodyDofs, supports: Sequence[Fix], footings: Sequence[Footing], name: str
+) -> HeldFaces:
+    """The faces of a body whose velocities jump that it may move past what holds them.
+
+    Of soil, which opens as it slips, those that are held altogether; it sticks to others.
+
+    Raises:
+        InputError: see `held_faces`.
+    """
+    asked = face_conditions(dofs.body, supports, footings, name)
+    held = held_faces(dofs, asked, footings)
+    return held if dofs.normal_flow else held.kept(held.altogether)
 
 
 def held_faces(dofs: BodyDofs, asked: NodeConditions, footings: Sequence[Footing]) -> HeldFaces:
@@ -144,7 +180,7 @@ def solid_free_basis(
     for name, dofs in bodies.items():
         asked = face_conditions(dofs.body, supports, footings, name)
         nodes = dofs.facet_nodes(asked.nodes)
-        if dofs.space.jumps:
+        if dofs.normal_flow:
             own = held_faces(dofs, asked, footings)
             pressed = np.zeros(dofs.body.mesh.nfacets, dtype=bool)
             pressed[own.facets] = own.pressed
@@ -153,10 +189,14 @@ def solid_free_basis(
             carried[own.facets] = np.einsum("xe,sxen->ens", own.normal, own.motion)
             parts = flowing(dofs, pressed, carried)
         else:
-            at, directions = nodes.ravel(), np.tile(asked.directions, (len(nodes), 1))
-            wanted = moved_along(
-                directions, np.tile(asked.footing, len(nodes)), dofs.nodes[:, at], footings
-            )
+            stuck = np.ones(asked.nodes.size, dtype=bool)
+            if dofs.space.jumps:
+                past = slid_past(dofs, supports, footings, name).facets
+                stuck = ~np.isin(asked.nodes, past)
+            at = nodes[:, stuck].ravel()
+            directions = np.tile(asked.directions[stuck], (len(nodes), 1))
+            owner = np.tile(asked.footing[stuck], len(nodes))
+            wanted = moved_along(directions, owner, dofs.nodes[:, at], footings)
             node_dofs = dofs.dofs - dofs.offset
             parts = flowing_between_nodes(at, directions, wanted, node_dofs, speed_names(footings))
         free.append(parts[0])
