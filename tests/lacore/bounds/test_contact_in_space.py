@@ -1,5 +1,6 @@
 """Bodies of tetrahedra on rigid obstacles: friction of every kind, bounds, certificates."""
 
+from dataclasses import replace
 from math import asinh, cos, sin, sqrt
 
 import numpy as np
@@ -52,6 +53,18 @@ def test_a_block_slips_at_the_coulomb_force_in_every_direction(azimuth):
     pushed = table[["t_t_x", "t_t_y"]].to_numpy().T @ table["area"].to_numpy()
     # What the floor holds back is the load, opposite to it.
     np.testing.assert_allclose(pushed / -0.4, [cos(azimuth), sin(azimuth)], atol=1e-5)
+
+
+@pytest.mark.parametrize("backend", ["auto", "interior_point"])
+@pytest.mark.parametrize("space", SPACES)
+def test_a_block_that_nothing_holds_is_free(space, backend):
+    """Pulled off its floor; at a slight pressure it is held by friction, by ``mu p = 0.1``."""
+    pushed = flat(0.5, weight=0.2, space=space)
+    lifted = replace(pushed, reference_loads=[la.BodyForce("block", (0.3, 0, 1))], dead_loads=[])
+    assert la.solve(lifted, backend).status is la.Status.FREE
+    state = la.solve(pushed, backend)
+    assert state.certificate.holds(CERTIFIED)
+    assert state.load_factor == pytest.approx(0.5 * 0.2 / 0.25, rel=CERTIFIED)
 
 
 @pytest.mark.parametrize("space", ["p2-vertex", "p1-disc"])
