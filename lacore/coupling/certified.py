@@ -6,14 +6,9 @@ of the other is a pair without a gap: a Coulomb limit state.
 Which reactions the next K-step gets is free. Measured on 300 random walls and on walls of 1 000
 blocks: the mean of those of both steps needs the fewest solves and certifies 92 %; the damped
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
-They are tried in this order: together 99.7 %. On blocks in the plane a central path of the problem
-itself comes second (`lacore.coupling.in_plane.central_path`): it ends on tall walls where these
-stall.
-
-In space reactions are a continuum as a rule (T74). Curves of the smoothed law come second there,
-which end at a Coulomb state wherever they were followed (`lacore.coupling.in_space.central_path`);
-then the mean of three reactions, patiently, and late the first ones again from reactions that are
-shaken, and proximal steps (`lacore.coupling.in_space.proximal`).
+They are tried in this order: together 99.7 %. Of rigid blocks central paths of the problem itself
+come second (`lacore.coupling.blocks.central_path`): they end on tall walls, and on domes and
+vaults, whose reactions are a continuum as a rule (T74), where all of these stall.
 """
 
 from collections.abc import Callable
@@ -23,12 +18,10 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
+from lacore.coupling.blocks.central_path import central_path
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
-from lacore.coupling.in_plane.central_path import central_path
-from lacore.coupling.in_space.central_path import tracked
-from lacore.coupling.in_space.proximal import proximal
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, resumed, s_step
@@ -39,9 +32,6 @@ from lacore.status import Status
 
 _PATIENCE = 4  # steps in a row without progress
 _LONG = 20  # of an iteration whose gap rises and falls on its way
-_SHORT = 12  # of that in a restart
-_RESTARTS = 100  # solves of all restarts
-_SHAKEN = 0.3  # logarithmic spread of the reactions of a restart
 _GENEROUS = (1e2, 1e5)  # reactions of the anchor, of total load over contact length
 _OUTSIDE = (
     "the load lies outside of the friction cones: no reactions within them carry a part of it"
@@ -58,36 +48,37 @@ def certified_loop(
     options: CouplingOptions,
     on_iterate: OnIterate,
     prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
-    quadratic: bool = False,
     roughly: Callable[[KinematicProgram], PreparedSolver] | None = None,
     pressed: Floats | None = None,
+    time_limit: float = np.inf,
 ) -> Coupled:
     """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
 
     Where strain rates harden, S-steps take the yield stresses of the K-step before, in a program of
-    their own that `prepare` gets a solver for: two velocities would not harden alike. Proximal
-    steps are programs of their own, too, and `quadratic` says whether the backend takes them.
+    their own that `prepare` gets a solver for: two velocities would not harden alike.
 
     There no pair with the associated state would hold, and it begins with friction that is nearly
     right, of a state nearby or from rough solves (`lacore.coupling.steps.resumed`).
     """
-    run = Run(program, solver, regularised, options, on_iterate, prepare, roughly)
+    run = Run(
+        program, solver, regularised, options, on_iterate, prepare, roughly, time_limit=time_limit
+    )
     rows = program.contact
     if not (rows.coulomb.any() or program.frictional):
         return run.judged(run.solve("single", frictionless_contact(rows)))
     if not program.hardens or program.frictional or roughly is None:
-        return _from_associated(run, quadratic)
+        return _from_associated(run)
     found = resumed(run, pressed, _mean, _PATIENCE)
     if found is not None:
         return run.judged(found)
     # With all solves that it may take: what is certified so is certified still.
-    again = _from_associated(replace(run, iterates=[], rates=[], _mapped={}), quadratic)
+    again = _from_associated(replace(run, iterates=[], rates=[], _mapped={}))
     return replace(again, iterates=(*run.iterates, *again.iterates))
 
 
-def _from_associated(run: Run, quadratic: bool) -> Coupled:
+def _from_associated(run: Run) -> Coupled:
     """The loop from the associated state."""
-    program, rows = run.program, run.program.contact
+    program = run.program
     frozen = associated(program)
     first = run.solve("associated", frozen.contact, program=frozen.program)
     anchor = anchored(run) if first.inner.status is Status.LOCKED else first
@@ -97,9 +88,6 @@ def _from_associated(run: Run, quadratic: bool) -> Coupled:
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
     of_contact = (averaged, central_path, _damped, _alternated, _shifted)
-    if rows.tangent_dim > 1:
-        late = (restarted, *((proximal,) if quadratic else ()))
-        of_contact = (averaged, tracked, mixed, _damped, _alternated, *late, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:
@@ -159,26 +147,6 @@ def _damped(run: Run, static: ProgramState) -> Iterate | None:
 def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
     return alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
-
-
-def mixed(run: Run, static: ProgramState) -> Iterate | None:
-    """Reactions of both steps and the last ones alike, from the start on: slow, and patient."""
-    first = run.iterates[0].inner.point or static
-    return alternate(run, first, "mixed K", _LONG, lambda last, s, k: (last + s + k) / 3)
-
-
-def restarted(run: Run, static: ProgramState) -> Iterate | None:
-    """From reactions of the least gap, shaken."""
-    rng, found = np.random.default_rng(0), None  # the same each time
-    last = len(run.iterates) + _RESTARTS
-    while found is None and not run.exhausted and len(run.iterates) < last:
-        static = closest(run, static)
-        factors = np.exp(_SHAKEN * rng.standard_normal(static.normal_reaction.size))
-        pressed = factors * np.maximum(static.normal_reaction, 0.0)
-        found = averaged(run, replace(static, normal_reaction=pressed)) or alternate(
-            run, closest(run, static), "damped K", _SHORT, lambda last, _, k: (last + k) / 2
-        )
-    return found
 
 
 def _shifted(run: Run, static: ProgramState) -> Iterate | None:

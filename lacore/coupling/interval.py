@@ -15,9 +15,9 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver, checked_answer
 from lacore.certificate import Certificate, certify
+from lacore.coupling.blocks.slack import Slack
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.faces import Face, faces, ray_program
-from lacore.coupling.in_space.slack import Slack
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
@@ -57,7 +57,7 @@ class End(Shown):
             those of a state far along the ray.
         certificate: residuals of `point` against the true friction laws.
         slack: by how much the end is farther out, to first order, for the gap that its reactions
-            have with the mechanism: 0 in the plane, see `lacore.coupling.in_space.slack`.
+            have with the mechanism: 0 in the plane, see `lacore.coupling.blocks.slack`.
     """
 
     status: EndStatus

@@ -163,7 +163,7 @@ class Run:
     """The inner solves of one loop, judged as they come.
 
     `prepare` sets a solver to work on a program of its own, `roughly` one whose answers are only
-    where others begin.
+    where others begin. `time_limit` is that of an inner solve, s.
     """
 
     program: KinematicProgram
@@ -175,6 +175,7 @@ class Run:
     roughly: Callable[[KinematicProgram], PreparedSolver] | None = None
     iterates: list[Iterate] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
+    time_limit: float = np.inf
     _mapped: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
 
     def solve(

@@ -204,14 +204,13 @@ def _solved(
         stack.callback(solver.close)
         couple = _LOOP_OF[coupling]
         if couple is certified_loop and (process is None or program.frictional):
-            quadratic = engine.capabilities.hardening
             loose = rough(engine, engine_options)
             couple = partial(
                 certified_loop,
                 prepare=prepare,
-                quadratic=quadratic,
                 roughly=None if process is not None else lambda own: engine.prepare(own, loose),
                 pressed=nearby,
+                time_limit=engine_options.time_limit,
             )
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)

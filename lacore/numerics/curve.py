@@ -1,12 +1,15 @@
-"""Curves of solutions of ``R(z, s) = 0``, followed by their length, around folds too (Keller 1977).
+"""Curves of solutions of ``F(z) = theta F(z0)`` from theta = 1 on, followed round their turns.
 
-What is solved at each s is the same system, smoothed by ``exp(s)``; a curve is followed to ever
-smaller s. Which way is onward is told by the sign of the determinant of ``dR/dz``, which changes
-at each fold (Chow, Mallet-Paret & Yorke 1978), so that a curve is never followed back.
+Some of z has to stay positive, or within cones. So a curve is followed by its length in relative
+changes of that and in log(theta), and not by theta, which may grow for a while: Newton's steps from
+a tangent, in the plane across it (Keller 1977; Allgower & Georg 1990, ch. 10). Which way is onward
+is told by the sign of the determinant of ``dF/dz``, which changes at each fold (Chow, Mallet-Paret
+& Yorke 1978), so that a curve is never followed back: cosines to the last direction go wrong where
+both ends of a hairpin are close to each other.
 """
 
 from collections.abc import Iterator
-from math import exp
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -14,128 +17,165 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.numerics.linear_algebra import SingularError
 
-_NEAR = 1e-2  # residual of places on the curve, of the smoothing
-_WEIGHT = 0.1  # of s in the length of the curve
-_FIRST, _LONGEST, _SHORTEST = 0.05, 2.0, 1e-8  # steps; the longest by s
-_STEEP = 0.01  # least share of s in the longest step
-_TURN = 0.3  # cosine between tangents of neighbouring places
-_LEAP = 3.0  # of s, in one iteration
-_STEP, _DAMPED = 7, 40  # Newton iterations of a step, and of the first place
-_QUICK, _SLOW = 2, 5  # of a step, so that the next one is longer or shorter
-_LONGER, _SHORTER, _AGAIN = 1.8, 0.7, 0.35
-_FALL = 0.1  # of the residual, per step of damped iterations
-_LEAST = 1e-3  # damping
+_FIRST = 0.3  # length of the first step
+_NEAR, _CLOSE = 0.6, 0.1  # off the curve after one correction, and after more
+_BOUNDARY = 0.9  # of the way to it
+_FALL, _RISE = 0.8, 2.5  # of anything positive, in a predicted step
+_LEAP = 1.0  # of log(theta), in a correction
+_LONGER = (2.0, 1.0, 2 / 3, 2 / 3)  # the next step, by corrections of the last: as many at most
+_TRIALS, _SHORTER, _RECENTRED = 6, 1 / 3, 3
 
 
 class Linear(Protocol):
-    """``dR/dz``, factorised."""
+    """``dF/dz``, factorised."""
 
     @property
     def sign(self) -> float:
         """Of its determinant, but for a factor that is the same at all places."""
 
     def solve(self, right: Floats) -> Floats:
-        """``(dR/dz)^-1 right``."""
+        """``(dF/dz)^-1 right``."""
 
 
-class Local(Protocol):
-    """The system at a place."""
+@dataclass(frozen=True)
+class Change:
+    """A change of z, relative to what has to stay positive.
 
-    @property
-    def residual(self) -> Floats:
-        """R."""
+    Attributes:
+        vector: whose length is that of the change.
+        least, most: by which eigenvalues of anything positive change: -1 is at its boundary.
+    """
 
-    @property
-    def change(self) -> Floats:
-        """dR/ds."""
-
-    def linear(self) -> Linear:
-        """The derivative by z; raises `SingularError`."""
+    vector: Floats
+    least: float
+    most: float
 
 
 class System(Protocol):
     """What a curve solves."""
 
-    def at(self, place: Floats, s: float) -> Local:
-        """The system at a place."""
+    def residual(self, z: Floats) -> Floats:
+        """F."""
+
+    def linear(self, z: Floats) -> Linear:
+        """Its derivative; raises `SingularError`."""
+
+    def changes(self, z: Floats, dz: Floats) -> Change:
+        """A change, relative to z."""
+
+    def off(self, z: Floats, aim: Floats) -> float:
+        """How far z is from where F is `aim`, 0 on the curve; inf outside of what is positive."""
 
 
-def begun(system: System, place: Floats, s: float) -> Floats | None:
-    """A solution at s by damped Newton iterations from a place; None where they get to none."""
-    local = system.at(place, s)
-    size = np.linalg.norm(local.residual)
-    for _ in range(_DAMPED):
-        if size <= _NEAR * exp(s):
-            return place
-        try:
-            step = local.linear().solve(-local.residual)
-        except SingularError:
-            return None
-        damping = 1.0
+@dataclass(frozen=True)
+class Place:
+    """A place near the curve, log(theta) there, and how many factorisations led to it."""
+
+    z: Floats
+    level: float
+    count: int
+
+
+@dataclass(frozen=True)
+class _Aim:
+    """A place that is corrected across a direction; along a level where there is none."""
+
+    z: Floats
+    level: float
+    along: tuple[Floats, float] | None = None
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """A system, what its equations leave at the start, and the sign of the determinant there."""
+
+    system: System
+    left: Floats
+    sign: float
+
+    def linear(self, z: Floats) -> "_Tangent":
+        linear = self.system.linear(z)
+        return _Tangent(linear, linear.solve(self.left))
+
+    def off(self, aim: _Aim) -> float:
+        return self.system.off(aim.z, np.exp(aim.level) * self.left)
+
+
+@dataclass(frozen=True)
+class _Tangent:
+    """The derivative at a place, and dz/dtheta of a curve there."""
+
+    linear: Linear
+    slope: Floats
+
+
+def followed(system: System, start: Floats) -> Iterator[Place]:
+    """Places along the curve from a start, that included; until no next one is found.
+
+    Args:
+        system: what is solved.
+        start: inside of all that has to stay positive.
+    """
+    place, length, lost = Place(start, 0.0, 1), _FIRST, False
+    try:
+        first, left = system.linear(start), system.residual(start)
+        curve, tangent = _Curve(system, left, first.sign), _Tangent(first, first.solve(left))
+        yield place
         while True:
-            local = system.at(place + damping * step, s)
-            new = np.linalg.norm(local.residual)
-            if new <= (1 - _FALL * damping) * size or damping < _LEAST:
+            found, length, count, tangent = _step(curve, place, length, tangent)
+            if found is not None:
+                place, lost = replace(found, count=place.count + count), False
+                yield place
+            elif lost:
+                return
+            else:  # the tangent was that of a point beside the curve
+                aim, lost = _Aim(place.z, place.level), True
+                for _ in range(_RECENTRED):
+                    aim = _corrected(curve, aim, curve.linear(aim.z))
+                place = Place(aim.z, aim.level, place.count + count + _RECENTRED + 1)
+                tangent = curve.linear(place.z)
+    except SingularError:
+        return
+
+
+def _step(
+    curve: _Curve, place: Place, length: float, tangent: _Tangent
+) -> tuple[Place | None, float, int, _Tangent]:
+    """The next place, None where none is found; next length, factorisations, and the last one."""
+    move = np.exp(place.level) * tangent.slope
+    change, onward = curve.system.changes(place.z, move), -tangent.linear.sign * curve.sign
+    share = onward / float(np.hypot(np.linalg.norm(change.vector), 1.0))
+    along = share * change.vector, share
+    rates = share * change.least, share * change.most
+    longest = 1 / max(-min(rates) / _FALL, max(rates) / _RISE, float(np.finfo(float).tiny))
+    count = 0
+    for _ in range(_TRIALS):
+        length = min(length, longest)
+        aim = _Aim(place.z + length * share * move, place.level + length * share, along)
+        for corrections, longer in enumerate(_LONGER):
+            count += 1
+            try:
+                tangent = curve.linear(aim.z)
+            except SingularError:
                 break
-            damping /= 2
-        place, size = place + damping * step, new
-    return None
+            aim = _corrected(curve, aim, tangent)
+            if curve.off(aim) < (_CLOSE if corrections else _NEAR):
+                return Place(aim.z, aim.level, count), longer * length, count, tangent
+        length *= _SHORTER
+    return None, length, count, tangent
 
 
-def followed(system: System, place: Floats, s: float) -> Iterator[tuple[Floats, float]]:
-    """Places on the curve through a solution at s, and their s; until steps get too short."""
-    linear = system.at(place, s).linear()
-    first = linear.sign
-    tangent = -_tangent(system, place, s, linear)
-    length = _FIRST
-    while length >= _SHORTEST:
-        found = _corrected(system, place, s, tangent, length)
-        if found is not None:
-            new, at, iterations, linear = found
-            onward = -first * linear.sign * _tangent(system, new, at, linear)
-            if _product(onward, tangent) < _TURN:
-                found = None
-        if found is None:
-            length *= _AGAIN
-            continue
-        place, s, tangent = new, at, onward
-        yield place, s
-        if iterations <= _QUICK:
-            length = min(_LONGER * length, _LONGEST / max(abs(tangent[-1]), _STEEP))
-        elif iterations >= _SLOW:
-            length *= _SHORTER
-
-
-def _corrected(
-    system: System, place: Floats, s: float, tangent: Floats, length: float
-) -> tuple[Floats, float, int, Linear] | None:
-    """The place on the curve that is a length away, by Newton iterations across the tangent."""
-    new, at, last = place + length * tangent[:-1], s + length * tangent[-1], np.inf
-    for iteration in range(_STEP + 1):
-        local = system.at(new, at)
-        size = float(np.linalg.norm(local.residual))
-        if not size <= 2 * last:
-            return None
-        try:
-            linear = local.linear()
-            if size <= _NEAR * exp(at):
-                return new, at, iteration, linear
-            step, slope = linear.solve(-local.residual), linear.solve(-local.change)
-        except SingularError:
-            return None
-        ahead = tangent[:-1] @ (new - place) + _WEIGHT**2 * tangent[-1] * (at - s) - length
-        leap = -(tangent[:-1] @ step + ahead) / (tangent[:-1] @ slope + _WEIGHT**2 * tangent[-1])
-        if not abs(leap) <= _LEAP:
-            return None
-        new, at, last = new + step + leap * slope, at + leap, size
-    return None
-
-
-def _tangent(system: System, place: Floats, s: float, linear: Linear) -> Floats:
-    """Along the curve, of length 1, s growing; its share of s last."""
-    slope = np.append(linear.solve(-system.at(place, s).change), 1.0)
-    return np.asarray(slope / np.sqrt(_product(slope, slope)))
-
-
-def _product(one: Floats, other: Floats) -> float:
-    return float(one[:-1] @ other[:-1] + _WEIGHT**2 * one[-1] * other[-1])
+def _corrected(curve: _Curve, aim: _Aim, tangent: _Tangent) -> _Aim:
+    """A Newton step across the direction of the curve; at the same theta where none is known."""
+    system, theta, rise = curve.system, np.exp(aim.level), 0.0
+    move = theta * tangent.slope
+    step = tangent.linear.solve(theta * curve.left - system.residual(aim.z))
+    if aim.along is not None:
+        ahead, up = aim.along
+        of_step, of_move = (system.changes(aim.z, one).vector for one in (step, move))
+        rise = -float(of_step @ ahead) / float(of_move @ ahead + up)
+    step = step + rise * move
+    fall = -system.changes(aim.z, step).least
+    share = min(1.0, _BOUNDARY / fall) if fall > 0 else 1.0
+    level = aim.level + float(np.clip(share * rise, -_LEAP, _LEAP))
+    return replace(aim, z=aim.z + share * step, level=level)

@@ -1,19 +1,23 @@
-"""The Coulomb problem of walls as complementarity problem, and the path to its solutions."""
+"""The Coulomb problem of blocks as complementarity problem, and paths to its solutions (T79)."""
 
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 import lacore as la
 from lacore.backend import find_backend, read_options
+from lacore.coupling.blocks.central_path import Path, along_path, central_path
+from lacore.coupling.blocks.complementarity import Complementarity, poses
+from lacore.coupling.blocks.matrix import _parity
 from lacore.coupling.certified import averaged
 from lacore.coupling.freezing import associated
-from lacore.coupling.in_plane.central_path import central_path, follow
-from lacore.coupling.in_plane.complementarity import Complementarity, Newton, _parity, poses
 from lacore.coupling.run import CouplingOptions, Run
 from lacore.inner.preparing import preparing
-from lacore.program import dimensionless
+from lacore.program import associated_contact, dimensionless
+from lacore.status import Status
 from tests.coulomb_checker import accepts, residuals
 from tests.rigid_problems import incline
 from tests.statements import stated
@@ -21,14 +25,27 @@ from tests.statements import stated
 BAR = 1e-6
 
 
+def pushed(blocks, held, down):
+    way = (1,) + (0,) * (len(down) - 1)
+    return la.Problem(
+        {"blocks": blocks},
+        [la.BodyForce("blocks", way)],
+        [la.Fix("blocks", held, "xyz" if len(down) == 3 else "xy")],
+        dead_loads=[la.BodyForce("blocks", down)],
+    )
+
+
 def wall(wide, courses, every, mu=0.65):
     rows = la.masonry.regular_bond(wide, courses, la.masonry.windows(wide, courses, every))
-    return la.Problem(
-        {"blocks": la.masonry.running_bond(rows, friction=mu)},
-        [la.BodyForce("blocks", (1, 0))],
-        [la.Fix("blocks", "base")],
-        dead_loads=[la.BodyForce("blocks", (0, -1))],
-    )
+    return pushed(la.masonry.running_bond(rows, friction=mu), "base", (0, -1))
+
+
+def dome(meridians=6, rings=3, friction=0.5, joints=None):
+    blocks = la.masonry3d.dome(meridians, rings, 1.0, 0.15, 0.3, friction)
+    if joints is not None:
+        blocks = replace(blocks, joint_friction=joints)
+    base = tuple(name for name in blocks.names if name.startswith("base"))
+    return pushed(blocks, base, (0, 0, -1))
 
 
 @contextmanager
@@ -45,52 +62,87 @@ def started(problem):
         solver.close()
 
 
-@pytest.fixture(scope="module")
-def run():
-    with started(wall(4, 10, 3)) as own:
+@pytest.fixture(scope="module", params=["wall", "dome", "mortar"])
+def run(request):
+    """In the plane, in space, and with cohesion beside friction."""
+    given = {
+        "wall": lambda: wall(3, 6, 3),
+        "dome": partial(dome, 5, 2),
+        "mortar": lambda: dome(5, 2, la.Coulomb(0.5, adhesion=0.01)),
+    }
+    with started(given[request.param]()) as own:
         yield own
 
 
 def inside(run, product=0.01):
     problem = Complementarity(run.program)
-    return problem, problem.start(run.iterates[0].inner.point, product)
+    powers = np.full(run.program.contact.count, product)
+    return problem, problem.start(run.iterates[0].inner.point, powers)
 
 
 def test_the_start_is_inside_and_all_its_powers_are_equal(run):
     problem, z = inside(run)
-    assert (problem.positive(z) > 0).all()
+    pressed, (along, across) = problem.products(z)
+    assert problem.off(z, problem.residual(z)) <= 1e-9  # inf outside
     # Friction is within 1e-12 of what bisection looks for, 1e-3 or more from its bound.
-    assert problem.products(z) == pytest.approx(0.01, rel=1e-9)
+    assert pressed == pytest.approx(0.01, rel=1e-9)
+    assert along == pytest.approx(0.01, rel=1e-9)
+    assert np.abs(across).max() <= 1e-11
 
 
 def test_newton_solves_the_linearised_equations(run):
     """What a step leaves of equations that are linear but for products is its own products."""
     problem, z = inside(run)
     right = np.random.default_rng(0).standard_normal(problem.residual(z).size)
-    step = Newton(problem, z).solve(right)
-    force, speed = np.split(problem.rates(step), 2)
+    step = problem.linear(z).solve(right)
     left = problem.residual(z + step) - problem.residual(z) - right
-    left[-force.size :] -= force * speed
+    dp, _, ds, *_ = problem.parts(step)
+    (x, q), (r, v) = problem.rates(step)
+    own = dp * ds, x * r + np.sum(q * v, axis=1), x[:, None] * v + r[:, None] * q
+    own = np.concatenate([np.ravel(part) for part in own])
+    left[-own.size :] -= own
     size = max(np.abs(problem.residual(z + step)).max(), np.abs(right).max())
     assert np.abs(left).max() <= 1e-9 * size  # round-off, of a condition of some 1e5
 
 
-def test_orientation_is_the_sign_of_the_determinant(run):
+def dense(problem, z):
+    """The derivative by columns: central differences are exact, as equations are quadratic."""
+    ways = np.eye(z.size)
+    return np.column_stack(
+        [(problem.residual(z + way) - problem.residual(z - way)) / 2 for way in ways]
+    )
+
+
+def test_signs_are_those_of_the_determinant(run):
     """Against dense ones, at places whose matrices differ: both signs change alike."""
     problem, z = inside(run)
-    n, m = problem.program.n, problem.program.contact.count
-    rng, signs = np.random.default_rng(1), []
-    for _ in range(6):
-        factors = np.exp(3 * rng.standard_normal(3 * m))
+    rng, signs, own = np.random.default_rng(1), [], []
+    for _ in range(4):
         place = z.copy()
-        place[2 * m : 5 * m] *= factors  # speeds may be any
-        newton = Newton(problem, place)
-        velocities = newton._matrix.toarray()  # ones on its diagonal, but for scales
-        load = newton._scale * problem.program.reference_load
-        bordered = np.block([[velocities, load[:, None]], [-load[None, :], np.zeros((1, 1))]])
-        assert bordered.shape == (n + 1, n + 1)
-        signs.append(np.linalg.slogdet(bordered)[0] * newton.orientation())
+        _, _, s, r, v, *_ = problem.parts(place)
+        s *= np.exp(3 * rng.standard_normal(s.size))  # speeds may be any
+        factors = np.exp(3 * rng.standard_normal(r.size))
+        r *= factors
+        v *= factors[:, None]
+        v += 0.9 * rng.uniform(-1, 1, v.shape) * (r - np.linalg.norm(v, axis=1))[:, None] / 2
+        signs.append(np.linalg.slogdet(dense(problem, place))[0] * problem.linear(place).sign)
+        own.append(problem.linear(place).sign)
     assert set(signs) == {signs[0]}
+
+
+def test_changes_say_how_far_the_boundary_is(run):
+    problem, z = inside(run)
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        step = z * rng.standard_normal(z.size)
+        change = problem.changes(z, step)
+        assert change.least < 0 < change.most
+        # Relative to its own products what is inside is off by less than infinity, what is not is.
+        aim = problem.residual(z)
+        for share, within in ((1 - 1e-6, True), (1 + 1e-6, False)):
+            assert np.isfinite(problem.off(z - share / change.least * step, aim)) == within
+        # An eigenvalue of a cone is at most its length, and the vector has all of them.
+        assert max(-change.least, change.most) <= np.linalg.norm(change.vector) * (1 + 1e-12)
 
 
 def test_parity():
@@ -111,6 +163,25 @@ def test_the_path_ends_at_the_closed_form(mu, slope):
     assert factor == pytest.approx(np.tan(slope + np.arctan(mu)), rel=10 * BAR / (1 - power))
 
 
+@pytest.mark.parametrize("spread", [0.01, 0.3])
+def test_paths_certify_walls_and_domes(run, spread):
+    start = run.iterates[0].inner.point
+    found = along_path(run, start, spread, np.random.default_rng(0))
+    assert found.kind == "path"
+    assert found.inner.status is Status.SOLVED
+    assert found.certificate.holds(BAR)
+    assert 0 < found.inner.point.load_factor <= start.load_factor * (1 + BAR)
+
+
+@pytest.mark.parametrize("law", [0.0, la.Tresca(0.1)])
+def test_joints_without_coulomb_friction_may_be_among_others(law):
+    with started(dome(joints={("base1", "r1m1"): law})) as run:
+        assert not run.program.contact.coulomb.all()
+        found = central_path(run, run.iterates[0].inner.point)
+        assert found is not None
+        assert run.proven(found)
+
+
 @pytest.mark.slow
 def test_the_path_certifies_a_wall_whose_alternation_stalls():
     with started(wall(8, 40, 3)) as run:
@@ -125,37 +196,34 @@ def test_the_path_certifies_a_wall_whose_alternation_stalls():
         assert found.inner.point.load_factor <= start.load_factor * (1 + BAR)
 
 
+def path(run, end=BAR, time_limit=np.inf):
+    ones = np.ones(run.program.contact.count)
+    own = Path(run.program, run.iterates[0].inner.point, ones, end, time_limit)
+    return own.solve(associated_contact(run.program.contact))
+
+
 def test_the_same_path_each_time(run):
-    problem, z = inside(run)
-    first, again = (follow(problem, z, BAR) for _ in range(2))
-    assert first[2] == ""
-    assert first[1] == again[1]
-    assert (first[0] == again[0]).all()
+    first, again = path(run), path(run)
+    assert first.status is Status.SOLVED
+    assert first.iterations == again.iterations
+    assert (first.point.velocity == again.point.velocity).all()
 
 
-def test_only_coulomb_blocks_in_the_plane_are_taken(run):
+def test_a_path_keeps_to_its_time_and_says_so(run):
+    short = path(run, time_limit=1e-9)
+    assert short.status is Status.ALMOST_SOLVED
+    assert short.native_status == "limit of time"
+    assert short.iterations == 1
+
+
+def test_only_blocks_without_dilation_and_of_finite_friction_are_taken(run):
     assert poses(run.program)
-    smooth = la.discretise(
-        la.Problem(
-            {"blocks": la.BlockAssembly(BOXES, 0.0)},
-            [la.BodyForce("blocks", (1, 0))],
-            [la.Fix("blocks", "base")],
-            dead_loads=[la.BodyForce("blocks", (0, -1))],
-        )
-    )
-    assert not poses(smooth.program)
-    dome = la.masonry3d.dome(6, 3, 1.0, 0.15, 0.3, 0.5)
-    base = tuple(name for name in dome.names if name.startswith("base"))
-    weight = [la.BodyForce("b", (0, 0, -1))]
-    pushed = [la.BodyForce("b", (1, 0, 0))]
-    space = la.Problem({"b": dome}, pushed, [la.Fix("b", base, "xyz")], dead_loads=weight)
-    assert not poses(la.discretise(space).program)
-
-
-BOXES = {
-    "base": np.array([(-1, -1), (3, -1), (3, 0), (-1, 0)], dtype=float),
-    "block": np.array([(0, 0), (2, 0), (2, 1), (0, 1)], dtype=float),
-}
+    rows = run.program.contact
+    nothing, many = np.zeros(rows.count), np.full(rows.count, np.inf)
+    for change in ({"coefficient": nothing}, {"dilatancy": 0.1 + nothing}, {"limit": many}):
+        assert not poses(replace(run.program, contact=replace(rows, **change)))
+    closing = replace(rows, closing=0.1 + nothing)
+    assert not poses(replace(run.program, contact=closing))
 
 
 @pytest.mark.slow

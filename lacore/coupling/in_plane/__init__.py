@@ -1,1 +1,0 @@
-"""What the certified loop tries of plane blocks alone."""
