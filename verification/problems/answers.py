@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from math import isnan
+from math import inf, isnan
 from typing import Any
 
 import lacore as la
@@ -69,6 +69,11 @@ class Answer:
     safety: la.SafetyFactor | None
     more: Mapping[str, Any]
     seconds: float
+
+    @property
+    def bracketed(self) -> bool:
+        """Whether a bracket that was asked for has both ends, in order."""
+        return self.bracket is not None and 0 <= self.bracket.width < inf
 
     @property
     def good(self) -> bool:

@@ -83,7 +83,10 @@ def page(
 
 
 def _lead(answer: Answer) -> str:
-    state = answer.state
+    state, proven = answer.state, answer.bracket
+    if proven is not None and answer.bracketed:
+        ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
+        return f"Collapse between {ends} times the reference loads: {proven.message}."
     if state.status is la.Status.SOLVED:
         return f"Collapse at {state.load_factor:.6g} times the reference loads: {worth(state)}."
     return state.status.said(state.message)

@@ -44,15 +44,20 @@ def friction(law: Friction, units: Units) -> str:
 def lines(answer: Answer, units: Units) -> dict[str, str]:
     """What to say of an answer, by name."""
     state = answer.state
-    told = {"load factor": f"{state.load_factor:.6g}, {worth(state)}"}
+    one = f"{state.load_factor:.6g}, {worth(state)}"
+    between = "" if answer.bracket is None else answer.bracket.heading
+    # A solve of one mesh may be far off what is proven: it is no number to begin with.
+    told = {"bracket": between} if answer.bracketed else {"load factor": one}
     problem = state.discretisation.problem
     told["times"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
         told["status"] = units.rewritten(state.status.said(state.message))
     if answer.interval is not None:
         told["interval"] = f"{answer.interval} is what this mechanism carries"
-    if answer.bracket is not None:
-        told["bracket"] = answer.bracket.facts().title.partition(": ")[2]
+    if answer.bracketed:
+        told["one mesh"] = f"that of the file has {one}"
+    elif between:
+        told["bracket"] = between
     if answer.range is not None:
         told["range"] = answer.range.facts().title.partition(": ")[2]
     if answer.safety is not None:

@@ -45,6 +45,21 @@ def test_an_answer_is_ten_lines(solved):
     assert str(out / "index.html") in lines[-1]
 
 
+def test_a_bracket_is_what_the_answer_begins_with(tmp_path):
+    """One solve of the mesh of the file may lie outside of it, as here."""
+    file = tmp_path / "footing.toml"
+    file.write_text(lacore("new", "footing").stdout, encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path, "--bracket", "0.1", "--json")
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    lower, upper = document["bracket"]["lower"], document["bracket"]["upper"]
+    assert not lower <= document["load_factor"] <= upper
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert f"Collapse between {lower:.6g} and {upper:.6g} times the reference loads" in page
+    facts = re.sub("<[^>]+>", " ", page)
+    assert facts.index(f"{lower:.6g} &lt;= load") < facts.index(f"{document['load_factor']:.6g}")
+
+
 def test_a_page_pictures_tables_and_paraview_come_with_it(solved):
     _, out, _ = solved
     page = (out / "index.html").read_text(encoding="utf-8")
