@@ -185,7 +185,7 @@ def quarter_ring(
         grade: ratio of the outermost cell to the innermost.
 
     Raises:
-        InputError: see `graded`; an inner radius that is not positive.
+        InputError: see `graded`; an inner radius that is not positive, an outer one within it.
 
     Example:
         >>> ring = la.meshes.quarter_ring(inner=1.0, outer=2.0, n_radial=2, n_angular=6)
@@ -194,6 +194,8 @@ def quarter_ring(
     """
     if not inner > 0:
         raise InputError("inner", inner, "not a positive radius", "give inner > 0")
+    if not outer > inner:
+        raise InputError("outer", outer, "not beyond the inner radius", f"give more than {inner}")
     cells = _cells((inner, outer), (0, pi / 2), n_radial, n_angular, grade_x=(inner, grade))
     r, angle = cells.p
     points = np.stack([r * np.cos(angle), r * np.sin(angle)])
