@@ -233,6 +233,8 @@ def _without_noise(
     if not any(group.weights.size for group in resting):
         return []
     basis = motions_without_strain(resting)
+    if not basis.shape[1]:  # all that moves strains as little as noise: this is the motion
+        return []
     rigid = reduced(replace(program, groups=tuple(strained)), basis)
     motion = lsqr(basis, velocity, atol=0.0, btol=0.0)[0]
     return [(np.asarray(basis @ admissible(rigid, motion)), still)]

@@ -220,3 +220,23 @@ def test_slivers_of_a_soil_of_next_to_no_cohesion_are_proven():
     found = la.bracket(surcharged, target_width=1e-3, max_elements=1000)
     assert found.strict
     assert found.lower < exact + 1e-5 * prandtl(20)[0] < found.upper
+
+
+def test_soil_is_pulled_off_at_its_apex():
+    """By a bonded footing, at c cot(phi): what moves strains as little as noise does."""
+    under = la.Within(x=(-1, 1), y=0)
+    sand = la.MohrCoulomb(cohesion=1e3, friction_angle=32)
+    pulled = la.Problem(
+        bodies={
+            "sand": la.Body(la.meshes.rectangle(x=(-2, 2), y=(-1, 0), nx=4, ny=1), sand),
+            "footing": la.RigidBlock([(-1, 0), (1, 0), (1, 0.5), (-1, 0.5)]),
+        },
+        supports=[la.Fix("sand", side) for side in ("left", "right", "bottom")],
+        interfaces=[la.Interface(("footing", under), ("sand", under), la.BOND)],
+        reference_loads=[la.PointForce("footing", (0, 0), (0, 1e3))],
+        dead_loads=[la.BodyForce("sand", (0, -19e3))],
+    )
+    exact = 2 / np.tan(np.radians(32))
+    # Above by no more than the margin by which a velocity is moved inward.
+    assert exact <= la.upper_bound(pulled).load_factor * (1 + 1e-9) <= exact * (1 + 1e-4)
+    assert la.lower_bound(pulled).load_factor <= exact
