@@ -1,15 +1,20 @@
 """README and guide run as printed, page by page; numbers that they state are those that come out.
 
-A block under ``<!-- slow -->`` is run, with all others of its page, by a slow test only.
+A block under ``<!-- slow -->`` is run, with all others of its page, by a slow test only. Numbers of
+the prose are computed as well: ``<!-- 5.14: 2 + pi; 94: state.load_factor -->`` beside it says how,
+by what the code before it has made; ``<!-- slow 94: ... -->`` where that is slow. What cannot be
+computed here says why: ``<!-- typed 0.1075: Milankovitch 1907 -->``.
 """
 
 import ast
+import math
 import re
 import shlex
 import tomllib
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
+from pkgutil import resolve_name
 
 import click
 import matplotlib.pyplot as plt
@@ -22,26 +27,38 @@ from verification.verify import ask
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?:<!-- (slow|from \S+) -->\n)?```(\w+)\n(.*?)```", flags=re.DOTALL)
+NUMBER = r"[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|inf)"
+MARK = re.compile(rf"<!-- (slow |typed |)({NUMBER}(?:, {NUMBER})*: .*?) -->", flags=re.DOTALL)
 PAGES = {
     page.stem: page.read_text(encoding="utf-8")
     for page in (
         ROOT / "README.md",
         ROOT / "CONTRIBUTING.md",
-        *(ROOT / "docs" / "site" / f"{name}.md" for name in ("index", "claims")),
+        *(ROOT / "docs" / "site" / f"{name}.md" for name in ("index", "claims", "notation")),
         *sorted((ROOT / "docs" / "guide").glob("*.md")),
     )
 }
 BLOCKS = {name: BLOCK.findall(text) for name, text in PAGES.items()}
-NUMBER = r"[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|inf)"
+NAMES = {"printed": "", "math": math, "of": resolve_name}
+"""What code of a page begins with: what is printed, and what marks may ask for."""
 
 
 def python(page, slow):
-    """Code of a page in its order, with or without that which takes its time."""
-    return [
-        text
-        for mark, kind, text in BLOCKS[page]
-        if kind == "python" and (mark == "" or (slow and mark == "slow"))
-    ]
+    """Code of a page in its order, and numbers of its prose, with or without what is slow."""
+    found = []
+    for piece in re.finditer(f"{BLOCK.pattern}|{MARK.pattern}", PAGES[page], flags=re.DOTALL):
+        mark, kind, text, when, numbers = piece.groups()
+        if kind == "python" and (not mark or (slow and mark == "slow")):
+            found.append(text)
+        elif when == "" or (slow and when == "slow "):
+            found.append("\n".join(f"print({how})  # {said}" for said, how in marked(numbers)))
+    return found
+
+
+def marked(numbers):
+    """Numbers of a mark, and what is said of each."""
+    parts = (part.partition(": ") for part in " ".join(numbers.split()).split("; "))
+    return [(said, how) for said, _, how in parts]
 
 
 def run(code, names):
@@ -62,7 +79,8 @@ def agrees(stated, printed):
     first = re.match(rf"[\[\]() ,]*(?:{NUMBER}[\[\]() ,]*)+", stated)[0]
     found = re.findall(NUMBER, printed)
     for told, was in zip(re.findall(NUMBER, first), found, strict=False):
-        unit = 10.0 ** -len(told.partition(".")[2])
+        digits, _, power = told.partition("e")
+        unit = 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
         assert float(was) == pytest.approx(float(told), abs=unit, rel=0), (stated, printed)
     assert len(found) >= len(re.findall(NUMBER, first)), (stated, printed)
 
@@ -84,7 +102,7 @@ SLOW = [page for page in QUICK if python(page, slow=True) != python(page, slow=F
 
 @pytest.mark.parametrize("page", QUICK)
 def test_quick_code_runs_as_printed(page, somewhere):
-    names = {"printed": ""}
+    names = dict(NAMES)
     for text in python(page, slow=False):
         run(text, names)
     check_quick = {"README": check_readme, "bounds": check_gap, "numbers": check_forged}
@@ -113,7 +131,7 @@ def check_forged(names):
 @pytest.mark.slow
 @pytest.mark.parametrize("page", SLOW)
 def test_all_code_runs_as_printed(page, somewhere):
-    names = {"printed": ""}
+    names = dict(NAMES)
     for text in python(page, slow=True):
         run(text, names)
     check_all = {
@@ -160,7 +178,7 @@ def check_footing(names):
 def test_slopes_of_the_sweep_that_stands_above_them(somewhere):
     (sweep,) = [line for line in shell("sweeps") if line.endswith("--out reports/r")]
     assert CliRunner().invoke(cli.main, shlex.split(sweep)[1:]).exit_code == 0
-    names = {"printed": ""}
+    names = dict(NAMES)
     for text in python("sweeps", slow=False):
         run(text.replace("reports/reference", "reports/r"), names)
     slopes = names["slopes"].set_index("error")["slope"]
