@@ -5,6 +5,7 @@ Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -14,9 +15,10 @@ from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.checks import check_isolated
 from lacore.bodies.blocks.joints import JointFriction, joint_law, joint_names, joint_terms
 from lacore.bodies.blocks.polygons import block_name
-from lacore.bodies.blocks3d.apart import require_apart, touched_by
+from lacore.bodies.blocks3d.apart import meeting_alone, require_apart, touched_by
 from lacore.bodies.blocks3d.crushing import Crushing, crushing_of
 from lacore.bodies.blocks3d.faces import Faces, faces_of
+from lacore.bodies.blocks3d.held import free_motions
 from lacore.bodies.blocks3d.joints import Joints3D, find_joints
 from lacore.bodies.blocks3d.loaded import carried
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
@@ -201,7 +203,8 @@ class BlockAssembly3D(Shown):
     ) -> None:
         """Raise `InputError` where a block touches nothing, or an obstacle where a joint is.
 
-        Of blocks that crush wherever they touch what is not of this assembly.
+        Also where two meet with an edge or a corner and nothing else is there. Of blocks that crush
+        wherever they touch what is not of this assembly.
         """
         for own in touched:
             if self.crushing is not None:
@@ -222,6 +225,34 @@ class BlockAssembly3D(Shown):
                     "select the faces that touch the obstacle by a function of coordinates",
                 )
         check_isolated(self, field, supports, touched, self._touched_at)
+        self._check_meetings(field, supports)
+
+    def _check_meetings(self, field: str, supports: Sequence[Fix]) -> None:
+        """Refuse blocks that move and meet with an edge or a corner alone, which no joint keeps."""
+        first, second, place = self._alone
+        if not first.size:
+            return
+        free = np.diff(free_motions(self, supports).indptr).reshape(-1, 6)
+        moves = np.asarray(free.any(axis=1))
+        own = np.flatnonzero(moves[first] | moves[second])
+        if own.size:
+            one, other = (self.names[blocks[own[0]]] for blocks in (first, second))
+            raise InputError(
+                field,
+                (one, other),
+                f"these blocks touch at {placed(place[:, own[0]])} m with an edge or a corner only,"
+                f" which makes no joint, and nothing else keeps them apart there (such pairs:"
+                f" {own.size})",
+                "cut the edge off, so that faces touch there, or move the blocks apart",
+            )
+
+    @cached_property
+    def _alone(self) -> tuple[Ints, Ints, Floats]:
+        """See `meeting_alone`."""
+        blocks, joints = list(self.polyhedra.values()), self.joints
+        if self.crushing is not None:  # points of cells are not at the rim
+            joints = find_joints(self.polyhedra, self.allowed)
+        return meeting_alone(blocks, joints, self.allowed)
 
     def _touched_at(self, block: str) -> str:
         """What a block without a joint touches all the same, in words; empty where nothing."""

@@ -21,9 +21,8 @@ _POLYGON = 3  # type number of shapely
 class Joints3D(Compact):
     """Areas that two faces share, and the contact points at their corners (T71, T72).
 
-    Where joints crush these are the centroids of cells in place of corners (T95).
-
-    Sorted by master, slave, and their faces. Two blocks may share several.
+    Where joints crush these are the centroids of cells in place of corners (T95). Sorted by master,
+    slave, and their faces. Two blocks may share several.
 
     Attributes:
         slave, master: block numbers, (J,); the master comes first in the assembly.

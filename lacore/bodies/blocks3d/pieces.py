@@ -160,6 +160,32 @@ def kept_apart(pieces: Sequence[Piece], first: Ints, second: Ints, depth: float)
     return apart
 
 
+def shared_middles(
+    pieces: Sequence[Piece], first: Ints, second: Ints, reach: float, otherwise: Floats
+) -> Floats:
+    """Mean of the corners of either of two pieces that the other has, to `reach` (m), (3, k).
+
+    Of pieces that touch along an edge that is its middle. Where there is no such corner, as of
+    edges that cross, it is the place that is given, (3, k).
+    """
+    faces = np.repeat(np.arange(len(pieces)), [own.offset.size for own in pieces])
+    corners = np.repeat(np.arange(len(pieces)), [len(own.points) for own in pieces])
+    normal = np.concatenate([own.normal for own in pieces], axis=1)
+    points = np.concatenate([own.points for own in pieces]).T
+    offset = np.concatenate([own.offset for own in pieces])
+    total, number = np.zeros_like(otherwise), np.zeros(first.size)
+    for own, other in ((first, second), (second, first)):
+        vertex, pair = spread(corners, own, len(pieces))
+        face, row = spread(faces, other[pair], len(pieces))
+        height = np.sum(normal[:, face] * points[:, vertex[row]], axis=0) - offset[face]
+        highest = np.maximum.reduceat(height, np.flatnonzero(np.diff(row, prepend=-1)))
+        inside = np.flatnonzero(highest <= reach)
+        number += np.bincount(pair[inside], minlength=first.size)
+        for axis in range(3):
+            total[axis] += np.bincount(pair[inside], points[axis, vertex[inside]], first.size)
+    return np.where(number > 0, total / np.maximum(number, 1), otherwise)
+
+
 def largest_balls(pairs: Sequence[tuple[Piece, Piece]]) -> tuple[Floats, Floats]:
     """Radii (k,) and centres (3, k), m, of the largest balls in both of two pieces.
 
