@@ -79,33 +79,37 @@ class Pardiso:
         # The methods of pypardiso analyse anew with every matrix, which takes ten factorisations,
         # and turn the pattern into 32 bits with every solution.
         own, found = self._solver, np.zeros_like(right)
-        doubles, integers = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int32)
-        number, error = ctypes.c_int32, ctypes.c_int32(0)
+        count = 1 if right.ndim == 1 else right.shape[1]
+        # One, the kind of matrix, the phase, the size, right-hand sides, no messages, the error.
+        numbers = np.array(
+            [1, own.mtype, phase, self._starts.size - 1, count, 0, 0], dtype=np.int32
+        )
+        one, kind, which, size, sides, silent, error = range(
+            numbers.ctypes.data, numbers.ctypes.data + numbers.nbytes, numbers.itemsize
+        )
+        arrays = self._data, self._starts, self._columns, own.perm
         # On two threads it takes as long by the clock, and twice the processor time; and sums in
         # an order that depends on how many there are.
         threads = own.libmkl.MKL_Set_Num_Threads_Local(1)
-        own._mkl_pardiso(
-            own.pt.ctypes.data_as(ctypes.POINTER(own._pt_type[0])),
-            ctypes.byref(number(1)),
-            ctypes.byref(number(1)),
-            ctypes.byref(number(own.mtype)),
-            ctypes.byref(number(phase)),
-            ctypes.byref(number(self._starts.size - 1)),
-            self._data.ctypes.data_as(doubles),
-            self._starts.ctypes.data_as(integers),
-            self._columns.ctypes.data_as(integers),
-            own.perm.ctypes.data_as(integers),
-            ctypes.byref(number(1 if right.ndim == 1 else right.shape[1])),
-            own.iparm.ctypes.data_as(integers),
-            ctypes.byref(number(0)),
-            right.ctypes.data_as(doubles),
-            found.ctypes.data_as(doubles),
-            ctypes.byref(error),
+        _by_address()(
+            own.pt.ctypes.data,
+            *(one, one, kind, which, size),
+            *(array.ctypes.data for array in arrays),
+            *(sides, own.iparm.ctypes.data, silent),
+            *(right.ctypes.data, found.ctypes.data, error),
         )
         own.libmkl.MKL_Set_Num_Threads_Local(threads)
-        if error.value != 0:
-            raise SingularError(f"PARDISO: error {error.value}")
+        if numbers[-1] != 0:
+            raise SingularError(f"PARDISO: error {numbers[-1]}")
         return found
+
+
+@cache
+def _by_address() -> Any:
+    """PARDISO, which takes all by address: pointers of types take as long as a small solution."""
+    function = _loaded().libmkl["pardiso"]
+    function.argtypes, function.restype = [ctypes.c_void_p] * 16, None
+    return function
 
 
 @cache
