@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from backends._embedding.loops import compiles
+from backends._embedding.loops.best import compiles
 from lacore.backend import (
     Backend,
     Capabilities,

@@ -18,7 +18,7 @@ from backends._embedding.arrays import Translation
 from backends._embedding.dilating import as_moved, dilates
 from backends._embedding.follow import Found, follow
 from backends._embedding.least import least_program
-from backends._embedding.loops import best_loops
+from backends._embedding.loops.best import best_loops
 from backends._embedding.rigid import motions
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
@@ -111,6 +111,9 @@ def _compiled() -> None:
     solver = InteriorPointSolver(program, InteriorPointOptions())
     solver.solve(contact)
     solver.close()
+    loops, points = best_loops(), np.array([[2.0], [1.0]])
+    scaling = loops.scaled(points, points)
+    loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
 
 
 class InteriorPointSolver:

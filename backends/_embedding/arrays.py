@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from backends._embedding.loops import Loops
+from backends._embedding.loops.best import Loops
 from backends._embedding.pressed import pressed
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.numerics.interleaving import interleaved
@@ -58,11 +58,6 @@ class Rows:
     def force(self, parts: Floats) -> Floats:
         """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
         return self.loops.forces(self.matrix, parts)
-
-    def both(self, velocity: Floats, parts: Floats, force: Floats, found: Floats) -> None:
-        """`at` into `found`, of shape (dim, m), and `force` added to a force."""
-        if self.count:
-            self.loops.both(self.matrix, velocity, parts, force, found)
 
 
 @dataclass(frozen=True)

@@ -111,9 +111,108 @@ class Scaling:
         found[1:] = root * (s[1:] + (across / (1 + self.w[0]) - s[0]) * self.w[1:])
         return found
 
-    def twice(self, z: Floats) -> Floats:
-        """``W^2 z``."""
-        found = (2 * self.square * inner(self.w, z)) * self.w
-        found[0] -= self.square * z[0]
-        found[1:] += self.square * z[1:]
-        return np.asarray(found)
+
+@dataclass(frozen=True)
+class Compliance:
+    """``C = square (S + rank w w^T)`` of m points, with S = diag(first, 1, ..., 1).
+
+    Attributes:
+        square, rank: shape (m,).
+        w: shape (dim, m).
+        first: -1 where ``C = W^2`` of a scaling, which is definite though S is not; else 1.
+    """
+
+    square: Floats
+    rank: Floats
+    w: Floats
+    first: float = 1.0
+
+    @classmethod
+    def twice(cls, scaling: Scaling) -> "Compliance":
+        """``W^2``."""
+        return cls(scaling.square, np.full(scaling.square.size, 2.0), scaling.w, -1.0)
+
+    @classmethod
+    def none(cls, count: int) -> "Compliance":
+        """Of rows that hold exactly, of one component."""
+        return cls(np.zeros(count), np.zeros(count), np.zeros((1, count)))
+
+    def times(self, z: Floats) -> Floats:
+        """``C z``."""
+        found = z + self.rank * inner(self.w, z) * self.w
+        found[0] += (self.first - 1) * z[0]
+        return np.asarray(self.square * found)
+
+    def inverse(self, delta: Floats) -> "Inverse":
+        """``(C + delta)^-1``."""
+        square, w = self.square, self.w
+        plain = 1 / (square + delta)
+        if self.first > 0:
+            along = square * (1 + self.rank * inner(w, w))
+            rank = -square * self.rank / (along + delta)
+            return Inverse(plain, rank, np.zeros(rank.size), w, self.first)
+        if w.shape[0] == 1:
+            return Inverse(plain, plain, plain, w, self.first)
+        size = lengths(w[1:])
+        high = 1 / (square * (w[0] + size) ** 2 + delta)
+        low = 1 / (square / (w[0] + size) ** 2 + delta)
+        direction = w / np.maximum(size, np.finfo(float).tiny)
+        return Inverse(plain, high, low, direction, self.first)
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """``(C + delta)^-1``: ``plain (1 + one w w^T)``.
+
+    Where ``C = W^2``, in the frame of each point, as eigenvalues lie far apart near the edge of a
+    cone: `one` along ``(1, w_1)``, `two` along ``(1, -w_1)``, and `plain` across both, w_1 a unit.
+
+    Attributes:
+        plain, one, two: shape (m,).
+        w: shape (dim, m).
+        first: of `Compliance`.
+    """
+
+    plain: Floats
+    one: Floats
+    two: Floats
+    w: Floats
+    first: float = 1.0
+
+    @classmethod
+    def of(cls, plain: Floats) -> "Inverse":
+        """A number at each point, of one component."""
+        none = np.zeros(plain.size)
+        return cls(plain, none, none, np.zeros((1, plain.size)))
+
+    def times(self, a: Floats) -> Floats:
+        """``(C + delta)^-1 a``."""
+        if self.first > 0:
+            return np.asarray(self.plain * (a + self.one * inner(self.w, a) * self.w))
+        along = inner(self.w[1:], a[1:])
+        one, two = self.one * ((a[0] + along) / 2), self.two * ((a[0] - along) / 2)
+        found = np.empty_like(a)
+        found[0] = one + two
+        found[1:] = self.plain * (a[1:] - along * self.w[1:]) + (one - two) * self.w[1:]
+        return found
+
+    @property
+    def blocks(self) -> Floats:
+        """Shape (dim, dim, m)."""
+        plain, w = self.plain, self.w
+        if self.first > 0:
+            return _block(plain, plain * self.one, w)
+        block = np.empty((w.shape[0], *w.shape))
+        both = (self.one + self.two) / 2
+        block[0, 0] = both
+        block[0, 1:] = block[1:, 0] = (self.one - self.two) / 2 * w[1:]
+        block[1:, 1:] = _block(plain, both - plain, w[1:])
+        return block
+
+
+def _block(plain: Floats, rank: Floats, w: Floats) -> Floats:
+    """``plain + rank w w^T``, shape (dim, dim, m)."""
+    block = rank * w[:, None] * w
+    which = np.arange(w.shape[0])
+    block[which, which] += plain
+    return np.asarray(block)

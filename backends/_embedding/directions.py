@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends._embedding.cones import Scaling, inner, product, quotient
+from backends._embedding.cones import Compliance, inner
 from backends._embedding.place import Place, Step
-from backends._embedding.system import Border, Soft, System
+from backends._embedding.system import Border, System
 from backends._embedding.vectors import Vector
 from lacore.arrays import Floats
 
@@ -42,33 +42,38 @@ class Directions:
         conic, at = place.conic, place.at
         self._place, self._system = place, system
         self._slopes: list[Floats] = []
+        self._loops = conic.equal.loops
         pairs = zip(place.slacks, place.multipliers, strict=True)
-        self._scalings = [Scaling.between(s, z) for s, z in pairs]
+        self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
         count = len(conic.costly)
         self._costly, self._free = self._scalings[:count], self._scalings[count:]
-        self._soft = [
-            Soft.of(scaling, one.rise, one.rows.loops)
-            for scaling, one in zip(self._costly, conic.costly, strict=True)
-        ]
         # Of the t: 1 + a, what tau does to it, and what stresses do.
         self._raised, self._by_tau, self._across = [], [], []
-        rates, stresses = [], []
+        soft, rates, slopes = [], [], []
         slope_tau = -place.rising / at.tau**2 - at.kappa / at.tau
         for one, scaling, t in zip(conic.costly, self._costly, at.leads, strict=True):
             first, square = scaling.w[0], scaling.square
             both = square * (2 * first**2 - 1)
             raised = 1 + both * one.rise
+            rise = square * one.rise
+            size = inner(scaling.w[1:], scaling.w[1:])
+            rank = 2 * (1 - rise) / (1 + (1 + 2 * size) * rise)
+            soft.append(Compliance(square, rank, scaling.w[1:]))
             across = 2 * square * first / raised * scaling.w[1:]
             slope = one.cost + one.rise * t * (2 / at.tau)
             self._raised.append(raised)
             self._by_tau.append(-both * one.cost / raised)
             self._across.append(across)
             rates.append(one.cost * across)
-            stresses.append(-slope * across)
+            slopes.append(-slope * across)
             slope_tau += float(slope @ self._by_tau[-1])
             self._slopes.append(slope)
-        border = Border(tuple(rates), tuple(stresses), slope_tau)
-        system.factorise(self._soft, self._free, self._reference(), border)
+        soft += [Compliance.twice(scaling) for scaling in self._free]
+        offsets = [kind.offset for kind in conic.free]
+        border = Border((*rates, *offsets), (*slopes, *offsets), slope_tau)
+        heights = [-s for s in place.slacks]
+        self._ahead = self._reduced(1.0, heights, -at.tau * at.kappa)
+        self._start = system.factorise(soft, self._reference(), border, self._ahead.right)
 
     def _reference(self) -> float:
         """A compliance per squared norm of rows, of the cones where power is dissipated.
@@ -98,17 +103,16 @@ class Directions:
             power += float(own.sum())
         return softness / power if softness > 0 else 1.0
 
-    def _reduced(self, share: float, aims: Sequence[Floats], kappa: float) -> _Reduced:
-        """Right-hand sides of a step that takes a share of what is left, and products to aims.
+    def _reduced(self, share: float, heights: Sequence[Floats], kappa: float) -> _Reduced:
+        """Right-hand sides of a step that takes a share of what is left.
 
         Args:
             share: of the residuals.
-            aims: ``W dz + W^-1 ds`` of each cone.
+            heights: ``W^2 dz + ds`` of each cone.
             kappa: ``tau dkappa + kappa dtau``.
         """
         conic, left = self._place.conic, self._place.left
         count = len(conic.costly)
-        heights = [scaling.times(aim) for scaling, aim in zip(self._scalings, aims, strict=True)]
         costly, leads = [], []
         for one, height, raised, across in zip(
             conic.costly, heights[:count], self._raised, self._across, strict=True
@@ -127,14 +131,9 @@ class Directions:
         right.data[-2:] = -share * left.load, gap
         return _Reduced(right, tuple(leads), slacks, kappa)
 
-    def _roughly(self, given: _Reduced, known: "Directed | None" = None) -> "Directed":
-        """The step by a single solve, of what it is beside one that is known."""
-        system, right = self._system, given.right
-        if known is None:
-            start = system.once(right)
-        else:
-            start = known.x.plus(system.once(right.plus(known.given.right, -1.0)))
-        x = system.solve(right, start, ROUGH, FEW)
+    def _roughly(self, given: _Reduced, start: Vector) -> "Directed":
+        """The step from such a start."""
+        x = self._system.solve(given.right, start, ROUGH, FEW)
         return Directed(self._step(given, x), given, x)
 
     def _step(self, given: _Reduced, x: Vector) -> Step:
@@ -155,27 +154,23 @@ class Directions:
 
     def to_edges(self) -> "Directed":
         """The predictor: to the edges of all cones."""
-        at = self._place.at
-        aims = [-scaling.middle for scaling in self._scalings]
-        return self._roughly(self._reduced(1.0, aims, -at.tau * at.kappa))
+        return self._roughly(self._ahead, self._start)
 
     def to_centre(self, mu: float, share: float, ahead: "Directed") -> tuple["Directed", "Aim"]:
         """Towards ``s o z = mu e``, corrected by what the predictor leaves of its own aim."""
         at, step = self._place.at, ahead.step
         slacks, multipliers = step.cones
-        wanted = []
-        for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True):
-            more = -product(scaling.by(ds), scaling.times(dz))
-            more -= product(scaling.middle, scaling.middle)
-            more[0] += mu
-            wanted.append(more)
+        triples = zip(self._scalings, slacks, multipliers, strict=True)
+        wanted = [self._loops.corrected(scaling, ds, dz, mu) for scaling, ds, dz in triples]
         kappa = mu - at.tau * at.kappa - step.tau * step.kappa
         aim = Aim(share, tuple(wanted), kappa)
         return self.towards(aim, ahead), aim
 
     def towards(self, aim: "Aim", known: "Directed") -> "Directed":
-        """The step to an aim, by a single solve, from another one."""
-        return self._roughly(self._given(aim), known)
+        """The step to an aim, by a single solve of what it is beside one that is known."""
+        given = self._given(aim)
+        beside = given.right.plus(known.given.right, -1.0)
+        return self._roughly(given, known.x.plus(self._system.once(beside)))
 
     def exactly(self, known: "Directed", tolerance: float) -> Step:
         """A step refined.
@@ -205,23 +200,23 @@ class Directions:
         return float(loads)
 
     def _given(self, aim: "Aim") -> _Reduced:
-        aims = [
-            quotient(scaling.middle, more)
-            for scaling, more in zip(self._scalings, aim.products, strict=True)
-        ]
-        return self._reduced(aim.share, aims, aim.kappa)
+        pairs = zip(self._scalings, aim.products, strict=True)
+        heights = [self._loops.heights(scaling, more) for scaling, more in pairs]
+        return self._reduced(aim.share, heights, aim.kappa)
 
-    def products(self, step: Step, share: float) -> tuple[list[Floats], float]:
-        """``s o z`` in the frame of the scaling, and tau kappa, after a share of a step."""
+    def banded(
+        self, step: Step, share: float, band: tuple[float, float]
+    ) -> tuple[list[Floats], float]:
+        """What moves eigenvalues of ``s o z`` after a share of a step into a band.
+
+        And tau kappa, no further down than its upper end.
+        """
         at = self._place.at
         slacks, multipliers = step.cones
-        found = [
-            product(
-                scaling.middle + share * scaling.by(ds), scaling.middle + share * scaling.times(dz)
-            )
-            for scaling, ds, dz in zip(self._scalings, slacks, multipliers, strict=True)
-        ]
-        return found, (at.tau + share * step.tau) * (at.kappa + share * step.kappa)
+        triples = zip(self._scalings, slacks, multipliers, strict=True)
+        found = [self._loops.banded(own, ds, dz, share, band) for own, ds, dz in triples]
+        kappa = (at.tau + share * step.tau) * (at.kappa + share * step.kappa)
+        return found, max(min(max(kappa, band[0]), band[1]) - kappa, -band[1])
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends._embedding.arrays import Conic, Multipliers
-from backends._embedding.cones import clipped
 from backends._embedding.directions import Directions
 from backends._embedding.place import Place, Step
 from backends._embedding.start import start
@@ -85,10 +84,8 @@ def chosen(place: Place, directions: Directions, goal: Goal) -> tuple[Step, floa
         if share >= 0.9:
             break
         target = min(1.0, share + _FURTHER)
-        products, kappa = directions.products(found.step, target)
-        more = [clipped(x, _BAND[0] * mu, _BAND[1] * mu) for x in products]
-        extra = min(max(kappa, _BAND[0] * mu), _BAND[1] * mu) - kappa
-        further = aim.more(more, max(extra, -_BAND[1] * mu))
+        more = directions.banded(found.step, target, (_BAND[0] * mu, _BAND[1] * mu))
+        further = aim.more(*more)
         other = directions.towards(further, found)
         longer = min(1.0, _AWAY * place.farthest(other.step))
         if longer < share + _GAIN * _FURTHER:

@@ -5,13 +5,14 @@ anything is scattered: a fifth of the time of products of sparse matrices.
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from backends._embedding.arrays import Rows
-from backends._embedding.loops import Loops
+from backends._embedding.loops.best import Loops
 from lacore.arrays import Floats, Ints, Sparse
 
 
@@ -44,9 +45,10 @@ class Stiffness:
         ]
         self._elements: list[Ints] = []
         numbers = [self._known(bucket.columns) for _, bucket in self._buckets]
-        self._starts, self._indices, places = loops.pattern(self._elements, self._n)
+        starts, indices, places = loops.pattern(self._elements, self._n)
+        self._pattern = csr_matrix((np.zeros(indices.size), indices, starts), (self._n, self._n))
         self._places = [places[number] for number in numbers]
-        self.diagonal = self._starts[:-1]
+        self.diagonal = starts[:-1]
 
     def _known(self, columns: Ints) -> int:
         """Which of the elements have these unknowns: strain and volume are of the same."""
@@ -59,13 +61,15 @@ class Stiffness:
     def upper(self, blocks: Sequence[Floats]) -> Sparse:
         """The upper triangle of K for symmetric blocks of shape (dim, dim, m) of each kind."""
         data = self._loops.assembled(
-            self._indices.size,
+            self._pattern.nnz,
             [bucket.rows for _, bucket in self._buckets],
             [bucket.points for _, bucket in self._buckets],
             self._places,
             [blocks[kind] for kind, _ in self._buckets],
         )
-        return csr_matrix((data, self._indices, self._starts), (self._n, self._n))
+        matrix = copy(self._pattern)  # what it is made of is checked at every other making
+        matrix.data = data
+        return matrix
 
 
 def _buckets(rows: Rows) -> list[_Bucket]:

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends._embedding.arrays import Conic
-from backends._embedding.cones import Scaling, inner
-from backends._embedding.loops import Loops
+from backends._embedding.cones import Compliance, Inverse
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.vectors import Layout, Vector
 from lacore.arrays import Floats
@@ -28,58 +27,17 @@ _SHIFT = 1e-14  # of each diagonal, so that motions without any stiffness do not
 
 
 @dataclass(frozen=True)
-class Soft:
-    """The compliance C of costly cones: ``square (1 + rank w w^T)``, w of shape (d, m)."""
-
-    square: Floats
-    rank: Floats
-    w: Floats
-    size: Floats  # w.w
-    loops: Loops
-
-    @classmethod
-    def of(cls, scaling: Scaling, rise: Floats, loops: Loops) -> "Soft":
-        """That of a scaling, the t eliminated."""
-        w = scaling.w[1:]
-        size = inner(w, w)
-        raised = scaling.square * rise
-        rank = 2 * (1 - raised) / (1 + (1 + 2 * size) * raised)
-        return cls(scaling.square, rank, w, size, loops)
-
-    @property
-    def along(self) -> Floats:
-        """Eigenvalue along w; the others are `square`."""
-        return self.square * (1 + self.rank * self.size)
-
-    def times(self, z: Floats) -> Floats:
-        """``C z``."""
-        return self.loops.stretched(self.square, self.rank, self.w, z)
-
-    def flow(self, rate: Floats) -> Floats:
-        """The z that makes up for rates along w, of cones that flow freely."""
-        free = self.size > _FLOWING
-        share = np.where(free, inner(self.w, rate) / (self.along * np.maximum(self.size, 1.0)), 0.0)
-        return np.asarray(share * self.w)
-
-    def inverse(self, delta: Floats) -> tuple[Floats, Floats]:
-        """``(C + delta)^-1 = first (1 - second w w^T)``."""
-        first = 1 / (self.square + delta)
-        second = self.square * self.rank / (self.along + delta)
-        return first, second
-
-
-@dataclass(frozen=True)
 class Border:
-    """What tau does to the rates of costly cones, and stresses and tau to the gap.
+    """What tau does to the rates of cones, and multipliers and tau to the gap.
 
     Attributes:
-        rates: shape (d, m) each.
-        stresses: slopes of the gap by z, shape (d, m) each.
+        rates: shape (dim, m) each.
+        slopes: of the gap by multipliers, shape (dim, m) each.
         tau: slope of the gap by tau.
     """
 
     rates: tuple[Floats, ...]
-    stresses: tuple[Floats, ...]
+    slopes: tuple[Floats, ...]
     tau: float
 
 
@@ -109,72 +67,67 @@ class System:
         return np.asarray(np.maximum(diagonal, floor))
 
     def factorise(
-        self, soft: Sequence[Soft], scalings: Sequence[Scaling], reference: float, border: Border
-    ) -> None:
+        self, soft: Sequence[Compliance], reference: float, border: Border, right: Vector
+    ) -> Vector:
         """Take the compliances of all cones; `reference` is one of those that flow, per norm.
+
+        Returns:
+            What `once` would of a first right-hand side, which the border is solved beside.
 
         Raises:
             SingularError: the matrix is not definite.
         """
-        conic, weights = self._conic, self.layout.zeros()
-        self._soft, self._scalings, self._border = soft, scalings, border
+        conic = self._conic
+        self._soft = [*soft, Compliance.none(conic.equal.count)]
         least = reference / _CAP
-        stiff = [
-            own.inverse(least * one.rows.norms) for one, own in zip(conic.costly, soft, strict=True)
+        held = _VOLUME / (reference * conic.equal.norms)
+        self._stiff = [
+            own.inverse(least * rows.norms)
+            for own, rows in zip(soft, conic.kinds[:-1], strict=True)
         ]
-        self._first, self._less = [first for first, _ in stiff], [-second for _, second in stiff]
-        self._steep = [
-            Steep.of(scaling, least * kind.rows.norms)
-            for kind, scaling in zip(conic.free, scalings, strict=True)
-        ]
-        self._held = _VOLUME / (reference * conic.equal.norms)
-        blocks = []
-        for own, (first, second) in zip(soft, stiff, strict=True):
-            block = -(first * second) * own.w[:, None] * own.w
-            which = np.arange(own.w.shape[0])
-            block[which, which] += first
-            blocks.append(block)
-        blocks += [steep.blocks for steep in self._steep]
-        weights.force[:] = 1 / np.sqrt(self._take([*blocks, self._held[None, None]]))
-        weights.equal[:] = np.sqrt(self._held)
-        for part, one in zip(weights.costly, soft, strict=True):
-            part[:] = 1 / np.sqrt(one.square)
-        for part, scaling in zip(weights.free, scalings, strict=True):
-            part[:] = 1 / np.sqrt(scaling.square)
-        by_load, by_tau = self.layout.zeros(), self.layout.zeros()
+        self._stiff.append(Inverse.of(held))
+        weights, rate, slope = (self.layout.zeros() for _ in range(3))
+        weights.force[:] = 1 / np.sqrt(self._take([own.blocks for own in self._stiff]))
+        weights.equal[:] = np.sqrt(held)
+        for part, own in zip(weights.parts, soft, strict=False):
+            part[:] = 1 / np.sqrt(own.square)
+        # What tau does to each equation, and each unknown to the gap.
+        rate.force[:], slope.force[:] = conic.dead, -conic.dead
+        pairs = zip(rate.parts, slope.parts, border.rates, border.slopes, strict=False)
+        for part, other, given, its_slope in pairs:
+            part[:], other[:] = given, its_slope
+        rate.equal[:] = slope.equal[:] = -conic.given
+        rate.data[-2:], slope.data[-2:] = (-1.0, border.tau), (-1.0, border.tau)
+        self._rate, self._slope = rate.data, slope.data
+        by_load = self.layout.zeros()
         by_load.force[:] = -conic.load
-        by_tau.force[:] = -conic.dead
-        by_tau.equal[:] = conic.given
-        for part, rate in zip(by_tau.costly, border.rates, strict=True):
-            part[:] = -rate
-        for part, kind in zip(by_tau.free, conic.free, strict=True):
-            part[:] = -kind.offset
-        by_load, by_tau = self._inner(by_load, by_tau)
+        by_tau = Vector(self.layout, -rate.data)
+        by_load, by_tau, first = self._inner(by_load, by_tau, right)
         self._columns = by_load, by_tau
         work = float(conic.load @ by_load.force)
-        self._small = np.array(
+        small = np.array(
             [
                 [work, conic.load @ by_tau.force - 1],
                 [self._gap(by_load) - 1, self._gap(by_tau) + border.tau],
             ]
         )
+        self._small = small
         unit = np.sqrt(abs(work)) + np.finfo(float).tiny
-        weights.data[-2:] = 1 / unit, 1 / (1 / unit + np.sqrt(abs(self._small[1, 1])))
+        weights.data[-2:] = 1 / unit, 1 / (1 / unit + np.sqrt(abs(small[1, 1])))
         self._weights = weights.data
+        return self._bordered(right, first)
 
     def _gap(self, x: Vector) -> float:
         """What all but lambda and tau add to the gap."""
-        conic = self._conic
-        total = -float(conic.dead @ x.force) - float(conic.given @ x.equal)
-        for slope, z in zip(self._border.stresses, x.costly, strict=True):
-            total += float(np.vdot(slope, z))
-        for kind, r in zip(conic.free, x.free, strict=True):
-            total += float(np.vdot(kind.offset, r))
-        return total
+        return float(self._slope[:-2] @ x.data[:-2])
 
     def once(self, right: Vector) -> Vector:
         """The solution with the small compliances."""
         (x,) = self._inner(right)
+        return self._bordered(right, x)
+
+    def _bordered(self, right: Vector, x: Vector) -> Vector:
+        """With lambda and tau."""
         by_load, by_tau = self._columns
         rest = np.array([right.load - self._conic.load @ x.force, right.tau - self._gap(x)])
         load, tau = np.linalg.solve(self._small, rest)
@@ -185,56 +138,34 @@ class System:
 
     def _inner(self, *rights: Vector) -> list[Vector]:
         """Those without lambda and tau, of several right-hand sides in one go."""
-        forces = np.column_stack([self._pulled(right) for right in rights])
-        found = self._solver.solve(forces)
+        forces = np.empty((len(rights), self._conic.load.size))
+        for force, right in zip(forces, rights, strict=True):
+            np.negative(right.force, out=force)
+            for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
+                rows.loops.pulled(rows.matrix, stiff, part, force)
+        found = self._solver.solve(forces.T)
         return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
-
-    def _pulled(self, right: Vector) -> Floats:
-        """Forces of a right-hand side on velocities alone."""
-        conic = self._conic
-        force = conic.equal.force((self._held * right.equal)[None])
-        force -= right.force
-        for number, one in enumerate(conic.costly):
-            force += one.rows.force(self._stiff(number, right.costly[number]))
-        for kind, steep, part in zip(conic.free, self._steep, right.free, strict=True):
-            force += kind.rows.force(steep.times(part))
-        return np.asarray(force)
 
     def _moved(self, right: Vector, u: Floats) -> Vector:
         """The solution with such velocities."""
-        conic, x = self._conic, self.layout.zeros()
+        x = Vector(self.layout, np.empty(self.layout.size))
         x.force[:] = u
-        x.equal[:] = self._held * (right.equal - conic.equal.at(u)[0])
-        for number, one in enumerate(conic.costly):
-            x.costly[number][:] = self._stiff(number, right.costly[number] - one.rows.at(u))
-        for number, kind in enumerate(conic.free):
-            x.free[number][:] = self._steep[number].times(right.free[number] - kind.rows.at(u))
+        x.data[-2:] = 0.0
+        pairs = zip(self._conic.kinds, self._stiff, right.parts, x.parts, strict=True)
+        for rows, stiff, a, z in pairs:
+            rows.loops.moved(rows.matrix, stiff, u, a, z)
         return x
-
-    def _stiff(self, number: int, a: Floats) -> Floats:
-        own, first, less = self._soft[number], self._first[number], self._less[number]
-        return own.loops.stretched(first, less, own.w, a)
 
     def times(self, x: Vector) -> Vector:
         """The left-hand sides."""
-        conic, border, out = self._conic, self._border, self.layout.zeros()
+        load, out = self._conic.load, Vector(self.layout, x.tau * self._rate)
         u, force = x.force, out.force
-        force[:] = x.load * conic.load + x.tau * conic.dead
-        parts = zip(conic.costly, self._soft, border.rates, x.costly, out.costly, strict=True)
-        for one, own, rate, z, part in parts:
-            one.rows.both(u, z, force, part)
-            part += own.times(z)
-            part += x.tau * rate
-        for kind, scaling, r, part in zip(
-            conic.free, self._scalings, x.free, out.free, strict=True
+        force += x.load * load
+        for rows, own, z, part in zip(
+            self._conic.kinds, self._soft, x.parts, out.parts, strict=True
         ):
-            kind.rows.both(u, r, force, part)
-            part += scaling.twice(r)
-            part += x.tau * kind.offset
-        conic.equal.both(u, x.equal[None], force, out.equal[None])
-        out.equal[:] -= x.tau * conic.given
-        out.data[-2] = float(conic.load @ x.force) - x.tau
-        out.data[-1] = self._gap(x) - x.load + border.tau * x.tau
+            rows.loops.times(rows.matrix, u, z, own, force, part)
+        out.data[-2:] = load @ u - x.tau, self._slope @ x.data
         return out
 
     def left(self, right: Vector, x: Vector) -> Vector:
@@ -285,48 +216,7 @@ class System:
         A flowing cone is as near to its edge as mu is to zero, and what is left of its rate along
         the flow moves it by as much. Stresses that take it up are too small for equilibrium.
         """
-        moved = x.plus(self.layout.zeros())
-        for z, a, own in zip(moved.costly, left.costly, self._soft, strict=True):
-            z += own.flow(a)
+        loops, moved = self._conic.equal.loops, Vector(self.layout, x.data.copy())
+        for own, rates, z in zip(self._soft, left.costly, moved.costly, strict=False):
+            loops.along(own, _FLOWING, rates, z)
         return moved
-
-
-@dataclass(frozen=True)
-class Steep:
-    """``(W^2 + delta)^-1`` of free cones, in the frame of each."""
-
-    plain: Floats
-    both: Floats
-    cross: Floats
-    direction: Floats
-
-    @classmethod
-    def of(cls, scaling: Scaling, delta: Floats) -> "Steep":
-        square, w = scaling.square, scaling.w
-        size = np.sqrt(inner(w[1:], w[1:]))
-        high = 1 / (square * (w[0] + size) ** 2 + delta)
-        low = 1 / (square / (w[0] + size) ** 2 + delta)
-        direction = w[1:] / np.maximum(size, np.finfo(float).tiny)
-        if w.shape[0] == 1:
-            high = low = 1 / (square + delta)
-        return cls(1 / (square + delta), (high + low) / 2, (high - low) / 2, direction)
-
-    def times(self, g: Floats) -> Floats:
-        along = inner(self.direction, g[1:])
-        found = np.empty_like(g)
-        found[0] = self.both * g[0] + self.cross * along
-        more = self.cross * g[0] + (self.both - self.plain) * along
-        found[1:] = self.plain * g[1:] + more * self.direction
-        return found
-
-    @property
-    def blocks(self) -> Floats:
-        """Shape (dim, dim, m)."""
-        dim, direction = 1 + self.direction.shape[0], self.direction
-        block = np.zeros((dim, dim, self.plain.size))
-        block[0, 0] = self.both
-        block[0, 1:] = block[1:, 0] = self.cross * direction
-        block[1:, 1:] = (self.both - self.plain) * direction[:, None] * direction
-        which = np.arange(1, dim)
-        block[which, which] += self.plain
-        return block

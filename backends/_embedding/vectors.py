@@ -13,16 +13,14 @@ class Layout:
     """Where what is in the array of a `Vector`."""
 
     def __init__(self, conic: Conic) -> None:
-        shapes = [(one.rows.dim, one.rows.count) for one in conic.costly]
-        shapes += [(kind.rows.dim, kind.rows.count) for kind in conic.free]
-        ends = np.cumsum([conic.load.size, conic.equal.count, *(a * b for a, b in shapes)])
+        shapes = [(rows.dim, rows.count) for rows in conic.kinds]
+        ends = np.cumsum([conic.load.size, *(a * b for a, b in shapes)])
         self.force = slice(0, int(ends[0]))
-        self.equal = slice(int(ends[0]), int(ends[1]))
-        parts = [
+        self.parts = [
             (slice(int(a), int(b)), shape)
-            for a, b, shape in zip(ends[1:-1], ends[2:], shapes, strict=True)
+            for a, b, shape in zip(ends[:-1], ends[1:], shapes, strict=True)
         ]
-        self.costly, self.free = parts[: len(conic.costly)], parts[len(conic.costly) :]
+        self.costly = len(conic.costly)
         self.size = int(ends[-1]) + 2  # and lambda and tau
 
     def zeros(self) -> "Vector":
@@ -32,7 +30,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Vector:
-    """u, p, z of costly cones, r of free cones, lambda and tau; or forces, rates, and so on.
+    """u, z of costly cones, r of free cones, p, lambda and tau; or forces, rates, and so on.
 
     Attributes:
         layout: of the array.
@@ -47,20 +45,25 @@ class Vector:
         """Velocities, shape (n,)."""
         return self.data[self.layout.force]
 
+    @cached_property
+    def parts(self) -> tuple[Floats, ...]:
+        """Multipliers of all kinds of rows, shape (dim, m) each, those of E last."""
+        return tuple(self.data[own].reshape(shape) for own, shape in self.layout.parts)
+
+    @property
+    def costly(self) -> tuple[Floats, ...]:
+        """Stresses of costly cones."""
+        return self.parts[: self.layout.costly]
+
+    @property
+    def free(self) -> tuple[Floats, ...]:
+        """Pressures of free cones."""
+        return self.parts[self.layout.costly : -1]
+
     @property
     def equal(self) -> Floats:
-        """Multipliers of E."""
-        return self.data[self.layout.equal]
-
-    @cached_property
-    def costly(self) -> tuple[Floats, ...]:
-        """Stresses of costly cones, shape (d, m) each."""
-        return tuple(self.data[own].reshape(shape) for own, shape in self.layout.costly)
-
-    @cached_property
-    def free(self) -> tuple[Floats, ...]:
-        """Pressures of free cones, shape (dim, m) each."""
-        return tuple(self.data[own].reshape(shape) for own, shape in self.layout.free)
+        """Multipliers of E, shape (m,)."""
+        return np.asarray(self.parts[-1][0])
 
     @property
     def load(self) -> float:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from backends._embedding import plain
+from backends._embedding.cones import Compliance, Scaling, product
+from backends._embedding.loops import plain
 
-compiled = pytest.importorskip("backends._embedding.compiled")
+compiled = pytest.importorskip("backends._embedding.loops.compiled")
 SUMS = 1e-12  # sums of a few terms of order one, in another order
 
 
@@ -55,18 +56,111 @@ def test_rates_and_forces_are_the_same(rng, dim):
     for loops in (plain, compiled):
         near(loops.rates(matrix, dim, u), (dense @ u).reshape(m, dim).T)
         near(loops.forces(matrix, z), dense.T @ z.T.ravel())
-        force, found = np.ones(n), np.empty((dim, m))
-        loops.both(matrix, u, z, force, found)
-        near(found, loops.rates(matrix, dim, u))
-        near(force, 1 + loops.forces(matrix, z))
+
+
+def compliances(rng, dim, m):
+    """That of a flowing cone, of ``W^2``, and of none."""
+    scaling = Scaling.between(*insides(rng, dim, m))
+    flowing = Compliance(rng.uniform(1, 2, m), rng.uniform(0, 2, m), rng.normal(size=(dim, m)))
+    none = [Compliance.none(m)] if dim == 1 else []
+    return [flowing, Compliance.twice(scaling), *none]
+
+
+def insides(rng, dim, m):
+    points = rng.normal(size=(2, dim, m))
+    points[:, 0] = np.linalg.norm(points[:, 1:], axis=1) + 0.1
+    return points
+
+
+def dense(soft):
+    """C of each point, shape (m, dim, dim)."""
+    mirror = np.eye(soft.w.shape[0])
+    mirror[0, 0] = soft.first
+    return np.array(
+        [
+            square * (mirror + rank * np.outer(w, w))
+            for square, rank, w in zip(soft.square, soft.rank, soft.w.T, strict=True)
+        ]
+    )
 
 
 @pytest.mark.parametrize("dim", [1, 2, 3])
-def test_cones_are_the_same(rng, dim):
+def test_products_of_the_system_are_the_same(rng, dim):
+    m, n = 9, 11
+    rows = rng.normal(size=(m * dim, n)) * (rng.uniform(size=(m * dim, n)) > 0.6)
+    matrix, u, z, a = csr_matrix(rows), rng.normal(size=n), *rng.normal(size=(2, dim, m))
+    for soft in compliances(rng, dim, m):
+        each = dense(soft)
+        near(soft.times(z), np.einsum("mij,jm->im", each, z))
+        stiff = soft.inverse(np.full(m, 0.5))
+        inverse = np.linalg.inv(each + 0.5 * np.eye(dim))
+        near(stiff.blocks, inverse.transpose(1, 2, 0))
+        for loops in (plain, compiled):
+            force, found = np.ones(n), np.ones((dim, m))
+            loops.times(matrix, u, z, soft, force, found)
+            near(found, 1 + (rows @ u).reshape(m, dim).T + soft.times(z))
+            near(force, 1 + rows.T @ z.T.ravel())
+            force = np.ones(n)
+            loops.pulled(matrix, stiff, a, force)
+            by = np.einsum("mij,jm->im", inverse, a)
+            near(force, 1 + rows.T @ by.T.ravel())
+            loops.moved(matrix, stiff, u, a, found)
+            rest = a - (rows @ u).reshape(m, dim).T
+            near(found, np.einsum("mij,jm->im", inverse, rest))
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_what_makes_up_for_rates_along_flows_is_the_same(rng, dim):
+    m, free = 13, 1.0
+    soft, rates = compliances(rng, dim, m)[0], rng.normal(size=(dim, m))
+    flows = np.sum(soft.w**2, axis=0) > free
+    assert 0 < flows.sum() < m
+    for loops in (plain, compiled):
+        z = np.zeros((dim, m))
+        loops.along(soft, free, rates, z)
+        left = np.sum(soft.w * (rates - soft.times(z)), axis=0)
+        near(left[flows], 0.0)
+        near(z[:, ~flows], 0.0)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_scalings_and_aims_are_the_same(rng, dim):
     m = 13
-    w, z = rng.normal(size=(2, dim, m))
-    scale, share = rng.uniform(1, 2, m), rng.normal(size=m)
-    near(plain.stretched(scale, share, w, z), compiled.stretched(scale, share, w, z))
+    s, z = insides(rng, dim, m)
+    ds, dz, products = rng.normal(size=(3, dim, m))
+    one, other = plain.scaled(s, z), compiled.scaled(s, z)
+    near(one.square, other.square)
+    near(one.w, other.w)
+    near(one.middle, other.middle)
+    near(one.times(z), one.by(s))
+    given = (
+        ("heights", (products,)),
+        ("corrected", (ds, dz, 0.7)),
+        ("banded", (ds, dz, 0.4, (0.1, 2.0))),
+    )
+    for name, rest in given:
+        near(getattr(plain, name)(one, *rest), getattr(compiled, name)(one, *rest))
+    # The heights are those of points whose products with the middle are given.
+    near(product(one.middle, one.by(plain.heights(one, products))), products)
+
+
+def test_products_are_moved_into_the_band(rng):
+    s, z = insides(rng, 3, 13)
+    scaling, none = plain.scaled(s, z), np.zeros((3, 13))
+    low, high = 0.9 * np.ones(13), 1.1 * np.ones(13)
+    found = product(scaling.middle, scaling.middle)
+    found += compiled.banded(scaling, none, none, 1.0, (0.9, 1.1))
+    length = np.linalg.norm(found[1:], axis=0)
+    assert np.all(found[0] - length >= low - SUMS)
+    # What is above comes down by no more than the upper end.
+    before = product(scaling.middle, scaling.middle)
+    above = before[0] + np.linalg.norm(before[1:], axis=0)
+    near(found[0] + length, np.maximum(np.clip(above, low, high), above - high))
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_ways_to_the_edge_are_the_same(rng, dim):
+    m = 13
     x, change = rng.normal(size=(2, dim, m))
     x[0] = np.linalg.norm(x[1:], axis=0) + 0.1
     share = plain.farthest(x, change)

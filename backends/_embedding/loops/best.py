@@ -5,13 +5,14 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Protocol
 
-from backends._embedding import plain
-from backends._embedding.plain import Indices
+from backends._embedding.cones import Compliance, Inverse, Scaling
+from backends._embedding.loops import plain
+from backends._embedding.loops.plain import Indices
 from lacore.arrays import Floats, Ints, Sparse
 
 
 class Loops(Protocol):
-    """See `backends._embedding.plain`, whose functions these are."""
+    """See `backends._embedding.loops.plain`, whose functions these are."""
 
     @property
     def name(self) -> str:
@@ -34,11 +35,36 @@ class Loops(Protocol):
 
     def forces(self, matrix: Sparse, parts: Floats) -> Floats: ...
 
-    def both(
-        self, matrix: Sparse, velocity: Floats, parts: Floats, force: Floats, found: Floats
+    def pulled(self, matrix: Sparse, stiff: Inverse, a: Floats, force: Floats) -> None: ...
+
+    def moved(self, matrix: Sparse, stiff: Inverse, u: Floats, a: Floats, z: Floats) -> None: ...
+
+    def times(
+        self,
+        matrix: Sparse,
+        u: Floats,
+        z: Floats,
+        soft: Compliance,
+        force: Floats,
+        found: Floats,
     ) -> None: ...
 
-    def stretched(self, scale: Floats, share: Floats, w: Floats, z: Floats) -> Floats: ...
+    def along(self, soft: Compliance, free: float, rates: Floats, z: Floats) -> None: ...
+
+    def scaled(self, s: Floats, z: Floats) -> Scaling: ...
+
+    def heights(self, scaling: Scaling, wanted: Floats) -> Floats: ...
+
+    def corrected(self, scaling: Scaling, ds: Floats, dz: Floats, mu: float) -> Floats: ...
+
+    def banded(
+        self,
+        scaling: Scaling,
+        ds: Floats,
+        dz: Floats,
+        share: float,
+        band: tuple[float, float],
+    ) -> Floats: ...
 
     def farthest(self, x: Floats, change: Floats) -> float: ...
 
@@ -53,7 +79,7 @@ def best_loops() -> Loops:
     """Those of numba where it is installed, else those of NumPy."""
     try:
         # Here: numba takes a third of a second to load, and only this backend has a use for it.
-        from backends._embedding import compiled
+        from backends._embedding.loops import compiled
     except ImportError:  # an extra
         return plain
     return compiled

@@ -1,10 +1,19 @@
-"""Loops over points and elements in NumPy: what `backends._embedding.compiled` does, anywhere."""
+"""Loops over points and elements in NumPy: what `compiled` beside it does, anywhere."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from backends._embedding.cones import (
+    Compliance,
+    Inverse,
+    Scaling,
+    clipped,
+    inner,
+    product,
+    quotient,
+)
 from lacore.arrays import Floats, Ints, Sparse
 
 name = "NumPy"
@@ -82,15 +91,55 @@ def forces(matrix: Sparse, parts: Floats) -> Floats:
     return np.asarray(matrix.T @ np.ascontiguousarray(parts.T).ravel())
 
 
-def both(matrix: Sparse, velocity: Floats, parts: Floats, force: Floats, found: Floats) -> None:
-    """Both in one go: rates into `found`, of shape (dim, m), and forces added to `force`."""
-    found[:] = rates(matrix, parts.shape[0], velocity)
-    force += forces(matrix, parts)
+def pulled(matrix: Sparse, stiff: Inverse, a: Floats, force: Floats) -> None:
+    """``matrix^T M a`` added to a force."""
+    force += forces(matrix, stiff.times(a))
 
 
-def stretched(scale: Floats, share: Floats, w: Floats, z: Floats) -> Floats:
-    """``scale (1 + share w w^T) z`` by point, w and z of shape (d, m)."""
-    return np.asarray(scale * (z + share * np.einsum("dm,dm->m", w, z) * w))
+def moved(matrix: Sparse, stiff: Inverse, u: Floats, a: Floats, z: Floats) -> None:
+    """``M (a - matrix u)`` into z, of shape (dim, m)."""
+    z[:] = stiff.times(a - rates(matrix, z.shape[0], u))
+
+
+def times(
+    matrix: Sparse, u: Floats, z: Floats, soft: Compliance, force: Floats, found: Floats
+) -> None:
+    """``matrix u + C z`` added to `found`, of shape (dim, m), and ``matrix^T z`` to a force."""
+    found += rates(matrix, z.shape[0], u) + soft.times(z)
+    force += forces(matrix, z)
+
+
+def along(soft: Compliance, free: float, rates: Floats, z: Floats) -> None:
+    """Add what makes up for rates along w, of points where ``w.w`` is more than `free`."""
+    size = inner(soft.w, soft.w)
+    own = soft.square * (1 + soft.rank * size) * np.maximum(size, free)
+    z += np.where(size > free, inner(soft.w, rates) / own, 0.0) * soft.w
+
+
+def scaled(s: Floats, z: Floats) -> Scaling:
+    """The scaling between points of shape (1 + d, m), inside."""
+    return Scaling.between(s, z)
+
+
+def heights(scaling: Scaling, wanted: Floats) -> Floats:
+    """``W q`` of the q whose products with ``W z`` are given."""
+    return scaling.times(quotient(scaling.middle, wanted))
+
+
+def corrected(scaling: Scaling, ds: Floats, dz: Floats, mu: float) -> Floats:
+    """``mu e`` less the products of the points, and of their changes, in the frame of W."""
+    found = -product(scaling.by(ds), scaling.times(dz))
+    found -= product(scaling.middle, scaling.middle)
+    found[0] += mu
+    return found
+
+
+def banded(
+    scaling: Scaling, ds: Floats, dz: Floats, share: float, band: tuple[float, float]
+) -> Floats:
+    """What moves eigenvalues of the products after a share of changes into a band."""
+    slack = scaling.middle + share * scaling.by(ds)
+    return clipped(product(slack, scaling.middle + share * scaling.times(dz)), *band)
 
 
 def farthest(x: Floats, change: Floats) -> float:

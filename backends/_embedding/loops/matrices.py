@@ -1,0 +1,97 @@
+"""Patterns and sums of matrices of elements that numba compiles."""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def members(columns, ends, n):  # type: ignore[no-untyped-def]
+    """Which elements have an unknown, one after the other."""
+    first = np.zeros(n + 1, np.int64)
+    for column in columns:
+        first[column + 1] += 1
+    for i in range(n):
+        first[i + 1] += first[i]
+    free, members = first[:-1].copy(), np.empty(columns.size, np.int64)
+    for e in range(ends.size - 1):
+        for at in range(ends[e], ends[e + 1]):
+            members[free[columns[at]]] = e
+            free[columns[at]] += 1
+    return first, members
+
+
+@njit(cache=True)
+def pattern(columns, ends, first, members, n):  # type: ignore[no-untyped-def]
+    """Starts and columns of the upper triangle, its diagonal in it."""
+    seen = np.full(n, -1, np.int64)
+    starts = np.zeros(n + 1, np.int32)
+    indices = np.empty(0, np.int32)
+    for turn in range(2):
+        if turn:
+            indices = np.empty(starts[n], np.int32)
+        count = 0
+        for i in range(n):
+            begin = count
+            seen[i] = i + turn * n
+            if turn:
+                indices[count] = i
+            count += 1
+            for place in range(first[i], first[i + 1]):
+                e = members[place]
+                for at in range(ends[e], ends[e + 1]):
+                    j = columns[at]
+                    if j > i and seen[j] != i + turn * n:
+                        seen[j] = i + turn * n
+                        if turn:
+                            indices[count] = j
+                        count += 1
+            if turn:
+                indices[begin:count].sort()
+            starts[i + 1] = count
+    return starts, indices
+
+
+@njit(cache=True)
+def places(columns, starts, indices):  # type: ignore[no-untyped-def]
+    """Of the upper triangles of elements, whose columns ascend, shape (e, c (c + 1)/2)."""
+    elements, width = columns.shape
+    places = np.empty((elements, width * (width + 1) // 2), np.int32)
+    for e in range(elements):
+        pair = 0
+        for a in range(width):
+            i = columns[e, a]
+            at = starts[i]
+            for b in range(a, width):
+                while indices[at] != columns[e, b]:
+                    at += 1
+                places[e, pair] = at
+                pair += 1
+    return places
+
+
+@njit(cache=True)
+def add(data, rows, points, places, block):  # type: ignore[no-untyped-def]
+    """Add ``sum R^T M R`` of elements, rows of shape (e, k, dim, c)."""
+    elements, count, dim, width = rows.shape
+    times = np.empty((dim, width))
+    own = np.empty(width * (width + 1) // 2)
+    for e in range(elements):
+        own[:] = 0.0
+        for k in range(count):
+            point = np.uintp(points[e, k])
+            for i in range(dim):
+                for a in range(width):
+                    times[i, a] = 0.0
+                for j in range(dim):
+                    value = block[i, j, point]
+                    for a in range(width):
+                        times[i, a] += value * rows[e, k, j, a]
+            for i in range(dim):
+                pair = 0
+                for a in range(width):
+                    value = rows[e, k, i, a]
+                    for b in range(width - a):
+                        own[pair + b] += value * times[i, a + b]
+                    pair += width - a
+        for pair in range(own.size):
+            data[np.uintp(places[e, pair])] += own[pair]
