@@ -89,10 +89,10 @@ lint: $(READY)
 bench: $(READY)
 	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only \
 		--benchmark-columns=min --benchmark-sort=name --benchmark-json=reports/benchmarks.json
-	$(BIN)/python docs/benchmarks.py reports/benchmarks.json
+	$(BIN)/python docs/site/benchmarks.py reports/benchmarks.json
 
 bench-page: $(READY)
-	$(BIN)/python docs/benchmarks.py reports/benchmarks.json --page
+	$(BIN)/python docs/site/benchmarks.py reports/benchmarks.json --page
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py

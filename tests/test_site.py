@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
 from tests.conftest import ROOT
@@ -99,6 +100,34 @@ def test_a_case_without_results_says_so(scripts, results):
     assert "not among the committed results" in manual.page(case, none, drawn)
     assert "not run yet" in manual.index([case], none)
     assert case.reference_of(case.variants[0]).text[1:6] in manual.page(case, results, drawn)
+
+
+def test_backends_are_compared_on_what_all_of_them_were_asked(scripts):
+    """One that few cases were asked of is left out, and does not shrink what is compared."""
+    speed = scripts("speed")
+    asked = {"all": "abcde", "most": "abcd", "few": "ab"}
+    rows = [(who, case, "v", "coarse") for who, cases in asked.items() for case in cases]
+    frame = pd.DataFrame(rows, columns=["backend", "case", "variant", "mesh"])
+    alike = speed._asked_alike(frame)
+    assert {*alike["backend"]} == {"all", "most"}
+    assert "".join(sorted({*alike["case"]})) == "abcd"
+
+
+def test_random_programs_that_nobody_solved_and_wrong_claims_are_told(scripts):
+    speed = scripts("speed")
+    said = [("one", 0, "right"), ("two", 0, "wrong"), ("one", 1, "no answer"), ("two", 1, "wrong")]
+    runs = [
+        {"backend": who, "family": "f", "place": n, "verdict": v, "seconds": 1.0, "unknowns": 9}
+        for who, n, v in said
+    ]
+    kept = {"kind": "programs", "what": "2 programs", "limit": 60.0, "runs": runs}
+    blocks = [*speed._programs(pd.DataFrame([kept]), pd.DataFrame(runs))]
+    assert "none solved: 1." in blocks[1].text
+    table = blocks[-1].data.set_index("solver")
+    assert list(table.loc["one", ["solved", "wrong"]]) == [1, 0]
+    assert list(table.loc["two", ["solved", "wrong"]]) == [0, 2]
+    with pytest.raises(ValueError, match="no <!--"):
+        speed.page("a page without a place for charts", None)
 
 
 def test_links_of_pages_lead_to_where_things_are_on_the_site(scripts, tmp_path):

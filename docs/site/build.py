@@ -17,6 +17,7 @@ import links
 import manual
 import pictures
 import results
+import speed
 from pages import EXTRA, ROOT, Site, sources
 from verification.case import Case
 from verification.catalogue.catalogue import catalogue
@@ -55,6 +56,7 @@ def _charts_css() -> bytes:
 
 def _of_cases(site: Site, cases: list[Case], most: int) -> dict[str, str]:
     kept, found = pictures.Kept(site.folder.parent / "drawn"), results.load()
+    benchmarks = (site.folder / "benchmarks.md").read_text(encoding="utf-8")
     shown = kept.drawn(cases, found.outcomes, most)
     for file, data in {**pictures.files(shown), **gallery.thumbnails(cases, shown)}.items():
         site.put(file, data)
@@ -63,6 +65,7 @@ def _of_cases(site: Site, cases: list[Case], most: int) -> dict[str, str]:
         manual.INDEX: manual.index(cases, found),
         "manual/excluded.md": manual.excluded(cases, found),
         "gallery.md": gallery.page(cases, shown),
+        "benchmarks.md": speed.page(benchmarks, found),
     }
 
 

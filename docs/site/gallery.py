@@ -28,7 +28,6 @@ _EXAMPLES = {
         ("wall.png", "A facade", "../guide/friction"),
         ("billet.png", "A billet is upset", "../guide/large-deformation"),
         ("mechanism.png", "A block that is crushed", "../index"),
-        ("brackets.png", "Brackets against time", "../benchmarks"),
     )
 }
 _WIDE, _HIGH = 480, 360  # pixels of a picture in the gallery: it is shown half as wide

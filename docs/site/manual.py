@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf, isfinite, nan
 
 import pandas as pd
 
@@ -130,7 +130,14 @@ def _width(own: VariantSummary) -> str:
     if not (isfinite(own.lower) and isfinite(own.upper)):
         return ""
     mean = (abs(own.upper) + abs(own.lower)) / 2
-    return f"{100 * (own.upper - own.lower) / mean:.2g} %" if mean else ""
+    share = (own.upper - own.lower) / mean if mean else nan
+    if share < _LEAST_WIDTH:
+        return f"< {100 * _LEAST_WIDTH:g} %"
+    return f"{100 * share:.2g} %" if mean else ""
+
+
+_LEAST_WIDTH = 1e-4
+"""Of the front table: a narrower one is that of an exact solution and its round-off."""
 
 
 def excluded(cases: Sequence[Case], results: Results) -> str:

@@ -42,12 +42,14 @@ class Results:
         outcomes: without states; of cases and variants that are in the catalogue.
         checks: as `lacore verify` writes them.
         left: lines of cases and variants that are not there any more, or changed since.
+        digest: SHA-256 of the file.
     """
 
     provenances: Mapping[str, Mapping[str, str]]
     outcomes: list[Outcome]
     checks: pd.DataFrame
     left: int
+    digest: str
 
 
 def load() -> Results:
@@ -61,7 +63,8 @@ def load() -> Results:
     known = [outcome for outcome in found if outcome is not None]
     counts = Counter(line["date"] for line in kept.lines)
     provenances = {f"{own['date']}: {counts[own['date']]} runs": own for own in kept.sessions}
-    return Results(provenances, known, pd.DataFrame(kept.checks), len(found) - len(known))
+    seal = SEAL.read_text(encoding="ascii").strip()
+    return Results(provenances, known, pd.DataFrame(kept.checks), len(found) - len(known), seal)
 
 
 @dataclass(frozen=True)

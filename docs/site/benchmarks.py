@@ -1,10 +1,12 @@
 """Tables of the benchmarks from their JSON: ``make bench`` prints, ``make bench-page`` keeps.
 
 What pytest-benchmark writes is long and about one machine. Kept in docs/benchmarks.json are its
-records and what they were measured with; docs/benchmarks.md shows them.
+records and what they were measured with, beside it its checksum; docs/benchmarks.md shows them, and
+the page of the site their charts.
 """
 
 import argparse
+import hashlib
 import json
 import re
 import sys
@@ -14,15 +16,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 from scipy.stats import linregress
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "benchmarks.json"
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
-PICTURE = "brackets.png"  # beside the page
 _PROBLEMS = {"cut": "vertical cut", "punch": "punch", "punch, fan": "punch, fan at its edge"}
 _DIGITS = 8
 _OTHER = (
@@ -34,6 +33,7 @@ _OTHER = (
     "bracket",
     "bracket order",
     "start",
+    "programs",
 )  # kinds that are told of apart
 _WALLS = {  # of their table
     "benchmark": ("what", "{}"),
@@ -88,6 +88,29 @@ _COLUMNS = {  # of the table: field of a record, and its format; none: two digit
     "iterations": ("iterations", "{:.0f}"),
     "memory, MB": ("memory_mb", "{:.0f}"),
 }
+
+
+def load() -> dict[str, Any]:
+    """What is kept, whose checksum must be right.
+
+    Raises:
+        ValueError: it is not.
+    """
+    data = KEPT.read_bytes()
+    if digest(data) != seal_of(KEPT).read_text(encoding="ascii").strip():
+        raise ValueError(f"{KEPT.name} is not what was kept: its checksum is another one")
+    kept: dict[str, Any] = json.loads(data)
+    return kept
+
+
+def seal_of(file: Path) -> Path:
+    """Where the checksum of a file is."""
+    return Path(f"{file}.sha256")
+
+
+def digest(data: bytes) -> str:
+    """SHA-256."""
+    return hashlib.sha256(data).hexdigest()
 
 
 def condensed(raw: dict[str, Any]) -> dict[str, Any]:
@@ -175,23 +198,6 @@ def widths(frame: pd.DataFrame) -> dict[str, pd.DataFrame]:
     }
 
 
-def picture(frame: pd.DataFrame, to: Path) -> None:
-    """Width against time, a line a problem."""
-    figure = Figure(figsize=(6, 4), layout="constrained")
-    axes = figure.add_subplot(
-        xlabel="processor seconds", ylabel="width of the bracket, %", xscale="log", yscale="log"
-    )
-    for told, rows in widths(frame).items():
-        axes.plot(rows["seconds"], 100 * rows["width"], "o-", label=told)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("{x:g}")
-        axis.set_minor_locator(LogLocator(subs=(2, 5)))
-    axes.grid(which="both", alpha=0.3)
-    axes.legend()
-    figure.savefig(to, dpi=100)
-
-
 def _markdown(frame: pd.DataFrame, columns: dict[str, tuple[str, str]]) -> str:
     lines = [_line(columns), "|---" + "|--:" * (len(columns) - 1) + "|"]
     for row in frame.to_dict("records"):
@@ -258,8 +264,6 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
             " included, with one elastic solve of the last mesh of the upper bound:"
             f"\n\n{brackets(frame)}"
         )
-        if widths(frame):
-            paragraphs.append(f"![Width of brackets against processor time]({PICTURE})")
     for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
         paragraphs.append(
             f"The width of the bracket of the {order['what']} goes with the number of triangles to"
@@ -301,10 +305,12 @@ def main() -> None:
     sys.stdout.write(shown(kept))
     if given.page:
         if KEPT.exists():
-            kept = joined(json.loads(KEPT.read_text(encoding="utf-8")), kept)
+            kept = joined(load(), kept)
         lines = ",\n".join(json.dumps(record) for record in kept["records"])
         measured = json.dumps(kept["measured"], indent=1)
-        KEPT.write_text(f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n', "utf-8")
+        text = f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n'
+        KEPT.write_text(text, "utf-8")
+        seal_of(KEPT).write_text(f"{digest(text.encode())}\n", "ascii")
         text = re.sub(
             MARKS,
             lambda marks: f"{marks[1]}{shown(kept)}{marks[2]}",
@@ -312,8 +318,6 @@ def main() -> None:
             flags=re.DOTALL,
         )
         PAGE.write_text(text, encoding="utf-8")
-        if widths(records(kept)):
-            picture(records(kept), PAGE.parent / PICTURE)
 
 
 def _line(cells: Any) -> str:
