@@ -1,6 +1,8 @@
 """Charts of the page of benchmarks, from committed data: who is fast, growth, what width costs."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +24,6 @@ _UNKNOWNS = Axis("unknowns", "unknowns")
 _WIDTH = Axis("width", "width of the bracket per its mean")
 _KINDS = ("assembly", "elastic", "solve")
 """Benchmarks of the punch, on meshes of several sizes."""
-_MARK = "<!-- benchmarks -->"
 _SHIFT = 0.1  # s: solves that take much less count alike
 _ASKED = 0.6  # of all cases: who was asked of as many is compared on what all of them were asked
 
@@ -31,17 +32,17 @@ def page(text: str, results: Results) -> str:
     """The page of the repository with charts before its tables.
 
     Raises:
-        ValueError: the page has no place for them.
+        ValueError: the page has no title.
     """
-    before, mark, after = text.partition(_MARK)
-    if not mark:
-        raise ValueError(f"the page of benchmarks has no {_MARK}")
-    kept = benchmarks.load()
-    written = Writer({}).page([*_of_benchmarks(kept), *_of_catalogue(results)])
-    return f"{before}\n{written}\n\n### All figures\n\n{mark}{after}".replace("\n### ", "\n## ")
+    title, after, rest = text.partition("\n\n")
+    if not (title.startswith("# ") and after):
+        raise ValueError("the page of benchmarks does not begin with a title")
+    blocks = [*_of_benchmarks(benchmarks.load()), *_of_catalogue(results), Heading("All figures")]
+    charts = re.sub(r"^### ", "## ", Writer({}).page(blocks), flags=re.MULTILINE)
+    return f"{title}\n\n{charts}\n\n{rest}"
 
 
-def _of_benchmarks(kept: dict[str, object]) -> Iterator[Block]:
+def _of_benchmarks(kept: Mapping[str, Any]) -> Iterator[Block]:
     frame = benchmarks.records(kept)
     runs = [run for runs in frame.get("runs", pd.Series()).dropna() for run in runs]
     if runs:
@@ -83,7 +84,8 @@ def _programs(frame: pd.DataFrame, runs: pd.DataFrame) -> Iterator[Block]:
     yield Text(
         f"{told['what']}, {runs['unknowns'].min()} to {runs['unknowns'].max()} unknowns, of all"
         " classes of `lacore programs`. Solved is what residuals prove, computed anew, whatever the"
-        f" solver says; wrong is what it claims and they refute. Programs that none solved: {nobody}."
+        " solver says; wrong is what it claims and they refute."
+        f" Programs that none solved: {nobody}."
     )
     caption = "Share of random programs solved within a factor of the fastest backend"
     yield Drawing("programs", caption, axes.profile(performance_profile(found), axes.FACTOR))
