@@ -5,6 +5,9 @@ an end of it the same reactions, shaken a little, often settle at a mechanism th
 so on, until none does. Such a climb starts from the associated reactions, shaken, from the best end
 so far, shaken, and, for the low side, from the end of a continuation: friction grows in steps from
 little, where load factors are unique or nearly so, and each step starts at the low end before it.
+Of blocks in space, where alternation seldom settles, central paths come in place of all these
+(T79): powers that differ from point to point lead to other states, and climbs start from the
+furthest of them.
 
 A search finds; that there is nothing lower or higher, it does not prove.
 """
@@ -17,6 +20,8 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import certify
+from lacore.coupling.blocks.central_path import along_path
+from lacore.coupling.blocks.complementarity import poses
 from lacore.coupling.bounds import lower_bound, upper_bound
 from lacore.coupling.certified import averaged
 from lacore.coupling.interval import (
@@ -39,6 +44,7 @@ _SETTLE = 24  # inner solves from one start; most certify within 6
 _SHAKEN = 0.3  # logarithmic spread of the reactions of a restart; 1 finds less on the low side
 _SPREADS = (0.0, 0.02, 0.02, 0.1, 0.3)  # at an end, one try each
 _BEST = 0.1  # at the best end, in each restart
+_PATHS = (0.01, 0.3, 1.0)  # logarithmic spreads of their powers, one path each in each restart
 _FURTHER = 1e-7  # of the size of load factors; less is round-off of interior-point methods
 _ALIKE = 100.0  # bars of residuals, of that size: with deformable bodies states that a bar of 1e-6
 # certifies settle to loads up to 3e-5 apart, and a search for so little has no end
@@ -51,7 +57,7 @@ class Found(Compact):
     Attributes:
         restart: 0 is the unshaken start.
         origin: of what reactions it settled: ``certified``, ``associated``, ``continuation``,
-            ``best``, ``low end``, ``high end``.
+            ``best``, ``path``, ``low end``, ``high end``.
         interval: what it carries.
         iterates: the inner solves that led to it.
     """
@@ -96,6 +102,7 @@ class Search:
         on_found: called for each certified mechanism.
         on_solve: called after each inner solve of a loop; it may end the search by raising
             `lacore.coupling.deadline.OutOfTime`: `best` stands.
+        seconds: that are left for a central path.
         best: the mechanism that reaches furthest on each side.
         solves: inner solves so far, those of the ends included.
     """
@@ -108,6 +115,7 @@ class Search:
     rng: np.random.Generator
     on_found: Callable[[Found], None]
     on_solve: Callable[[Iterate], None]
+    seconds: Callable[[], float]
     best: dict[float, Found] = field(default_factory=dict)
     solves: int = 0
     _visited: dict[float, list[float]] = field(default_factory=lambda: {LOW: [], HIGH: []})
@@ -117,8 +125,11 @@ class Search:
 
         From these once as they are, and `restarts` times shaken.
         """
-        if certified is not None:
-            self._climb_both(self._known(certified))
+        known = None if certified is None else self._known(certified)
+        if poses(self.program) and self.program.contact.tangent_dim > 1:
+            self._explore(start, restarts)
+            return
+        self._climb_both(known)
         for restart in range(restarts + 1):
             spread = _SHAKEN if restart else 0.0
             if not (self._bounded(LOW) and self._bounded(HIGH)):
@@ -130,6 +141,23 @@ class Search:
                 if side in self.best and not self._bounded(side):
                     shaken = self._shaken(self.best[side].end(side).point, _BEST)
                     self._climb(self._found(shaken, restart, "best"), side)
+
+    def _explore(self, start: ProgramState, restarts: int) -> None:
+        """Central paths, and then climbs from what is furthest out."""
+        for restart in range(restarts + 1):
+            for spread in _PATHS:
+                if not (self._bounded(LOW) and self._bounded(HIGH)):
+                    self._along(start, spread, restart)
+        for side in (LOW, HIGH):
+            self._climb(self.best.get(side), side)
+
+    def _along(self, start: ProgramState, spread: float, restart: int) -> None:
+        """The mechanism at the end of a central path, noted."""
+        run = replace(self._run(self.program), time_limit=self.seconds())
+        last = along_path(run, start, spread, self.rng)
+        self.solves += 1
+        if last.state is not None and run.proven(last):
+            self._noted(last.state, restart, "path", (last,))
 
     def _climb_both(self, found: Found | None) -> None:
         for side in (LOW, HIGH):
@@ -164,13 +192,16 @@ class Search:
         self, program: KinematicProgram, start: ProgramState
     ) -> tuple[ProgramState, Run] | None:
         """The certified state that alternation reaches from reactions (T12)."""
-        options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
-        run = Run(program, self.solver, False, options, self.on_solve)
+        run = self._run(program)
         last = averaged(run, start)
         self.solves += len(run.iterates)
         if last is None or last.state is None or not run.proven(last):
             return None
         return last.state, run
+
+    def _run(self, program: KinematicProgram) -> Run:
+        options = CouplingOptions(tolerance=self.tolerance, max_iterations=_SETTLE)
+        return Run(program, self.solver, False, options, self.on_solve)
 
     def _found(self, start: ProgramState, restart: int, origin: str) -> Found | None:
         """The mechanism that settles from reactions, noted."""

@@ -57,9 +57,9 @@ class CoulombRange(Shown):
         missing: why the continuum has no bound; empty where it has both.
         states: one row a certified state: restart, origin (of what reactions it settled: of the
             ``certified`` state of `solve`, the ``associated`` one, a ``continuation`` in friction,
-            the ``low end`` or ``high end`` of the state before), low and high load factor of its
-            mechanism, what each end is worth (`EndStatus`), the largest residual of both ends,
-            inner solves so far.
+            the ``low end`` or ``high end`` of the state before; or at the end of a central ``path``
+            of blocks in space), low and high load factor of its mechanism, what each end is worth
+            (`EndStatus`), the largest residual of both ends, inner solves so far.
         backend: name.
         seed, restarts: of the search.
         solves: inner solves of the search.
@@ -265,6 +265,7 @@ def coulomb_range(
             rng=np.random.default_rng(seed),
             on_found=note,
             on_solve=until(begin + time_limit),
+            seconds=lambda: min(settings.time_limit, begin + time_limit - time.perf_counter()),
         )
         known = None if first.point is None else point_in_program(problem, first.point)
         start = known if admissible is None else admissible

@@ -97,6 +97,8 @@ def test_a_range_of_a_dome():
     found = la.coulomb_range(dome(4, 2), restarts=1)
     alone = la.solve(dome(4, 2), throw=True)
     assert found.low <= alone.load_factor <= found.high
+    assert "path" in set(found.states.origin)
+    assert set(found.states.restart) >= {0, 1}
     assert found.lowest.certificate.holds(BAR)
     assert found.highest.certificate.holds(BAR)
     assert found.bracket[0] <= found.low
