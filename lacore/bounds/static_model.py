@@ -16,6 +16,7 @@ from lacore.bodies.any_body import numbered, of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.blocks.dofs import RigidDofs
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.body_forces import require_carried
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.regions.gathering import by_body
@@ -307,6 +308,8 @@ def _check_statable(problem: Problem) -> None:
     require_known_strengths(of_kind(problem.bodies, Body))
     require_known_forces(problem)
     for field, load in problem.loads.items():
+        if load.body in deforming:
+            require_carried(load, deforming[load.body], field)
         if load.point is not None and load.body in deforming:
             raise InputError(
                 field,

@@ -15,6 +15,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.sticking import opening
 from lacore.backend import find_backend, read_options
+from lacore.bodies.continuum.body_forces import linear
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
 from lacore.claims.judged import CLAIMED, judged_claim
@@ -375,9 +376,13 @@ def _rigor(
 
 
 def strict_bound(discretisation: Discretisation) -> bool:
-    """Whether the dissipation is nowhere below that of the continuum; rigid blocks are exact."""
-    bodies = [dofs.body for dofs in discretisation.bodies.values()]
-    return all(SPACES[b.space].strict and b.geometry == "exact" and b.bounded for b in bodies)
+    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact."""
+    bodies = {name: dofs.body for name, dofs in discretisation.bodies.items()}
+    loads = [load for load in discretisation.problem.loads.values() if load.body in bodies]
+    return all(
+        SPACES[own.space].strict and own.geometry == "exact" and own.bounded
+        for own in bodies.values()
+    ) and all(linear(load, bodies[load.body]) for load in loads)
 
 
 _ONE_OF_MANY = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"

@@ -25,6 +25,7 @@ import lacore as la
 from verification.case import Band, Case, Reference, Variant
 from verification.case.following import Following, last_load
 from verification.cases import thick_sphere
+from verification.cases.shared.cavities import INNER, OUTER
 from verification.cases.shared.exact_paths import peak, pressure, sphere
 from verification.cases.shared.hardening_laws import LAWS
 
@@ -36,7 +37,7 @@ _STEPS = {
 }
 _SAFETY = 1.3
 _LADDERS = {"perfect": (5, 7, 10, 20), "linear-1": (2, 3, 4, 5)}
-INNER, OUTER, TRAVEL = thick_sphere.INNER, thick_sphere.OUTER, 0.5
+TRAVEL = 0.5
 _PEAKS = {law: peak(sphere(LAWS[law], INNER, OUTER)) for law in ("linear-3", "voce")}
 
 

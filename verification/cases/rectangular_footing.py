@@ -21,7 +21,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, Reference, Variant
-from verification.cases.shared.tetrahedra import CLAY, DEPTH, WIDTH
+from verification.cases.shared.tetrahedra import CLAY, DEPTH, WIDTH, bounded
 
 LENGTH = 2.0
 LOW, HIGH = 5.1562, 5.5852
@@ -53,13 +53,7 @@ def under_footing(x: Floats) -> Bools:
 
 def reference() -> Reference:
     """What strict bounds leave."""
-    return Reference(
-        LOW,
-        f"{LOW} k <= alpha <= {HIGH} k",
-        "strict bounds of our own on meshes that were adapted",
-        "bracket",
-        up_to=HIGH,
-    )
+    return bounded(LOW, HIGH, "k", "strict bounds of our own on meshes that were adapted")
 
 
 def band(elements: int) -> Band:
@@ -75,7 +69,7 @@ CASE = Case(
     explanation=__doc__,
     hand_calculation="""\
 below and above:          5.156 k <= alpha <= 5.585 k
-square, strip (Prandtl):  5.387 ... 5.614 k, 5.1416 k
+square, strip (Prandtl):  5.387 ... 5.607 k, 5.1416 k
 """,
     meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
     build=build,

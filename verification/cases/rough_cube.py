@@ -18,7 +18,7 @@ ones. No closed form is known: the reference is an interval of two strict bounds
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
-from verification.cases.shared.tetrahedra import eighth, on_diagonal
+from verification.cases.shared.tetrahedra import bounded, eighth, on_diagonal
 
 LOW, HIGH = 1.0401, 1.0517
 _ERRORS = {
@@ -40,12 +40,11 @@ def build(n: int, space: str) -> la.Problem:
 
 def reference(space: str) -> Reference:
     """What strict bounds leave."""
-    return Reference(
+    return bounded(
         LOW,
-        f"{LOW} s0 <= alpha <= {HIGH} s0",
+        HIGH,
+        "s0",
         "strict bounds of our own: below on 928 tetrahedra that were adapted, above on 1296",
-        "bracket",
-        up_to=HIGH,
     )
 
 

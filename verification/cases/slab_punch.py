@@ -21,13 +21,10 @@ that of the plane, for smooth and rough footings. Velocities jump between tetrah
 
 from math import pi
 
-import numpy as np
-
 import lacore as la
-from lacore.arrays import Bools, Floats
 from verification.case import Band, Case, Convergence, Reference, Variant
 from verification.case.bracketing import Bracketing
-from verification.cases.shared.tetrahedra import CLAY
+from verification.cases.shared.tetrahedra import CLAY, slab
 
 _ERRORS = {
     ("p2-vertex", False): Convergence(
@@ -44,20 +41,7 @@ _ERRORS = {
 
 def build(n: int, rough: bool, space: str) -> la.Problem:
     """Half of the slab, with a vertex row under the edge of the footing."""
-    mesh = la.meshes.box((0, 2.5), (0, 0.5), (-1.25, 0), n + 1, 1, n, False, (1.0, 2.0))
-    return la.Problem(
-        bodies={"soil": la.Body(mesh, CLAY, kinematics="3d", space=space)},
-        supports=[
-            *(la.Fix("soil", side, "normal") for side in ("left", "front", "back")),
-            *(la.Fix("soil", side, "xyz") for side in ("right", "bottom")),
-        ],
-        reference_loads=[la.RigidFooting("soil", under_footing, (0, 0, -1), rough=rough)],
-    )
-
-
-def under_footing(x: Floats) -> Bools:
-    """What the footing stands on."""
-    return np.asarray((x[2] == 0) & (x[0] <= 1))
+    return slab(CLAY, (2.5, 1.25), n, rough, space)
 
 
 def reference(rough: bool, space: str) -> Reference:

@@ -18,15 +18,12 @@ curved: the nodes of a rectangle of radii and angles, on circles and rays. Trian
 cells and quadrilaterals of the same cells answer it.
 """
 
-from math import log, pi
-
-import numpy as np
+from math import pi
 
 import lacore as la
-from lacore.arrays import Floats
 from verification.case import SOLVER, Band, Case, Convergence, Order, Reference, Variant
+from verification.cases.shared.cavities import INNER, OUTER, SPHERE, SPHERE_BURSTS, on_rays
 
-INNER, OUTER = 1.0, 2.0
 _ERROR = Convergence(
     0.0306, 2.0, "quadrilaterals, 8 to 1200: 4.8e-4, 3.0e-5, 1.9e-6, 1.2e-7, 9.5e-9, all above"
 )
@@ -37,7 +34,7 @@ def build(n_radial: int, n_angular: int, space: str) -> la.Problem:
     """The quarter; yield stress 1, so the load factor is in units of s0."""
     make = la.meshes.quadrilaterals if space == "q2" else la.meshes.rectangle
     cells = make((INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER))
-    mesh = la.meshes.isoparametric(cells, _round)
+    mesh = la.meshes.isoparametric(cells, on_rays)
     body = la.Body(mesh, la.VonMises(yield_stress=1.0), kinematics="axisymmetric", space=space)
     return la.Problem(
         bodies={"sphere": body},
@@ -46,21 +43,9 @@ def build(n_radial: int, n_angular: int, space: str) -> la.Problem:
     )
 
 
-def _round(x: Floats) -> Floats:
-    """From radii and angles to r and z; the axis without round-off."""
-    radius, angle = x
-    ray = np.stack([np.where(angle == pi / 2, 0.0, np.cos(angle)), np.sin(angle)])
-    return np.asarray(radius * ray)
-
-
 def reference(space: str) -> Reference:
     """The fully plastic sphere."""
-    return Reference(
-        2 * log(OUTER / INNER),
-        "2 s0 ln(b/a)",
-        "Hill, The Mathematical Theory of Plasticity; by hand",
-        "exact",
-    )
+    return SPHERE
 
 
 def band(elements: int, space: str) -> Band:
@@ -98,12 +83,7 @@ CASE = Case(
     tags=("continuum", "axisymmetric", "curved boundary", "closed form"),
     unit="pressure / s0",
     explanation=__doc__,
-    hand_calculation="""\
-equilibrium:  d sigma_r/dr = 2 (sigma_t - sigma_r)/r
-yield:        sigma_t - sigma_r = s0  (two equal hoop stresses)
-integrate:    0 - (-alpha) = 2 s0 ln(b/a)
-b/a = 2:      alpha = 1.386294 s0
-""",
+    hand_calculation=SPHERE_BURSTS,
     meshes={
         "coarse": {"n_radial": 2, "n_angular": 4},
         "medium": {"n_radial": 12, "n_angular": 12},

@@ -16,13 +16,11 @@ Flat faces stand for its surfaces: their bore is wider, its skin nearer than tho
 and no value bounds that of the sphere.
 """
 
-from math import log
-
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.cases.shared.cavities import INNER, OUTER, SPHERE, SPHERE_BURSTS
 from verification.cases.shared.tetrahedra import hollow_octant
 
-INNER, OUTER = 1.0, 2.0
 _ERROR = Convergence(
     0.887, 0.714, "24, 81, 192, 540 tetrahedra: 9.18, 3.79, 2.12, 0.995 %, all above"
 )
@@ -41,12 +39,7 @@ def build(across: int, through: int) -> la.Problem:
 
 def reference() -> Reference:
     """The fully plastic sphere."""
-    return Reference(
-        2 * log(OUTER / INNER),
-        "2 s0 ln(b/a)",
-        "Hill, The Mathematical Theory of Plasticity; by hand",
-        "exact",
-    )
+    return SPHERE
 
 
 def band(elements: int) -> Band:
@@ -60,12 +53,7 @@ CASE = Case(
     tags=("continuum", "space", "curved boundary", "closed form"),
     unit="pressure / s0",
     explanation=__doc__,
-    hand_calculation="""\
-equilibrium:  d sigma_r/dr = 2 (sigma_t - sigma_r)/r
-yield:        sigma_t - sigma_r = s0  (two equal hoop stresses)
-integrate:    0 - (-alpha) = 2 s0 ln(b/a)
-b/a = 2:      alpha = 1.386294 s0
-""",
+    hand_calculation=SPHERE_BURSTS,
     meshes={
         "coarse": {"across": 2, "through": 2},
         "medium": {"across": 6, "through": 5},

@@ -19,7 +19,7 @@ interval of two strict bounds, of this block, whose base is held at the toe.
 
 import lacore as la
 from verification.case import Band, Case, Convergence, Reference, Variant
-from verification.cases.shared.tetrahedra import CLAY
+from verification.cases.shared.tetrahedra import CLAY, bounded
 
 WIDTH = 1.25
 KNOWN = {2.0: (4.4742, 4.7371)}
@@ -41,13 +41,10 @@ def build(n: int, length: float) -> la.Problem:
 
 def reference(length: float) -> Reference:
     """What strict bounds leave."""
-    low, high = KNOWN[length]
-    return Reference(
-        low,
-        f"{low} k/H <= gamma <= {high} k/H",
+    return bounded(
+        *KNOWN[length],
+        "k/H",
         "strict bounds of our own on meshes that were adapted; of the plane 3.7764978",
-        "bracket",
-        up_to=high,
     )
 
 

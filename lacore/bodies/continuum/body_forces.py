@@ -122,13 +122,6 @@ def require_linear(load: Load, body: "Body", field: str) -> None:
 
 @require_linear.register(BodyForce)
 def _linear(load: BodyForce, body: "Body", field: str) -> None:
-    if body.dimension == 3 and not load.piecewise_uniform:
-        raise InputError(
-            field,
-            load.told,
-            "varies within elements: in space bounds take forces that are uniform in each",
-            "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take `solve`",
-        )
     if not force_field(load, body, field).linear:
         raise InputError(
             field,
@@ -137,6 +130,34 @@ def _linear(load: BodyForce, body: "Body", field: str) -> None:
             "let edges of the mesh follow its jumps and bends, as lacore.meshes.layered does; take"
             " for the force what is uniform in each element, force(mesh.p[:, mesh.t].mean(axis=1));"
             " or take `solve`",
+        )
+
+
+@singledispatch
+def linear(load: Load, body: "Body") -> bool:
+    """Whether a load is linear in each element of a body, so that its power is exact."""
+    return True
+
+
+@linear.register(BodyForce)
+def _known(load: BodyForce, body: "Body") -> bool:
+    return force_field(load, body, "BodyForce").linear
+
+
+@singledispatch
+def require_carried(load: Load, body: "Body", field: str) -> None:
+    """Raise `InputError` where no stresses of the elements of a body balance a load."""
+
+
+@require_carried.register(BodyForce)
+def _carried(load: BodyForce, body: "Body", field: str) -> None:
+    if body.dimension == 3 and not load.piecewise_uniform:
+        raise InputError(
+            field,
+            load.told,
+            "varies within elements: lower bounds in space take forces that are uniform in each",
+            "give a value for each element, force(mesh.p[:, mesh.t].mean(axis=1)); or take"
+            " `upper_bound`, which is exact of what is linear in each",
         )
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.bodies.continuum.regions.lattices import lattice
+from lacore.bodies.continuum.solid.faces import EDGES
 from lacore.bodies.continuum.solid.lattice import divided
 from tests.lacore.solid_statements import lower_proof, upper_proof
 from tests.lacore.tetrahedra import CRITERION, SPACES, cube, gradients, strip, tensors, torsion
@@ -90,11 +91,38 @@ def test_dead_loads_are_proven_too():
     assert high.load_factor == pytest.approx(sqrt(3), rel=1e-6)
 
 
-def test_forces_that_vary_within_elements_have_no_bounds_yet():
-    problem = cube().with_loads([la.BodyForce("block", (0.0, 0.0, lambda x: -x[2]))])
-    with pytest.raises(la.InputError, match="uniform in each"):
-        la.lower_bound(problem)
-    assert la.solve(problem).load_factor > 0
+def test_forces_that_vary_within_elements_have_upper_bounds_where_they_are_linear():
+    """Their power is exact; no stresses of these elements balance them."""
+    problem = cube(n=2).with_loads([la.BodyForce("block", (0.0, 0.0, lambda x: -x[2]))])
+    for ask in (la.lower_bound, la.bracket):
+        with pytest.raises(la.InputError, match="uniform in each"):
+            ask(problem)
+    high = la.upper_bound(problem)
+    assert high.rigor is la.Rigor.UPPER
+    dofs = high.discretisation.bodies["block"]
+    mesh, velocity = dofs.body.mesh, high.velocity[dofs.dofs][:, dofs.element_nodes]
+    # Uniform compression is one of its velocities: the power of z downwards is alpha/3.
+    assert high.load_factor <= 3 * sqrt(3) * (1 + SOLVED)
+    # Cubic in each element: the rule of degree 3 with five points is exact (Stroud).
+    share = np.full((5, 4), 1 / 6)
+    share[0], share[range(1, 5), range(4)] = 1 / 4, 1 / 2
+    quadratic = [share * (2 * share - 1)]
+    quadratic += [4 * share[:, i, None] * share[:, j, None] for i, j in EDGES.T]
+    down = np.einsum("pn,ne->pe", np.concatenate(quadratic, axis=1), velocity[2])
+    _, volume = gradients(mesh.p, mesh.t)
+    force = -share @ mesh.p[2][mesh.t]
+    power = np.array([-0.8, *(4 * [0.45])]) @ (down * force) @ volume
+    assert power == pytest.approx(1, rel=1e-10)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_a_force_that_no_rule_integrates_has_no_bound(space):
+    problem = cube(space).with_loads(
+        [la.BodyForce("block", (0.0, 0.0, lambda x: -np.exp(9 * x[2])))]
+    )
+    with pytest.raises(la.InputError, match="not linear in each"):
+        la.upper_bound(problem)
+    assert la.solve(problem).rigor is la.Rigor.DISCRETE
 
 
 def test_a_bracket_refines_where_the_mechanism_is():

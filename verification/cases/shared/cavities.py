@@ -16,6 +16,21 @@ MESHES = {
 }
 
 
+SPHERE = Reference(
+    2 * log(OUTER / INNER),
+    "2 s0 ln(b/a)",
+    "Hill, The Mathematical Theory of Plasticity; by hand",
+    "exact",
+)
+"""The fully plastic sphere of von Mises's material."""
+SPHERE_BURSTS = """\
+equilibrium:  d sigma_r/dr = 2 (sigma_t - sigma_r)/r
+yield:        sigma_t - sigma_r = s0  (two equal hoop stresses)
+integrate:    0 - (-alpha) = 2 s0 ln(b/a)
+b/a = 2:      alpha = 1.386294 s0
+"""
+
+
 def quarter(
     n_radial: int, n_angular: int, angle: float, dilation: float, kinematics: str
 ) -> la.Problem:
@@ -23,7 +38,7 @@ def quarter(
     flat = la.meshes.rectangle(
         (INNER, OUTER), (0, pi / 2), n_radial, n_angular, grade_x=(INNER, OUTER / INNER)
     )
-    mesh = la.meshes.isoparametric(flat, _round)
+    mesh = la.meshes.isoparametric(flat, on_rays)
     supports = [la.Fix("soil", "bottom", "y")]
     if kinematics == "plane_strain":
         supports.append(la.Fix("soil", "top", "x"))
@@ -35,7 +50,7 @@ def quarter(
     )
 
 
-def _round(x: Floats) -> Floats:
+def on_rays(x: Floats) -> Floats:
     """From radii and angles to places; the axis without round-off."""
     radius, angle = x
     ray = np.stack([np.where(angle == pi / 2, 0.0, np.cos(angle)), np.sin(angle)])

@@ -7,7 +7,9 @@ from skfem import MeshTet, MeshTri
 
 import lacore as la
 from lacore.arrays import Bools, Floats
+from lacore.materials.criterion import Criterion
 from lacore.meshes.polygonal import labelled
+from verification.case import Reference
 
 CLAY = la.VonMises(shear_strength=1.0)
 WIDTH, DEPTH = 2.6, 1.3  # of the ground around a footing of half-side 1
@@ -23,6 +25,32 @@ def eighth(mesh: MeshTet) -> MeshTet:
     x, y, _ = mesh.p[:, mesh.t].mean(axis=1)
     kept: MeshTet = mesh.restrict(np.flatnonzero(y < x))
     return kept
+
+
+def under_footing(x: Floats) -> Bools:
+    """What a footing of half-side 1 stands on."""
+    return np.asarray((x[2] == 0) & (x[0] <= 1))
+
+
+def slab(
+    ground: Criterion, size: tuple[float, float], n: int, rough: bool, space: str
+) -> la.Problem:
+    """Half of a strip footing on ground one cell thick between smooth walls; its length, depth."""
+    length, depth = size
+    mesh = la.meshes.box((0, length), (0, 0.5), (-depth, 0), n + 1, 1, n, False, (1.0, 2.0))
+    return la.Problem(
+        bodies={"soil": la.Body(mesh, ground, kinematics="3d", space=space)},
+        supports=[
+            *(la.Fix("soil", side, "normal") for side in ("left", "front", "back")),
+            *(la.Fix("soil", side, "xyz") for side in ("right", "bottom")),
+        ],
+        reference_loads=[la.RigidFooting("soil", under_footing, (0, 0, -1), rough=rough)],
+    )
+
+
+def bounded(low: float, high: float, unit: str, source: str) -> Reference:
+    """What strict bounds leave where no closed form is known."""
+    return Reference(low, f"{low} {unit} <= alpha <= {high} {unit}", source, "bracket", up_to=high)
 
 
 def disc(sides: int, rings: int) -> MeshTri:
