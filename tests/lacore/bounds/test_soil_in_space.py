@@ -6,6 +6,7 @@ import pytest
 import lacore as la
 from tests.lacore.solid_statements import lower_proof, upper_proof
 from tests.lacore.tetrahedra import CRITERION, SPACES, cube, strip
+from verification.cases.shared.tetrahedra import hollow_octant
 
 SOLVED = 1e-7  # of the load factor, as in `tests.lacore.bodies.test_tetrahedra`
 ANGLE = 20.0
@@ -70,7 +71,7 @@ def test_compression_exactly_from_both_sides(space, n):
     assert high.load_factor >= exact * (1 - 1e-12)
 
 
-@pytest.mark.parametrize("rough", [False, True])
+@pytest.mark.parametrize("rough", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_slab_contains_the_strip_of_plane_strain(rough):
     """Matched there the cone is Mohr-Coulomb: N_c between bounds, fields alone prove both."""
     exact = bearing_capacity(ANGLE)
@@ -147,3 +148,24 @@ def test_steep_cones_do_not_jump():
     assert la.solve(cube("p2-vertex", criterion=steep)).load_factor > 0
     bracket = la.bracket(cube("p2-disc", criterion=steep), 0.01, time_limit=60.0, jobs=1)
     assert bracket.upper_bound.discretisation.bodies["block"].body.space == "p2-vertex"
+
+
+def test_a_hollow_sphere_bursts_at_its_closed_form():
+    """Two equal hoops: triaxial compression, ``c cot(phi) ((b/a)^m - 1)``, m = 4 sin/(1 + sin).
+
+    Flat faces for its surfaces are off by the square of their size, like the elements.
+    """
+    sine = np.sin(np.radians(30.0))
+    exact = (2 ** (4 * sine / (1 + sine)) - 1) / np.tan(np.radians(30.0))
+    soil = la.DruckerPrager(1.0, 30.0, "compression")
+    error = {}
+    for space, n in (("p2-vertex", 2), ("p2-vertex", 3), ("p2-disc", 2)):
+        body = la.Body(hollow_octant(1.0, 2.0, n, n), soil, kinematics="3d", space=space)
+        supports = [la.Fix("s", axis, "normal") for axis in "xyz"]
+        state = la.solve(la.Problem({"s": body}, [la.Pressure("s", "start")], supports))
+        assert state.rigor is la.Rigor.DISCRETE
+        error[space, n] = abs(state.load_factor / exact - 1)
+    assert error["p2-vertex", 2] <= 0.1
+    assert error["p2-disc", 2] <= error["p2-vertex", 2]
+    # Of order 2, 1.7 at least: sizes are as 3 to 2.
+    assert error["p2-vertex", 3] <= error["p2-vertex", 2] / 1.5**1.7
