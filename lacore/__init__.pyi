@@ -74,6 +74,7 @@ from .paths.path import Path as Path
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
 from .problem import examples as examples
+from .problem import types as types
 from .problem.matching import matching as matching
 from .problem.problem import Problem as Problem
 from .process.isolation import SolverProcess as SolverProcess

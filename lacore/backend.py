@@ -5,6 +5,8 @@ A backend prepares a dimensionless `KinematicProgram` once and then solves it fo
 group ``lacore.backends`` and written about nowhere else; docs/backends.md shows how to write one.
 """
 
+from __future__ import annotations
+
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace

@@ -4,6 +4,8 @@ Everything here is computed from the program and the answer (velocity, stresses,
 factor), never from what a solver says of itself.
 """
 
+from __future__ import annotations
+
 from dataclasses import asdict, dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Errors that name the field, the value and the mend."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from math import isfinite

@@ -1,5 +1,7 @@
 """What a solve came to. The text of a status says what happened and what to do about it."""
 
+from __future__ import annotations
+
 from enum import Enum
 
 

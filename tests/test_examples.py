@@ -59,3 +59,11 @@ def test_example_shows_what_it_says(name, tmp_path, monkeypatch, capsys):
     assert any(f"la.{name}" in one.source for one in example.examples)
     doctest.DocTestRunner(verbose=False).run(example, clear_globs=True)
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_signature_speaks_of_names(name):
+    """`help` shows `Where` and `Friction`, as the file has them, not what they are unions of."""
+    shown = str(inspect.signature(EXAMPLES[name]))
+    assert "numpy" not in shown
+    assert "lacore." not in shown.partition(" = ")[0]

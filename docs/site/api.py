@@ -3,6 +3,9 @@
 import ast
 from collections.abc import Mapping
 from importlib import import_module
+from inspect import cleandoc
+from itertools import pairwise
+from pathlib import Path
 from types import ModuleType
 
 import lacore as la
@@ -64,11 +67,37 @@ def _page(room: str, names: list[str]) -> str:
         thing = getattr(la, name)
         if isinstance(thing, ModuleType):
             lines += [f".. module:: lacore.{name}", ""]
+            told = aliases() if thing is la.types else {}
             for own in public(thing):
-                lines += [_directive(f"lacore.{name}.{own}", getattr(thing, own)), ""]
+                alias = told.get(own)
+                lines += [alias or _directive(f"lacore.{name}.{own}", getattr(thing, own)), ""]
         else:
             lines += [_directive(f"lacore.{name}", thing), ""]
     return "\n".join([*lines, "```", ""])
+
+
+def aliases() -> dict[str, str]:
+    """What each name of `lacore.types` stands for, as its own file writes it, and its docstring."""
+    stated = ast.parse(Path(str(la.types.__file__)).read_text(encoding="utf-8")).body
+    homes = {
+        a.name: node.module
+        for node in stated
+        if isinstance(node, ast.ImportFrom)
+        for a in node.names
+    }
+    return {name: _alias(name, str(homes[name])) for name in public(la.types)}
+
+
+def _alias(name: str, home: str) -> str:
+    body = ast.parse((ROOT / f"{home.replace('.', '/')}.py").read_text(encoding="utf-8")).body
+    for node, after in pairwise(body):
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == name:
+            if not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)):
+                raise ValueError(f"{home}.{name} has no docstring")
+            text = cleandoc(str(after.value.value)).replace("\n", "\n   ")
+            stands = " ".join(ast.unparse(node.value).split())
+            return f".. py:type:: lacore.types.{name}\n   :canonical: {stands}\n\n   {text}\n"
+    raise ValueError(f"{home} has no {name}")
 
 
 def _first_line(room: str, names: list[str]) -> str:

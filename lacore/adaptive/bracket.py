@@ -1,5 +1,7 @@
 """Brackets: a load factor between two proven ones, and how it came about (T26)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -213,7 +215,7 @@ class Bracket(Shown):
         problem = self.upper_bound.discretisation.problem
         return Picture(problem.plot(), "the problem, on the mesh of the upper bound")
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Both meshes and their shares: see `lacore.pictures.bracket.plot_bracket`."""
         return views.picture(self)
 

@@ -1,5 +1,7 @@
 """Brackets with proof by adaptive refinement (T26, T26b, T26d)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing

@@ -1,5 +1,7 @@
 """An assembled problem: its programs, and which of their numbers stand for what."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 

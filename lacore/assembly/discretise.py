@@ -1,5 +1,7 @@
 """From a `Problem` to the kinematic program (T6), vectorised."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

@@ -19,6 +19,7 @@ from lacore.program import DissipationGroup
 
 PlaneBody = Body | BlockAssembly | Frame
 AnyBody = PlaneBody | BlockAssembly3D
+"""A body of a problem: `lacore.Body`, or one of `BlockAssembly`, `BlockAssembly3D`, `Frame`."""
 Kind = TypeVar("Kind", Body, BlockAssembly, Frame, BlockAssembly3D)
 Own = TypeVar("Own", bound="Counted")
 

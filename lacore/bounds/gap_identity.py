@@ -1,5 +1,7 @@
 """Gap identity (T26): where the difference between upper and lower bound comes from."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -76,7 +78,7 @@ class GapIdentity(Shown):
         """As `plot` draws it."""
         return Picture(self.plot()) if self.bodies else None
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Shares of the elements: see `lacore.pictures.mesh.plot_gap`."""
         return views.picture(self)
 

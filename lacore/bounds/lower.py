@@ -1,5 +1,7 @@
 """Strict lower bounds by equilibrium elements (T25, T26b, T26c)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -126,7 +128,7 @@ class LowerBound(Shown):
             return Picture(self.model.problem.plot(), "the problem")
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """What is used of the strength: see `lacore.pictures.mesh.plot_strength`."""
         return views.picture(self)
 

@@ -1,5 +1,7 @@
 """Strict upper bounds from velocities that are admissible to round-off (T15b, T22, T26c)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Forces per volume: own weight, earthquakes, uniform or as they vary from place to place."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -80,11 +82,11 @@ class BodyForce(Compact):
         said = short(self.vector) if self.uniform else f"({', '.join(map(_told, self.vector))})"
         return f"{said} N/m^3 in {self.body}{part}"
 
-    def times(self, factor: float) -> "BodyForce":
+    def times(self, factor: float) -> BodyForce:
         """The same with another size."""
         return replace(self, vector=tuple(_times(one, factor) for one in self.vector))
 
-    def changed(self, change: Callable[[tuple[float, ...]], Component]) -> "BodyForce":
+    def changed(self, change: Callable[[tuple[float, ...]], Component]) -> BodyForce:
         """The same with other components in place of those by elements; a factor is taken in."""
 
         def new(one: Component) -> Component:

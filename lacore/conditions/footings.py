@@ -1,5 +1,7 @@
 """Rigid footings and plates: what they touch moves with them, and loads act on their motion."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
@@ -148,7 +150,7 @@ class RigidFooting(Footing):
         return 1 + len(self.turning or "")
 
     @property
-    def unloaded(self) -> "RigidFooting":
+    def unloaded(self) -> RigidFooting:
         """See `Footing`."""
         return replace(self, pressure=1.0)
 
@@ -222,7 +224,7 @@ class Twist(Footing):
         object.__setattr__(self, "through", tuple(map(float, self.through)))
 
     @property
-    def unloaded(self) -> "Twist":
+    def unloaded(self) -> Twist:
         """See `Footing`."""
         return replace(self, torque=1.0)
 

@@ -1,5 +1,7 @@
 """Functions of place by numbers: what a file can state in place of a function in Python."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,6 +6,8 @@ Of axisymmetric bodies x is the radius and y the axis: a vector (r, z) acts all 
 are those of the whole circumference, in N.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import ClassVar
@@ -58,7 +60,7 @@ class Fix(Compact):
     def __post_init__(self) -> None:
         require_known("Fix.components", self.components, _NAMED)
 
-    def of(self, dimension: int) -> "Fix":
+    def of(self, dimension: int) -> Fix:
         """With ``all`` directions named."""
         return replace(self, components=_ALL[dimension]) if self.components == "all" else self
 
@@ -201,7 +203,10 @@ Load = (
     | PorePressure
     | StandingWater
 )
-"""Each says its `boundary`, None where it acts on none, and its `point`, None where on none."""
+"""What drives a problem, a reference load, or rests on it, a dead one.
+
+Each says its `boundary`, None where it acts on none, and its `point`, None where on none.
+"""
 
 
 @singledispatch

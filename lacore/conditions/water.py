@@ -1,5 +1,7 @@
 """Water: in the pores of a body, and standing on its boundary (T64)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar

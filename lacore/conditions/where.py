@@ -7,7 +7,12 @@ import numpy as np
 from lacore.arrays import Bools, Floats, Ints
 from lacore.errors import InputError
 
-Where = str | tuple[str, ...] | Callable[[Floats], Bools]  # names: of blocks, nodes, members
+Where = str | tuple[str, ...] | Callable[[Floats], Bools]
+"""A part of a body: the name of a boundary, names of blocks, nodes or members, or which places.
+
+Places are told by a function of coordinates of shape (2, n), in space (3, n), that returns yes or
+no for each, or by `lacore.Within`, `lacore.Along`, `lacore.Beyond`.
+"""
 
 
 # Shares of an edge: inside it, so that `<` and `<=` with a vertex select the same, and close to its

@@ -1,5 +1,7 @@
 """Places by numbers: boxes, lines, half-planes. Predicates that can be written to a file."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import hypot, inf
 

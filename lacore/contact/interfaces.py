@@ -5,6 +5,8 @@ relative velocity is that of the slave against the master, ``u_n > 0`` opens. Tr
 slave, ``t_n > 0`` is compression.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import TypeGuard
 

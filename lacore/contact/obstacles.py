@@ -1,5 +1,7 @@
 """Rigid obstacles: what they look like, and which part of a body may come to one."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -48,7 +50,7 @@ class Plane(Compact):
     direction: tuple[float, ...]
 
     @classmethod
-    def through(cls, point: Floats, normal: Floats) -> "Plane":
+    def through(cls, point: Floats, normal: Floats) -> Plane:
         """By a point and a normal of any length, shape (d,) each."""
         unit = normal / np.linalg.norm(normal)
         return cls(tuple(map(float, point)), tuple(map(float, unit)))

@@ -6,6 +6,8 @@ so that the smallest and the largest load factor are one conic program each, and
 is carried too.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum

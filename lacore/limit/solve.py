@@ -1,5 +1,7 @@
 """`solve`: from a problem to its limit state."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack

@@ -7,6 +7,8 @@ friction, which is not associated, a load that is carried may still have mechani
 stands means that it can, not that it must.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace

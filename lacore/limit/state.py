@@ -1,5 +1,7 @@
 """What a solve returns: the limit state, in SI units, with its proof."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -337,7 +339,7 @@ class LimitState(Shown):
         """
         return support_reactions(self.discretisation, self._point())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Mechanism and forces: see `lacore.pictures.mechanism.plot_mechanism`."""
         return views.picture(self)
 

@@ -1,5 +1,7 @@
 """The criterion of Drucker and Prager (T41, T42)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from math import nan, sqrt
 
@@ -129,7 +131,7 @@ class DruckerPrager(Compact):
         """It does not harden."""
         return None
 
-    def weakened(self, factor: float) -> "DruckerPrager":
+    def weakened(self, factor: float) -> DruckerPrager:
         """Cohesion and ``tan(phi)`` divided by a factor."""
         angle, dilation = flatter("DruckerPrager", self._friction, self._dilation, factor)
         return DruckerPrager(self._cohesion / factor, angle, self.match, dilation)

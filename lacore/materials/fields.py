@@ -1,5 +1,7 @@
 """Strengths that vary from place to place: functions of coordinates, or a value in each element."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, ClassVar
@@ -50,23 +52,23 @@ class Field(Compact):
         if not callable(self.values):
             object.__setattr__(self, "values", _array("Field.values", self.values))
 
-    def __mul__(self, factor: float | Floats) -> "Field":
+    def __mul__(self, factor: float | Floats) -> Field:
         """All values times a factor, Pa."""
         return self._scaled(self.factor * factor)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: float | Floats) -> "Field":
+    def __truediv__(self, divisor: float | Floats) -> Field:
         """All values divided, Pa."""
         return self * (1 / divisor)
 
-    def __sub__(self, other: "Field") -> "Field":
+    def __sub__(self, other: Field) -> Field:
         """Less a multiple of itself, Pa."""
         if other.values is not self.values:
             raise ValueError("a field less another one is no multiple of it")
         return self._scaled(self.factor - other.factor)
 
-    def _scaled(self, factor: float | Floats) -> "Field":
+    def _scaled(self, factor: float | Floats) -> Field:
         """With another factor; its values are the same object, by which it is known again."""
         scaled = replace(self, factor=factor)
         object.__setattr__(scaled, "values", self.values)

@@ -1,5 +1,7 @@
 """Friction laws of interfaces and joints (T2, T4)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from math import inf, radians, tan
 
@@ -29,7 +31,7 @@ class FrictionTerms(Compact):
         """What pressure adds to the shear stress that is carried; sliding may dilate."""
         return self.coefficient + self.dilatancy
 
-    def within(self, other: "FrictionTerms") -> bool:
+    def within(self, other: FrictionTerms) -> bool:
         """Whether a law carries no more than another one, at any pressure."""
         if self.tension > other.tension or self.slope > other.slope:
             return False
@@ -100,12 +102,12 @@ class Coulomb(Compact):
             return FrictionTerms(0.0, limit, self.mu, self.tension)
         return FrictionTerms(self.mu, limit, 0.0, self.tension)
 
-    def frictionless(self) -> "Coulomb | Tresca":
+    def frictionless(self) -> Coulomb | Tresca:
         """What it carries whatever presses: a cylinder inside its cone (T14); SMOOTH of none."""
         limit = max(self.adhesion - self.mu * self.tension, 0.0)
         return replace(self, mu=0.0, adhesion=limit) if limit or self.tension else SMOOTH
 
-    def divided(self, factor: float) -> "Coulomb":
+    def divided(self, factor: float) -> Coulomb:
         """With all strengths divided by a factor; the apex stays, and no tension is beyond it."""
         mu, adhesion, tension = (part / factor for part in (self.mu, self.adhesion, self.tension))
         if mu > 0:
@@ -139,7 +141,7 @@ class Tresca(Compact):
         """The law as coefficients of the program."""
         return FrictionTerms(0.0, self.limit, 0.0)
 
-    def divided(self, factor: float) -> "Tresca":
+    def divided(self, factor: float) -> Tresca:
         """With its limit divided by a factor."""
         return Tresca(self.limit / factor)
 
@@ -163,7 +165,7 @@ class Bonded(Compact):
         """That of sticking: what opens is no matter of friction."""
         return FrictionTerms(0.0, inf, 0.0)
 
-    def divided(self, factor: float) -> "Bonded":
+    def divided(self, factor: float) -> Bonded:
         """The same: its strength is that of the bodies."""
         return self
 
@@ -173,6 +175,7 @@ BOND = Bonded()
 
 
 Friction = Coulomb | Tresca | Bonded
+"""A law of friction; where it is asked for, a number is the coefficient of `lacore.Coulomb`."""
 
 
 def friction_law(friction: float | Friction, field: str) -> Friction:

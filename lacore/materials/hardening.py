@@ -1,5 +1,7 @@
 """Hardening laws: the yield stress over the equivalent plastic strain, and its slope (T29)."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -240,14 +242,14 @@ class Table(Compact):
         return np.asarray(np.where(np.asarray(strain) > self.strains[-1], 0.0, slopes))
 
     @cached_property
-    def _curve(self) -> "PchipInterpolator":
+    def _curve(self) -> PchipInterpolator:
         # Here: it takes half a second to load, and only tables have a use for it.
         from scipy.interpolate import PchipInterpolator
 
         return PchipInterpolator(self.strains, self.stresses)
 
     @cached_property
-    def _slope(self) -> "PPoly":
+    def _slope(self) -> PPoly:
         return self._curve.derivative()
 
 

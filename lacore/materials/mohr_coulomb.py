@@ -4,6 +4,8 @@ All are planes ``q <= b - a P`` in the mean stress P and the deviator q of the p
 third principal stress where it is not free.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import cos, inf, nan, radians, sin, tan
 from typing import Any
@@ -123,7 +125,7 @@ class MohrCoulomb(Compact):
         """It does not harden."""
         return None
 
-    def weakened(self, factor: float) -> "MohrCoulomb":
+    def weakened(self, factor: float) -> MohrCoulomb:
         """Cohesion, ``tan(phi)`` and cut-offs divided by a factor; the apex stays.
 
         A dilation angle stays, too, as far as it is none above the friction angle.
@@ -223,7 +225,7 @@ class Rankine(Compact):
         """It does not harden."""
         return None
 
-    def weakened(self, factor: float) -> "Rankine":
+    def weakened(self, factor: float) -> Rankine:
         """Both strengths divided by a factor."""
         tensile, crushing = self._limits
         return Rankine(tensile / factor, None if crushing is None else crushing / factor)
@@ -273,7 +275,7 @@ class NoTension(Compact):
         """It does not harden."""
         return None
 
-    def weakened(self, factor: float) -> "NoTension":
+    def weakened(self, factor: float) -> NoTension:
         """Its strength in compression divided by a factor."""
         crushing = self._crushing
         return NoTension(None if crushing is None else crushing / factor)
@@ -328,7 +330,7 @@ class MaximumShear(Compact):
         """It does not harden."""
         return None
 
-    def weakened(self, factor: float) -> "MaximumShear":
+    def weakened(self, factor: float) -> MaximumShear:
         """Its strength divided by a factor."""
         return MaximumShear(self._shear / factor)
 

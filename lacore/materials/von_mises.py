@@ -1,5 +1,7 @@
 """The yield criterion of von Mises (T1), perfectly plastic or hardening (T29)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import nan, sqrt
 
@@ -99,7 +101,7 @@ class VonMises(Compact):
             return Perfect(self.yield_stress)  # type: ignore[arg-type]  # a number, checked
         return Perfect(sqrt(3) * self.k)  # type: ignore[arg-type]  # a number, checked
 
-    def weakened(self, factor: float) -> "VonMises":
+    def weakened(self, factor: float) -> VonMises:
         """Perfectly plastic, its initial strength divided by a factor."""
         return VonMises(shear_strength=self.k / factor)
 

@@ -1,5 +1,7 @@
 """Meshes in a file with all that they have: elements in their order, curves, names."""
 
+from __future__ import annotations
+
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,7 @@
 """Meshes that cannot be right, or that solvers cannot work on, are refused with place and mend."""
 
+from __future__ import annotations
+
 import numpy as np
 import shapely
 from scipy.sparse import coo_matrix

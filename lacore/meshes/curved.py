@@ -1,5 +1,7 @@
 """Isoparametric meshes: edges and elements that are curved, quadratic in their parameters (T31)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -105,7 +107,7 @@ class EdgeCurves(Compact):
         root = np.sqrt(np.maximum((1 - a) ** 2 + 4 * a * share, 0.0))
         return np.asarray(2 * share / (1 - a + root))
 
-    def between(self, first: Floats, last: Floats) -> "EdgeCurves":
+    def between(self, first: Floats, last: Floats) -> EdgeCurves:
         """The parts between two parameters, shape (k,) each."""
         return EdgeCurves(self.at(first), self.at((first + last) / 2), self.at(last))
 

@@ -1,5 +1,7 @@
 """Fans: elements that turn around a point, as lower bounds need at singular ones (T26b)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, exp, log2, pi

@@ -1,5 +1,7 @@
 """Meshes whose edges follow layers, and whose elements are named by them."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Names for parts of a mesh, by places."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,6 +18,7 @@ _INNER = 1 - 1e-6  # of the way from the middle of an element to its corners
 
 
 Places = Callable[[Floats], Bools]
+"""Which of n places, coordinates of shape (2, n) or (3, n), are meant."""
 
 
 def named(

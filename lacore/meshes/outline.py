@@ -1,5 +1,7 @@
 """A new mesh inside the outline of an old one, by gmsh (the extra ``lacore[gmsh]``)."""
 
+from __future__ import annotations
+
 import signal
 import threading
 from collections.abc import Iterator, Sequence

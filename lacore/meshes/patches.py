@@ -1,5 +1,7 @@
 """Meshes of several quadrangles side by side: slopes, walls with openings, layers."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Meshes of triangles or tetrahedra from files, with the names of physical groups."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from os import PathLike, fspath
 from pathlib import Path

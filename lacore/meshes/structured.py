@@ -3,6 +3,8 @@
 Any `skfem.MeshTri` with named boundaries serves as well.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite, log1p, pi

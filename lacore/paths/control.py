@@ -1,5 +1,7 @@
 """What measures how far a path has come: a footing, a point of a body, or time (T29)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,5 +1,7 @@
 """How long the steps of a path are: equal, or as their error allows."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

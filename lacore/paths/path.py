@@ -1,5 +1,7 @@
 """What a path leaves behind: its history, what happened on the way, the bodies at every step."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from numbers import Integral
@@ -230,7 +232,7 @@ class Path(Shown):
         """Files for ParaView: see `lacore.files.vtu.write_path`."""
         return views.files(self, folder)
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """The bodies at the end, and the load: see `lacore.pictures.path.plot_path`."""
         return views.picture(self)
 

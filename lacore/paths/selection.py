@@ -1,5 +1,7 @@
 """Which of many velocities of the same load moves the bodies along a path (T32)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt

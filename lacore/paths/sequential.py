@@ -1,5 +1,7 @@
 """Sequential limit analysis: limit problems along a path of large deformation (T29-T31)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack

@@ -1,3 +1,4 @@
-"""The module that is a name of `la`, for `__init__` and for type checkers."""
+"""The modules that are names of `la`, for `__init__` and for type checkers."""
 
 from . import examples as examples
+from . import types as types

@@ -1,5 +1,7 @@
 """Small problems, which the examples in docstrings solve: ``la.examples``."""
 
+from __future__ import annotations
+
 from lacore.bodies.blocks import masonry
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame

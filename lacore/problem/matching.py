@@ -1,5 +1,7 @@
 """Bodies on meshes that match where they touch: the same vertices on both sides."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 

@@ -1,5 +1,7 @@
 """What the user says: bodies, supports, interfaces, loads. Immutable, and checked when built."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
@@ -75,7 +77,7 @@ class Problem(Shown):
         self,
         reference_loads: Sequence[Load] | None = None,
         dead_loads: Sequence[Load] | None = None,
-    ) -> "Problem":
+    ) -> Problem:
         """The same structure under other loads; those that are not given stay.
 
         Raises:
@@ -85,7 +87,7 @@ class Problem(Shown):
         dead = self.dead_loads if dead_loads is None else dead_loads
         return replace(self, reference_loads=live, dead_loads=dead)
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Sketch of the problem: see `lacore.pictures.sketch.problem.plot_problem`."""
         return views.picture(self)
 

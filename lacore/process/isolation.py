@@ -1,5 +1,7 @@
 """A backend in a process of its own: one that hangs, crashes or is killed becomes a status."""
 
+from __future__ import annotations
+
 import time
 from contextlib import suppress
 from dataclasses import replace
@@ -44,17 +46,15 @@ class SolverProcess:
             self.ask(START, "load", backend)
         return time.perf_counter() - begin
 
-    def prepare(
-        self, backend: Backend, program: KinematicProgram, options: Any
-    ) -> "IsolatedSolver":
+    def prepare(self, backend: Backend, program: KinematicProgram, options: Any) -> IsolatedSolver:
         """The backend at work on one program in this process; the one before it is dropped."""
         return IsolatedSolver(self, backend, program, options)
 
-    def hand_to(self, solver: "IsolatedSolver | None") -> None:
+    def hand_to(self, solver: IsolatedSolver | None) -> None:
         """What is asked from now on is about this solver."""
         self._holder = solver
 
-    def held_by(self, solver: "IsolatedSolver") -> bool:
+    def held_by(self, solver: IsolatedSolver) -> bool:
         """Whether the process still has the program of this solver."""
         return self._holder is solver and self._process.running
 
@@ -67,7 +67,7 @@ class SolverProcess:
         self._holder = None
         self._process.close()
 
-    def __enter__(self) -> "SolverProcess":
+    def __enter__(self) -> SolverProcess:
         return self
 
     def __exit__(

@@ -1,5 +1,7 @@
 """`critical`: the value of a parameter at which a structure just carries what it has to."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -168,7 +170,7 @@ class Critical(Shown):
         """What was asked along the parameter."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Load factors: see `lacore.pictures.questions.along.plot_critical`."""
         return views.picture(self)
 

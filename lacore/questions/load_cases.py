@@ -1,5 +1,7 @@
 """`load_cases`: one structure under several loads, and which of them governs."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -82,7 +84,7 @@ class LoadCases(Shown):
         return said
 
     @property
-    def _least(self) -> "pd.Series[Any]":
+    def _least(self) -> pd.Series[Any]:
         return self.table[self.table["governs"]].iloc[0]
 
     def facts(self) -> Facts:
@@ -105,7 +107,7 @@ class LoadCases(Shown):
         """Load factors by case."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Load factors by case: see `lacore.pictures.questions.load_cases.plot_load_cases`."""
         return views.picture(self)
 

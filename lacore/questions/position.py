@@ -1,5 +1,7 @@
 """`worst_position`: where a moving load is carried least."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -83,7 +85,7 @@ class WorstPosition(Shown):
         """Load factors along the way."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Load factors: see `lacore.pictures.questions.along.plot_worst_position`."""
         return views.picture(self)
 

@@ -1,5 +1,7 @@
 """`sensitivity`: what the load factor depends on, and how much (T81)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -106,7 +108,7 @@ class Sensitivity(Shown):
         """Elasticities."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Elasticities: see `lacore.pictures.questions.sensitivity.plot_sensitivity`."""
         return views.picture(self)
 

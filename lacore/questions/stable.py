@@ -1,5 +1,7 @@
 """`stable`: whether a structure stands under its dead loads alone."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -63,7 +65,7 @@ class Stable(Shown):
             return Picture(self.state.discretisation.problem.plot(), "the problem: undecided")
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """See `lacore.pictures.questions.stable.plot_stable`."""
         return views.picture(self)
 

@@ -1,5 +1,7 @@
 """`limit_thickness`: the parameter at which a structure just stands under its dead loads (T80)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -1,5 +1,7 @@
 """`coulomb_range`: the lowest and the highest Coulomb load factor that can be certified (T14b)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack

@@ -5,6 +5,8 @@ given loads together falls with it. Where a strict lower bound of that is still 
 structure stands, where a strict upper bound is below 1 it does not: the two ends are proven.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise

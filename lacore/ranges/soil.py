@@ -1,5 +1,7 @@
 """`soil_range`: low and high load factors of soils whose flow is not associated (T59)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack

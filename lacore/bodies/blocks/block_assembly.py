@@ -3,7 +3,9 @@
 Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -12,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from lacore.arrays import Bools, Floats, Ints
+from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.checks import check_contact
 from lacore.bodies.blocks.joints import JointFriction, Joints, find_joints, joint_law, joint_names
 from lacore.bodies.blocks.loaded import carried
@@ -29,13 +31,12 @@ from lacore.bodies.blocks.polygons import (
 from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load, require_no_rotation
-from lacore.conditions.where import edges_inside
+from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
 from lacore.meshes.curved import EdgeCurves
 from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
 
-Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the mean block size
 _GAP = 1e-3  # of the shortest edge: ten times less than gaps that count as nearly touching
 _SLIVER = 1e-6  # of the size of its block: an edge below it is none
@@ -198,7 +199,7 @@ class BlockAssembly(Shown):
         """The blocks of outline edges."""
         return np.asarray(self.edges.block[edges])
 
-    def boundary(self, where: Blocks, field: str) -> tuple[Ints, Edges]:
+    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
         """Outline edges of a part of the blocks, and their geometry; errors name the `field`."""
         edges, every = self.outline(where, field), self.edges
         return edges, Edges(every.start[:, edges], every.end[:, edges], every.normal[:, edges])
@@ -212,7 +213,7 @@ class BlockAssembly(Shown):
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
 
-    def with_points(self, points: Iterable[Sequence[float]]) -> "BlockAssembly":
+    def with_points(self, points: Iterable[Sequence[float]]) -> BlockAssembly:
         """Itself: point forces act anywhere on blocks."""
         return self
 
@@ -227,7 +228,7 @@ class BlockAssembly(Shown):
         self.outline(support.where, f"{field}.where")
         require_no_rotation(support, field)
 
-    def outline(self, where: Blocks, field: str) -> Ints:
+    def outline(self, where: Where, field: str) -> Ints:
         """Edge numbers of the part `where` of the outlines, sorted.
 
         A name, or a tuple of names, selects whole blocks. A predicate gets coordinates (2, n),

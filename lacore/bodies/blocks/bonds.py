@@ -3,6 +3,8 @@
 A row is one course from left to right: widths, an opening as minus its width.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

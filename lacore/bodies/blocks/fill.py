@@ -1,5 +1,7 @@
 """What lies on vaults: the weight of a fill and its lateral pressure, as loads on blocks."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

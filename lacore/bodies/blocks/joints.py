@@ -13,6 +13,7 @@ from lacore.materials.friction import BOND, Friction, friction_law
 from lacore.showing import Compact
 
 JointFriction = Mapping[tuple[str, str], float | Friction]
+"""Laws of single joints, by the names of their two blocks."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

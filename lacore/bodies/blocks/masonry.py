@@ -1,5 +1,7 @@
 """Builders of block assemblies: walls in running bond, stacks, arches, what was drawn."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from math import pi
 

@@ -13,6 +13,7 @@ from lacore.bodies.touching import NEAR, Edges, near_misses
 from lacore.errors import InputError, require_range
 
 Polygons = Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike]
+"""Corners of each block, shape (n, 2), m, by its name, or numbered from 1."""
 _DEGENERATE = 1e-10  # area over squared perimeter; below it no inside is left in double precision
 _RESERVED = "|#"  # joints are called "a|b#2"
 

@@ -3,6 +3,8 @@
 Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -26,11 +28,11 @@ from lacore.bodies.blocks3d.slits import require_no_slits
 from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Touched
 from lacore.conditions.loads import Fix, Load
+from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known, require_positive
 from lacore.materials.friction import Friction
 from lacore.showing import Facts, Shown, counted, listed, placed, short, spanned
 
-Blocks = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the mean block size
 _DIGITS = 16 * np.finfo(float).eps  # of the coordinates: what sums and products of them keep
 
@@ -194,7 +196,7 @@ class BlockAssembly3D(Shown):
         """Raise `InputError` where no block carries a load."""
         carried(load, self)
 
-    def with_points(self, points: Iterable[Sequence[float]]) -> "BlockAssembly3D":
+    def with_points(self, points: Iterable[Sequence[float]]) -> BlockAssembly3D:
         """Itself: point forces act anywhere on blocks."""
         return self
 
@@ -269,7 +271,7 @@ class BlockAssembly3D(Shown):
         """Raise `InputError` where a support cannot hold it; it names the `field`."""
         self.outline(support.where, f"{field}.where")
 
-    def outline(self, where: Blocks, field: str) -> Ints:
+    def outline(self, where: Where, field: str) -> Ints:
         """Numbers of the plane faces of the part `where` of the blocks, sorted.
 
         A name, or a tuple of names, selects whole blocks. A predicate gets the centroids of all

@@ -1,5 +1,7 @@
 """A rigid block in space: a polyhedron with plane faces."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,5 +1,7 @@
 """Deformable bodies: a mesh, a criterion, kinematics and a velocity space."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -144,7 +146,7 @@ class Body(Shown):
         """Its mesh."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Its mesh, with the names of boundaries: see `lacore.pictures.mesh.plot_body`."""
         return views.picture(self)
 
@@ -224,7 +226,7 @@ class Body(Shown):
         """Raise `InputError` where it cannot carry a load; it names the `field`."""
         check_load(load, self, field)
 
-    def with_points(self, points: Iterable[Sequence[float]]) -> "Body":
+    def with_points(self, points: Iterable[Sequence[float]]) -> Body:
         """Itself: point forces act at vertices that it has."""
         return self
 

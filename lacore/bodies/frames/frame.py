@@ -1,13 +1,15 @@
 """Plane frames: straight members between nodes, with plastic hinges where members end."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 
-from lacore.arrays import Bools, Floats, Ints
+from lacore.arrays import Floats, Ints
 from lacore.bodies.frames.held import COMPONENTS
 from lacore.bodies.frames.loaded import nodal
 from lacore.bodies.frames.members import (
@@ -28,11 +30,11 @@ from lacore.bodies.frames.section import Section
 from lacore.bodies.pickled import by_arguments
 from lacore.bodies.touching import Edges, Touched
 from lacore.conditions.loads import Fix, Load
+from lacore.conditions.where import Where
 from lacore.errors import InputError, require_known, require_positive
 from lacore.meshes.curved import EdgeCurves
 from lacore.showing import Facts, Shown, counted, listed
 
-Nodes = str | tuple[str, ...] | Callable[[Floats], Bools]
 _TOLERANCE = 1e-6  # of the size: coordinates written with seven digits agree to this
 
 
@@ -157,7 +159,7 @@ class Frame(Shown):
         """Lowest and highest corner of the bounding box, m, shape (2,) each."""
         return self.position.min(axis=1), self.position.max(axis=1)
 
-    def find(self, where: Nodes, field: str) -> Ints:
+    def find(self, where: Where, field: str) -> Ints:
         """Numbers of nodes: of a name, of names, or of a predicate on coordinates (2, n) -> (n,).
 
         Raises:
@@ -186,7 +188,7 @@ class Frame(Shown):
             raise InputError(field, None, "selects no node", "select at least one node")
         return chosen
 
-    def boundary(self, where: Nodes, field: str) -> tuple[Ints, Edges]:
+    def boundary(self, where: Where, field: str) -> tuple[Ints, Edges]:
         """Nodes, and edges of length 0 there without a normal; errors name the `field`."""
         nodes = self.find(where, field)
         place = self.position[:, nodes]
@@ -201,7 +203,7 @@ class Frame(Shown):
         """Raise `InputError` where it does not carry a load."""
         nodal(load, self)
 
-    def with_points(self, points: Iterable[Sequence[float]]) -> "Frame":
+    def with_points(self, points: Iterable[Sequence[float]]) -> Frame:
         """With a node wherever a point lies on a member: it may hinge there."""
         return self.split_at(points)
 
@@ -221,7 +223,7 @@ class Frame(Shown):
         nearest = int(np.argmin(away))
         return nearest if away[nearest] <= self.allowed else None
 
-    def split_at(self, points: Iterable[Sequence[float]]) -> "Frame":
+    def split_at(self, points: Iterable[Sequence[float]]) -> Frame:
         """The frame with further nodes at those of the points that lie inside a member.
 
         They are called "member(x, y)".

@@ -23,6 +23,7 @@ from lacore.errors import (
 from lacore.showing import Compact
 
 Members = Mapping[str, tuple[str, str]] | Sequence[tuple[str, str]]
+"""Pairs of nodes, by the name of the member, or called after them, ``A-B``."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -5,6 +5,8 @@ the member to the left, seen from its first node: tension is on the right, below
 left to right (sagging). What an end of a member dissipates is in `lacore.bodies.frames.ways`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

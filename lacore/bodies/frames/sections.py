@@ -7,6 +7,8 @@ moment, ``N(y) = f A(y)`` and ``M(y) = f S(y)``. The curve is replaced by a poly
 load factors are safe, or around it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from math import inf
 

@@ -1,5 +1,7 @@
 """`read_problem`: from a TOML file to the problem that it states, without running any of it."""
 
+from __future__ import annotations
+
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -37,12 +39,12 @@ class Stated:
         units: that answers are told in.
     """
 
-    source: "Source"
+    source: Source
     problem: Problem
     program: Program
     things: Mapping[Key, Any]
     title: str
-    asked: "Asked"
+    asked: Asked
     cases: Mapping[str, Sequence[int]]
     units: Units
 
@@ -88,7 +90,7 @@ def read(path: str | PathLike[str]) -> Stated:
     return stated_by(Source.of(File(fspath(path))))
 
 
-def stated_by(source: "Source") -> Stated:
+def stated_by(source: Source) -> Stated:
     """What a file states that has been read; errors as of `read_problem`."""
     from lacore.files.problem.checking import checked  # here: pydantic takes a while to load
 
@@ -125,7 +127,7 @@ class Source:
     lines: Mapping[Path, int]
 
     @classmethod
-    def of(cls, file: File) -> "Source":
+    def of(cls, file: File) -> Source:
         """Read a file.
 
         Raises:

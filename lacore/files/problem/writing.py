@@ -1,5 +1,7 @@
 """`write_problem`: a problem as a TOML file that states the same one."""
 
+from __future__ import annotations
+
 from functools import singledispatch
 from os import PathLike, fspath
 from pathlib import Path

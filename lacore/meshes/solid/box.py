@@ -1,5 +1,7 @@
 """Boxes of tetrahedra with named sides."""
 
+from __future__ import annotations
+
 from itertools import permutations
 from typing import Any
 

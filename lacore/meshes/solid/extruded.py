@@ -1,5 +1,7 @@
 """Tetrahedra above a section of triangles."""
 
+from __future__ import annotations
+
 import numpy as np
 from skfem import MeshTet, MeshTri
 from skfem.mesh import MeshTri1

@@ -1,5 +1,7 @@
 """`envelope`: which combinations of loads a structure carries (T82)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -129,7 +131,7 @@ class Envelope(Shown):
         """Inner and outer."""
         return Picture(self.plot())
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Inner and outer: see `lacore.pictures.questions.envelope.plot_envelope`."""
         return views.picture(self)
 

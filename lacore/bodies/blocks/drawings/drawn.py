@@ -1,5 +1,7 @@
 """Blocks that were drawn, with their layers, densities, and what was made of the drawing."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -11,6 +11,7 @@ from lacore.errors import InputError, require_known
 from lacore.materials.friction import Friction, friction_law
 
 LayerFriction = Mapping[tuple[str, str], float | Friction]
+"""Laws of joints between two layers of a drawing, by their names."""
 
 
 def assembled(

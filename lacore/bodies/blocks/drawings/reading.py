@@ -1,5 +1,7 @@
 """Blocks from a drawing: the public function."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping, Sequence, Set
 from os import PathLike, fspath

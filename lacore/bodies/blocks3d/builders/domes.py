@@ -1,5 +1,7 @@
 """Domes of revolution, cut into blocks by meridians and by cones about their centre."""
 
+from __future__ import annotations
+
 from math import pi
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Prisms across the plane of x and z, and what is drawn in that plane made as deep as wanted."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

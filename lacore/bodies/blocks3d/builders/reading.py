@@ -1,5 +1,7 @@
 """Blocks in space from files: assemblies of compas, surfaces of OBJ, PLY and STL."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from os import PathLike, fspath
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Arches and vaults of circular section: along y, or two of them that cross."""
 
+from __future__ import annotations
+
 from math import pi
 
 import numpy as np

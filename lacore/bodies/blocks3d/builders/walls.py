@@ -1,5 +1,7 @@
 """Walls, corners and stairs of rectangular blocks."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np
