@@ -24,6 +24,8 @@ def called():
     """Functions and classes that one calls, by the name that one gives after ``la.``."""
     for name in la.__all__:
         thing = getattr(la, name)
+        if thing is la.types:
+            continue  # of annotations
         if isinstance(thing, ModuleType):
             own = getattr(thing, "__all__", None) or [
                 part

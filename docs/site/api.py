@@ -96,7 +96,7 @@ def _alias(name: str, home: str) -> str:
                 raise ValueError(f"{home}.{name} has no docstring")
             text = cleandoc(str(after.value.value)).replace("\n", "\n   ")
             stands = " ".join(ast.unparse(node.value).split())
-            return f".. py:type:: lacore.types.{name}\n   :canonical: {stands}\n\n   {text}\n"
+            return f".. py:type:: {name}\n   :canonical: {stands}\n\n   {text}\n"
     raise ValueError(f"{home} has no {name}")
 
 

@@ -8,6 +8,7 @@ from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
+from sphinx.util.inspect import TypeAliasForwardRef
 
 _SHORT = {"la": "lacore"}
 _SEVERAL = re.compile(r"( +)(\w+(?:, \w+)+): (.*)")
@@ -55,8 +56,13 @@ def _repeated(lines: Sequence[str]) -> Iterator[str]:
             yield from (f"{margin}{name}: {text}", *rest)
 
 
+def _name(alias: TypeAliasForwardRef) -> str:
+    return alias.name
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
+    TypeAliasForwardRef.__repr__ = _name  # type: ignore[method-assign]  # Sphinx 9.0 in unions
     app.connect("missing-reference", resolve)
     app.connect("autodoc-process-docstring", one_by_one, priority=400)  # before napoleon
     return {"parallel_read_safe": True, "parallel_write_safe": True}
