@@ -109,8 +109,7 @@ def solve(
             `CouplingOptions`.
         tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
             whose flow is not associated 5e-5 where that is not reached soon (T58).
-        max_iterations: of all loops; None: 100, and 300 of blocks in space, which converge less
-            soon (T74).
+        max_iterations: of all loops; None: 100, and 300 of blocks in space, which need more (T74).
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
