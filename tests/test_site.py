@@ -161,6 +161,9 @@ def test_every_case_is_in_the_gallery_in_one_group(scripts):
     page = gallery.page([*catalogue().values()], {})
     for name in catalogue():
         assert page.count(f":link: /manual/{name}\n") == 1
+    shown = {file for own in gallery._EXAMPLES.values() for file, *_ in own}
+    drawn = {path.name for path in (ROOT / "docs").glob("*.png")}
+    assert drawn - shown == {"ground.png"}  # a problem whose answer is shown
     groups = {gallery.group(case) for case in catalogue().values()}
     assert groups == {*gallery._SHOWN}
 

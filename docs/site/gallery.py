@@ -24,8 +24,13 @@ _SHOWN = ("Soil", "Masonry", "Frames", "Metals", "Contact", "In space", "Solvers
 _EXAMPLES = {
     "Examples of the guide": (
         ("footing.png", "A footing on layered soil", "../guide/footing"),
+        ("inclined.png", "Which loads a footing carries beside a push", "../guide/footing"),
         ("envelope.png", "Which loads a footing carries together", "../guide/questions"),
+        ("bridge.png", "An arch bridge under a wheel", "../guide/bridge"),
         ("wall.png", "A facade", "../guide/friction"),
+        ("portal.png", "A portal on sliding feet", "../guide/structures"),
+        ("plate.png", "A plate with a hole", "../guide/structures"),
+        ("upset.png", "A block is pressed to half its height", "../guide/forming"),
         ("billet.png", "A billet is upset", "../guide/large-deformation"),
         ("mechanism.png", "A block that is crushed", "../index"),
     )
