@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import ROOT
-from tests.verification.report.browser import chromium, idle_pages, visit
+from tests.verification.report.browser import Visit, chromium, idle_pages, visit
 from verification.catalogue.catalogue import catalogue
 
 __all__ = ["chromium", "idle_pages", "visit"]
@@ -211,6 +211,7 @@ def test_formulas_are_places_and_citations_links(html):
         "gallery.html",
         "theory.html",
         "api/limit.html",
+        "benchmarks.html",
         "guide/bounds.html",
     ],
 )
@@ -221,6 +222,21 @@ def test_pages_open_from_disk(html, visit, page, width, scheme):
     assert seen.overflow <= 0
     light = seen.page.evaluate("getComputedStyle(document.body).backgroundColor")
     assert (light == "rgb(255, 255, 255)") == (scheme == "light")
+
+
+@pytest.mark.slow
+def test_every_page_fits_a_telephone(html, chromium):
+    """What is wider scrolls within its own box."""
+    pages = [page for page in html.rglob("*.html") if not {"_modules", "files"} & {*page.parts}]
+    assert len(pages) > 100
+    tab, wrong = chromium.new_page(), {}
+    for page in pages:
+        seen = Visit(tab, page, width=390, scheme="dark")
+        if seen.complaints or seen.overflow > 0:
+            wrong[page.relative_to(html)] = (seen.overflow, seen.complaints)
+        seen.leave()
+    tab.close()
+    assert wrong == {}
 
 
 @pytest.mark.slow
