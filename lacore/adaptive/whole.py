@@ -11,6 +11,7 @@ from skfem import MeshTet, MeshTri
 
 from lacore.adaptive.kept_water import kept
 from lacore.arrays import Floats, Ints
+from lacore.assembly.loading import footings_of
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
@@ -21,6 +22,8 @@ from lacore.errors import InputError
 from lacore.meshes.joined import Joined, elements_of, joined, parted
 from lacore.problem.matching import glued
 from lacore.problem.problem import Problem
+
+_OPENING = {"normal", "xyz"}  # supports that soil slips along, or past which it opens
 
 
 def continua(problem: Problem) -> dict[str, Body]:
@@ -84,16 +87,29 @@ def on_mesh(problem: Problem, mesh: MeshTri) -> Problem:
     """
     known = continua(problem)
     finer = {
-        name: inheriting.on_mesh(known[name], part, _space(known[name]))
+        name: inheriting.on_mesh(known[name], part, _space(known[name], name, problem))
         for name, part in parted(mesh, list(known)).items()
     }
     return replace(problem, bodies={**problem.bodies, **finer})
 
 
-def _space(body: Body) -> str:
-    """That of upper bounds: in space velocities that jump, the closest by far, where they can."""
-    jump = all(own.form.opens or not own.form.surfaces for own in body.regions)
-    return "p2-disc" if body.dimension == 3 and jump else BOUNDING
+def _space(body: Body, name: str, problem: Problem) -> str:
+    """That of upper bounds: in space velocities that jump, the closest by far, where they can.
+
+    Soil that slips opens. What holds it along a face alone, as a twist or an obstacle that it
+    sticks to, leaves it no velocity that is strictly possible (T94).
+    """
+    if body.dimension == 2:
+        return BOUNDING
+    if not body.pressed:
+        return "p2-disc"
+    opens = all(own.form.opens or not own.form.surfaces for own in body.regions)
+    held = {own.components for own in problem.supports if own.body == name}
+    across = np.array([[0.0, 0.0, 1.0]])
+    footings = [own for own in footings_of(problem) if own.body == name]
+    along = any(len(own.held(across)) == 2 for own in footings)
+    free = held <= _OPENING and not along and not problem.interfaces
+    return "p2-disc" if opens and free else BOUNDING
 
 
 def elements(problem: Problem, mesh: MeshTri, name: str) -> Ints:

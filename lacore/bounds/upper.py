@@ -329,7 +329,8 @@ def _impossible(
         return ""
     return (
         f"soil dilates too little for its friction, {', '.join(told)} of the largest strain rate:"
-        " what holds it leaves hardly any room; move supports farther away, or refine the mesh"
+        " what holds it leaves hardly any room; move supports farther away, refine the mesh, or"
+        " take 'p2-vertex', whose velocities do not jump"
     )
 
 

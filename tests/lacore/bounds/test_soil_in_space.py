@@ -150,6 +150,27 @@ def test_steep_cones_do_not_jump():
     assert bracket.upper_bound.discretisation.bodies["block"].body.space == "p2-vertex"
 
 
+def test_brackets_do_not_jump_where_soil_is_held_along_a_face_alone():
+    """No velocity is strictly possible there; a twist, or a floor that it sticks to."""
+    soil = la.DruckerPrager(1.0, ANGLE)
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    body = la.Body(mesh, soil, kinematics="3d", space="p2-disc")
+    held = [la.Fix("block", "bottom")]
+    twist = la.Twist("block", "top", (0, 0, 1), through=(0.5, 0.5, 1.0))
+    twisted = la.Problem({"block": body}, [twist], held)
+    floor = la.Interface(("block", "bottom"), la.RigidObstacle(), la.STICK)
+    standing = la.Problem({"block": body}, [la.Pressure("block", "top")], interfaces=[floor])
+    upright = la.Problem({"block": body}, [la.Pressure("block", "top")], held)
+    for problem, space in (
+        (twisted, "p2-vertex"),
+        (standing, "p2-vertex"),
+        (upright, "p2-disc"),
+    ):
+        found = la.bracket(problem, 2.0, max_elements=12, jobs=1)
+        assert found.upper_bound.rigor is la.Rigor.UPPER
+        assert found.upper_bound.discretisation.bodies["block"].body.space == space
+
+
 def test_a_hollow_sphere_bursts_at_its_closed_form():
     """Two equal hoops: triaxial compression, ``c cot(phi) ((b/a)^m - 1)``, m = 4 sin/(1 + sin).
 
