@@ -3,6 +3,8 @@
 from . import meshes as meshes
 from .adaptive.bracket import Bracket as Bracket
 from .adaptive.bracket import Ending as Ending
+from .adaptive.crushing_bracket import CrushingBracket as CrushingBracket
+from .adaptive.crushing_bracket import crushing_bracket as crushing_bracket
 from .adaptive.refine import bracket as bracket
 from .assembly.discretisation import Discretisation as Discretisation
 from .assembly.discretise import discretise as discretise

@@ -11,7 +11,8 @@ import pytest
 import lacore as la
 
 MADE = {
-    *("Bracket", "Certificate", "CoulombRange", "Critical", "Crossing", "Discretisation"),
+    *("Bracket", "Certificate", "CoulombRange", "Critical", "Crossing"),
+    *("CrushingBracket", "Discretisation"),
     *("Envelope", "GapIdentity", "Interval", "LimitState", "LoadCases", "LowerBound", "Path"),
     *("SafetyFactor", "Sensitivity", "SoilRange", "Stability", "Stable", "UpperBound"),
     *("WorstPosition", "masonry.DrawnBlocks"),

@@ -318,13 +318,13 @@ def _standing(
     if crushed:  # of single points, which blocks in space have
         values = [[csr_matrix(a + b) for a, b in zip(values[0], crushed, strict=True)]]
     count, copies = interface.size, len(stands)
+    kind = np.arange(count) if crushed else np.repeat(np.arange(copies) // 2, count)
     every = Controls(
         np.concatenate([stand.place for stand in stands], axis=1),
         np.concatenate([stand.normal for stand in stands], axis=1),
         np.concatenate([stand.weight for stand in stands]),
     )
     owner = np.tile(np.arange(count), copies)
-    kind = np.repeat(np.arange(copies) // 2, count)
     axes = [vstack(rows, format="csr") for rows in zip(*values, strict=True)]
     return _merged(every, owner, kind, moving_sides(sides, count), interface, laws, axes)
 

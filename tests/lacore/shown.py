@@ -28,6 +28,15 @@ def wall(friction=0.65, push=(1, 0)):
     )
 
 
+def weak_pier():
+    return la.Problem(
+        bodies={"pier": la.masonry3d.wall([[1]], 0.5, crushing=la.Crushing(50.0, 1))},
+        supports=[la.Fix("pier", "base")],
+        reference_loads=[la.BodyForce("pier", (1, 0, 0))],
+        dead_loads=[la.BodyForce("pier", (0, 0, -1))],
+    )
+
+
 def portal(foot="clamped"):
     frame = la.Frame(
         {"A": (0, 0), "B": (0, 3), "C": (4, 3), "D": (4, 0)},
@@ -227,6 +236,7 @@ def results():
     made += [la.bracket(punch(2, 2), 0.01, max_elements=200, meshes="separate")]
     made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]
     made += [la.coulomb_range(wall(), restarts=0), la.coulomb_range(unsafe(), restarts=0)]
+    made.append(la.crushing_bracket(weak_pier(), rounds=1))
     made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
     made += answers()
     made += [pressed(steps=2), pressed(steps=2, billet=quad_billet)]

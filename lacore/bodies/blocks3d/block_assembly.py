@@ -6,6 +6,7 @@ Pure geometry; see `lacore.assembly.discretise` for what becomes of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -255,6 +256,14 @@ class BlockAssembly3D(Shown):
         if self.crushing is not None:  # points of cells are not at the rim
             joints = find_joints(self.polyhedra, self.allowed)
         return meeting_alone(blocks, joints, self.allowed)
+
+    def crushed(self, crushing: Crushing) -> "BlockAssembly3D":
+        """Itself with joints that crush by another law."""
+        other = copy(self)
+        joints = find_joints(self.polyhedra, self.allowed, crushing)
+        for name, value in {"crushing": crushing, "joints": joints}.items():
+            object.__setattr__(other, name, value)
+        return other
 
     def _touched_at(self, block: str) -> str:
         """What a block without a joint touches all the same, in words; empty where nothing."""

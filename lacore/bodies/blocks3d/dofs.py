@@ -65,7 +65,7 @@ class RigidDofs3D(RigidUnknowns):
         return np.concatenate([super().places, points], axis=1)
 
     def groups(self, name: str, n: int) -> tuple[DissipationGroup, ...]:
-        """Crushing: the stress of each cell is minus its pressure."""
+        """Crushing: the stress of each cell is its pressure."""
         law, m = crushing_of(self.body.crushing), self.crushing.size
         if law is None:
             return ()

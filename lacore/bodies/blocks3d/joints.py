@@ -1,13 +1,13 @@
 """Joints of blocks in space: where two plane faces share an area (T71)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from lacore.arrays import Floats, Geometries, Ints
-from lacore.bodies.blocks3d.crushing import Crushing, cells
+from lacore.bodies.blocks3d.crushing import Cells, Crushing, cells, points_of
 from lacore.bodies.blocks3d.faces import Faces, faces_of, facing, flat_polygons
 from lacore.bodies.blocks3d.hulls import hull_corners
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
@@ -33,6 +33,7 @@ class Joints3D(Compact):
             one after the other, counterclockwise about its normal.
         joint: number of the joint of each point, (m,).
         weight: area of the joint over its number of points, or that of the cell, (m,), m^2.
+        cells: of joints that crush; None elsewhere.
     """
 
     slave: Ints
@@ -44,6 +45,7 @@ class Joints3D(Compact):
     points: Floats
     joint: Ints
     weight: Floats
+    cells: Cells | None = None
 
     @property
     def count(self) -> int:
@@ -79,7 +81,6 @@ def find_joints(
     pair, shared = shared_pieces(faces, first, second, one, two, tolerance)
     area = np.asarray(shapely.area(shared))
     flat, joint = hull_corners(shared, tolerance)
-    weight = (area / np.bincount(joint, minlength=area.size))[joint]
 
     def placed(flat: Floats, joint: Ints) -> tuple[Floats, Floats]:
         own = pair[joint]
@@ -91,10 +92,7 @@ def find_joints(
     points, gap = placed(flat, joint)
     apart = np.zeros(pair.size)
     np.maximum.at(apart, joint, np.abs(gap))
-    if crushing is not None:
-        flat, joint, weight = cells(shared, crushing.divisions, tolerance)
-        points, _ = placed(flat, joint)
-    return _sorted(
+    joints, label = _sorted(
         faces,
         np.where(apart <= tolerance)[0],
         first[pair],
@@ -103,8 +101,19 @@ def find_joints(
         area,
         points,
         joint,
-        weight,
     )
+    if crushing is None:
+        return joints
+    own = crushing.cells
+    if own is None:
+        rims, piece = cells(shared, crushing.divisions, tolerance)
+        corners, _ = placed(rims.reshape(2, -1), np.repeat(piece, 4))
+        order = np.argsort(label[piece], kind="stable")
+        order = order[label[piece][order] >= 0]
+        corners = corners.reshape(3, -1, 4)[:, order].reshape(3, -1)
+        own = Cells(corners, np.repeat(np.arange(order.size), 4), label[piece][order])
+    points, joint, weight = points_of(own, crushing.side)
+    return replace(joints, points=points, joint=joint, weight=weight, cells=own)
 
 
 def shared_pieces(
@@ -157,9 +166,11 @@ def _sorted(
     area: Floats,
     points: Floats,
     joint: Ints,
-    weight: Floats,
-) -> Joints3D:
-    """The joints that are `kept`, by the numbers of their blocks, masters before slaves."""
+) -> tuple[Joints3D, Ints]:
+    """The joints that are `kept`, by the numbers of their blocks, masters before slaves.
+
+    And the number of each that was given, -1 of those that are not kept.
+    """
     turned = faces.block[first] > faces.block[second]
     slave, master = np.where(turned, first, second), np.where(turned, second, first)
     number = np.bincount(joint, minlength=first.size)
@@ -173,9 +184,9 @@ def _sorted(
     # Seen from the other side, corners that ran counterclockwise run clockwise.
     inside = np.where(turned[joint[place]], -place, place)
     place = place[np.lexsort((inside, label[joint[place]]))]
-    joint, weight = label[joint[place]], weight[place]
+    joint = label[joint[place]]
     begin = np.append(0, np.cumsum(np.bincount(faces.block)))[:-1]
-    return Joints3D(
+    joints = Joints3D(
         faces.block[slave[order]],
         faces.block[master[order]],
         slave[order] - begin[faces.block[slave[order]]],
@@ -184,5 +195,6 @@ def _sorted(
         area[order],
         points[:, place],
         joint,
-        weight,
+        (area[order] / number[order])[joint],
     )
+    return joints, label
