@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+import numpy as np
+
 from backends._embedding.loops.best import compiles
 from lacore.backend import (
     Backend,
@@ -20,9 +22,9 @@ from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
 
 _FIRST, _OTHER = "interior_point", "clarabel"
-_LEAST, _COMPILED = 60_000, 30_000  # unknowns from which the first is faster: docs/measured.md
+_LEAST, _COMPILED = 60_000, 8_000  # unknowns from which the first is faster: docs/measured.md
 # Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
-# bounds, fewer are eliminated, and the first is faster from more unknowns up.
+# bounds, less is eliminated, and the first is faster from more unknowns up.
 _PER_POINT = 4 / 3
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
 _INSTANT = 1e-9  # s: the least time limit there is
@@ -152,6 +154,6 @@ class AutoSolver:
 
 
 def _size(program: KinematicProgram) -> float:
-    """Unknowns, or where they are more per point, as many fewer as they are more."""
+    """Unknowns, or where they are more per point, a mean of them and of those points."""
     points = program.contact.count + sum(group.weights.size for group in program.groups)
-    return program.n * min(_PER_POINT * points / max(program.n, 1), 1.0) ** 2
+    return float(np.sqrt(program.n * min(_PER_POINT * points, program.n)))
