@@ -257,7 +257,7 @@ class BlockAssembly3D(Shown):
             joints = find_joints(self.polyhedra, self.allowed)
         return meeting_alone(blocks, joints, self.allowed)
 
-    def crushed(self, crushing: Crushing) -> "BlockAssembly3D":
+    def crushed(self, crushing: Crushing) -> BlockAssembly3D:
         """Itself with joints that crush by another law."""
         other = copy(self)
         joints = find_joints(self.polyhedra, self.allowed, crushing)
