@@ -30,10 +30,10 @@ from lacore.showing import Compact
 from lacore.state import ProgramState
 from lacore.status import Status
 
-SHARES = (0.01, 0.3, 0.3, 0.3)  # logarithmic spread of the powers of the curves, one after another
+_SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic, of the powers of the paths, one after another
 _INSIDE = 1e3  # powers of the start, of the power that its state turns over
 _END = 0.3  # of the bar: gap at the end
-_MOST = 1500  # factorisations
+_MOST, _ALL = 1000, 3000  # factorisations, of one path, and after which no other one begins
 
 
 def central_path(run: Run, static: ProgramState) -> Iterate | None:
@@ -41,11 +41,12 @@ def central_path(run: Run, static: ProgramState) -> Iterate | None:
     if not poses(run.program):
         return None
     start, rng = run.iterates[0].inner.point or static, np.random.default_rng(0)  # the same paths
-    for spread in SHARES:
-        if run.exhausted:
+    spent = 0
+    for spread in _SPREADS:
+        if run.exhausted or spent >= _ALL:
             break
         found = along_path(run, start, spread, rng)
-        point = found.inner.point
+        point, spent = found.inner.point, spent + found.inner.iterations
         if point is None or run.free(found) or run.proven(found):
             return found if carries(run, found) else None
         closer = alternate(run, point, "K", 1, lambda _, s, k: (s + k) / 2)

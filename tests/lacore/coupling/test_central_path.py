@@ -9,6 +9,7 @@ import pytest
 
 import lacore as la
 from lacore.backend import find_backend, read_options
+from lacore.coupling.blocks import central_path as of_blocks
 from lacore.coupling.blocks.central_path import Path, along_path, central_path
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.blocks.matrix import _parity
@@ -214,6 +215,16 @@ def test_a_path_keeps_to_its_time_and_says_so(run):
     assert short.status is Status.ALMOST_SOLVED
     assert short.native_status == "limit of time"
     assert short.iterations == 1
+
+
+@pytest.mark.parametrize(("most", "paths"), [(1, 1), (2, 2)])
+def test_lost_paths_are_followed_by_others_as_long_as_there_is_budget(monkeypatch, most, paths):
+    monkeypatch.setattr(of_blocks, "_MOST", 1)  # each is lost at its start
+    monkeypatch.setattr(of_blocks, "_ALL", most)
+    monkeypatch.setattr(of_blocks, "alternate", lambda *_: None)
+    with started(dome(4, 2)) as run:
+        assert central_path(run, run.iterates[0].inner.point) is None
+    assert [one.kind for one in run.iterates[1:]] == ["path"] * paths
 
 
 def test_only_blocks_without_dilation_and_of_finite_friction_are_taken(run):
