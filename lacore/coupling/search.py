@@ -123,7 +123,8 @@ class Search:
     def run(self, certified: ProgramState | None, start: ProgramState, restarts: int) -> None:
         """Search from a certified state, if there is one, and from admissible reactions.
 
-        From these once as they are, and `restarts` times shaken.
+        From these once as they are, and `restarts` times shaken; of blocks in space as many times
+        along central paths.
         """
         known = None if certified is None else self._known(certified)
         if poses(self.program) and self.program.contact.tangent_dim > 1:

@@ -191,7 +191,7 @@ def coulomb_range(
         backend: an exact one.
         seed: of the random shaking of reactions; the same seed finds the same states.
         restarts: further searches from shaken reactions, after the one from those of the associated
-            problem.
+            problem; of blocks in space each follows three central paths (T79).
         tolerance: bar for the residuals of every state.
         target_width: of ``(upper - lower)/mean`` of the bounds of the continuum, to which meshes of
             their own are refined, see `lacore.bracket`. None: bounds on the mesh of the problem.
