@@ -68,5 +68,5 @@ def test_example_shows_what_it_says(name, tmp_path, monkeypatch, capsys):
 def test_signature_speaks_of_names(name):
     """`help` shows `Where` and `Friction`, as the file has them, not what they are unions of."""
     shown = str(inspect.signature(EXAMPLES[name]))
-    assert "numpy" not in shown
+    assert "numpy" not in shown, "from __future__ import annotations"
     assert "lacore." not in shown.partition(" = ")[0]
