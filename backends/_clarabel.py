@@ -87,7 +87,7 @@ class ConicSolver:
         begin = time.perf_counter()
         standing = self._found(contact)
         form = standing.form
-        cost, offset = form.cost(contact), form.offset(contact)
+        cost, offset = form.cost(contact)[form.order], form.offset(contact)
         if standing.solver is None:
             limit = self._limits.time_limit
             standing.solver = self._start(form, cost, offset, limit)
@@ -109,7 +109,9 @@ class ConicSolver:
             if not (form.presses and both and _left(found) < _left(again)):
                 found = again
         native, steps = str(found.status), int(found.iterations)
-        return Answer(native, steps, np.array(found.x), np.array(found.z), form)
+        x = np.empty(cost.size)
+        x[form.order] = found.x
+        return Answer(native, steps, x, np.array(found.z), form)
 
     def _found(self, contact: FrozenContact) -> _Standing:
         """The form for a contact: one of the last, or a new one in place of the oldest."""
@@ -160,9 +162,8 @@ class ConicSolver:
         settings.time_limit = time_limit
         settings.tol_gap_abs = settings.tol_gap_rel = self._limits.tolerance
         settings.tol_feas = self._limits.tolerance
-        return clarabel.DefaultSolver(
-            form.quadratic, cost, form.matrix, offset, form.cones, settings
-        )
+        quadratic, matrix = form.ordered()
+        return clarabel.DefaultSolver(quadratic, cost, matrix, offset, form.cones, settings)
 
 
 def _left(found: Any) -> float:

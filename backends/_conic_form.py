@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
 from backends._surface_rows import Leads, point_units, stress_besides, volumetric_gain
-from lacore.arrays import Bools, Floats, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
@@ -135,6 +135,8 @@ class ConicForm:
         cornered: whether somewhere several surfaces bound it.
         even: whether every surface has some strength without pressure, and velocities are those of
             a body; they are in units then in which rows of points are as large as stresses.
+        order: of the columns as a solver is to see them. Multipliers of several surfaces come
+            before velocities: an ordering by least degree breaks its ties well then.
     """
 
     def __init__(
@@ -208,6 +210,8 @@ class ConicForm:
         first = int(norms[-1])
         starts = first + np.cumsum([0, *(law.softened for law in laws)])
         columns = int(starts[-1])
+        every = np.arange(columns)
+        self.order: Ints | slice = np.roll(every, -program.n) if self.cornered else slice(None)
         over = [law.over(columns, int(start)) for law, start in zip(laws, starts[:-1], strict=True)]
         load = _wide(csr_matrix(program.reference_load[None, :]), columns, np.ones(1))
         free, lifting, sliding = over[len(equal) : len(equal) + 3]
@@ -263,6 +267,12 @@ class ConicForm:
             and penalty is None
             and all(norm.dim == 1 for norm in self._norms if norm.count)
         )
+
+    def ordered(self) -> tuple[Any, Any]:
+        """P and A with their columns in `order`."""
+        quadratic: Any = self.quadratic
+        matrix: Any = self.matrix
+        return quadratic[self.order][:, self.order], matrix[:, self.order]
 
     def cost(self, contact: FrozenContact) -> Floats:
         """q: dead load, stress bounds, friction bounds."""
