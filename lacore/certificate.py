@@ -127,8 +127,8 @@ def certify(
     friction = np.where(finite, bound, 0.0) * slip_rate
     cone_bound = bound + dilatancy * np.maximum(t_n, 0.0)
 
-    plastic = [np.zeros(0), *(group.dissipation(u) for group in program.groups)]
-    dissipated = float(sum(own.sum() for own in plastic)) + float(rows.weights @ friction)
+    plastic, works = _plastic(program, state)
+    dissipated = float(plastic.sum()) + float(rows.weights @ friction)
     dead_power = float(program.dead_load @ u)
     by_shift = float(rows.weights @ (t_n * shift))
     # Dilatant friction dissipates nothing; what it lifts against counts in its place.
@@ -156,7 +156,8 @@ def certify(
     bipotential = friction + t_n * opening + np.sum(t_t * slip, axis=1)
     excess = np.where(finite, np.linalg.norm(t_t, axis=1) - cone_bound, 0.0)
     inward = np.where(finite, dilatancy * slip_rate - opening, np.maximum(slip_rate, -opening))
-    defects = np.concatenate(plastic) - _works(program, state)
+    defects = plastic - works
+    taken = [g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True)]
     # T15 with what is left of each side: at an optimal velocity and at optimal stresses, whose
     # places those of the state take.
     below = (
@@ -165,11 +166,7 @@ def certify(
         - float(rows.weights @ np.minimum(bipotential, 0.0))
     )
     pushed = np.hypot(t_n, np.linalg.norm(t_t, axis=1))
-    above = (
-        pair_gap
-        + sum(g.taken(u, p) for g, p in zip(program.groups, state.mean_stress, strict=True))
-        + float(rows.weights @ (pushed * np.maximum(inward, 0.0)))
-    )
+    above = pair_gap + sum(taken) + float(rows.weights @ (pushed * np.maximum(inward, 0.0)))
     return Certificate(
         equilibrium=_most(_largest(residual) / forces, _largest(residual / by_part[program.part])),
         yield_violation=_most(
@@ -188,11 +185,7 @@ def certify(
         penetration=_most(_largest(inward) / velocity, _largest(inward * at_points) / moving),
         divergence=_most(
             *(_largest(g.impossible(u)) / strain for g in program.groups if g.surfaces is None),
-            sum(
-                g.taken(u, p)
-                for g, p in zip(program.groups, state.mean_stress, strict=True)
-                if g.surfaces is not None
-            )
+            sum(own for g, own in zip(program.groups, taken, strict=True) if g.surfaces is not None)
             / power,
         ),
         normalisation=abs(float(program.reference_load @ u) - 1),
@@ -203,18 +196,24 @@ def certify(
     )
 
 
-def _works(program: KinematicProgram, state: ProgramState) -> Floats:
-    """Power of the stresses of all cones, one after the other, where they strain at all."""
+def _plastic(program: KinematicProgram, state: ProgramState) -> tuple[Floats, Floats]:
+    """Dissipation of all cones, one after the other, and the power of their stresses.
+
+    The latter where they strain at all.
+    """
     u = state.velocity
-    works = [np.zeros(0)]
+    dissipated, works = [np.zeros(0)], [np.zeros(0)]
     for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
+        rates = group.rates(u)
+        volume = None if group.surfaces is None else group.volume_rates(u)
+        dissipated.append(group.dissipated(rates, volume))
         work = np.sum(stress * group.cone_vectors(u), axis=1)
-        work = group.weights * np.where(group.rates(u) > 0, work, 0.0)
-        if group.surfaces is not None:
-            powers = group.volume_weights * (mean * group.volume_rates(u))
+        work = group.weights * np.where(rates > 0, work, 0.0)
+        if volume is not None:
+            powers = group.volume_weights * (mean * volume)
             work = work + powers.reshape(-1, group.volumes).sum(axis=1)
         works.append(work)
-    return np.concatenate(works)
+    return np.concatenate(dissipated), np.concatenate(works)
 
 
 def _most(*values: float) -> float:

@@ -82,11 +82,14 @@ class DissipationGroup(Compact):
 
     def dissipation(self, velocity: Floats) -> Floats:
         """Dissipation of each cone, shape (m,)."""
-        rates = self.rates(velocity)
-        if self.surfaces is None:
+        volume = None if self.surfaces is None else self.volume_rates(velocity)
+        return self.dissipated(self.rates(velocity), volume)
+
+    def dissipated(self, rates: Floats, volume: Floats | None) -> Floats:
+        """Dissipation of each cone at `rates`, and `volume_rates` where surfaces ask for them."""
+        if self.surfaces is None or volume is None:
             return np.asarray(self.weights * self.bound * rates)
-        power = self.surfaces.dissipation(rates, self.volume_rates(velocity))
-        return np.asarray(self.weights * power)
+        return np.asarray(self.weights * self.surfaces.dissipation(rates, volume))
 
     def carried(self, mean: Floats) -> Floats:
         """Largest ``||stress||`` beside mean stresses of shape (m L,), shape (m,), Pa; >= 0."""

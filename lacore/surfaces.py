@@ -204,8 +204,8 @@ class Surfaces(Compact):
         """
         if not size.size:
             return np.zeros(0)
-        terms = np.abs(self.slope) * np.abs(mean.reshape(-1, 1, self.volumes))
-        own = np.abs(self.strength) + terms.sum(axis=2)
+        pressed = np.abs(mean).reshape(-1, self.volumes)
+        own = np.abs(self.strength) + np.einsum("mkl,ml->mk", np.abs(self.slope), pressed)
         scale = np.maximum(own, own.mean(axis=0))
         excess = self.use(size, mean) - self.strength
         return np.asarray(np.max(excess / np.where(scale > 0, scale, 1.0), axis=1))

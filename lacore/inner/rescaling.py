@@ -206,10 +206,12 @@ class RescalingSolver:
             if best.point is None or residual <= self._good:
                 break
             forces = part_forces(self._program, best.point)
-            better = PartUnits.of(self._program, forces, best.point.velocity)
-            known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
             # Speeds of pressed soil are local ones, and have units of their own.
             speeds = not self._program.presses
+            if forces.size == 1 and not speeds:
+                break
+            better = PartUnits.of(self._program, forces, best.point.velocity)
+            known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
             if any(units.suit(better, speeds=speeds) for units in (known, *self._refused)):
                 break
             before = self._units

@@ -102,7 +102,7 @@ def far_edges(normals: Floats) -> Floats:
     """Directions in which ``normals x <= bounds`` has no end along an edge, or zeros.
 
     The largest of all coordinates but the first is 1; shape (m, e, n), e at least 1: what is zero
-    for all is left out.
+    for all is left out, and what is another one for all.
     """
     size = normals.shape[2]
     found = []
@@ -114,10 +114,11 @@ def far_edges(normals: Floats) -> Floats:
             terms = np.einsum("mpl,ml->mp", np.abs(normals), np.abs(direction))
             out = np.einsum("mpl,ml->mp", normals, direction) <= _ON * terms
             found.append(np.where(out.all(axis=1)[:, None], direction, 0.0))
-    edges = np.stack(found, axis=1)
-    some = np.asarray(edges.any(axis=(0, 2)))
-    some[0] |= not np.any(some)
-    return np.asarray(edges[:, some])
+    others: list[Floats] = []
+    for edge in found:
+        if edge.any() and all(np.abs(edge - other).max() > _ON for other in others):
+            others.append(edge)
+    return np.stack(others or found[:1], axis=1)
 
 
 def _across(rows: Floats) -> Floats:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from lacore.numerics.polyhedra import nearest
+from lacore.numerics.polyhedra import far_edges, nearest
 
 
 def by_least_distance(normals, bounds, point):
@@ -54,3 +54,17 @@ def test_points_within_stay_and_none_is_no_trouble():
     none = nearest(np.zeros((0, 1, 2)), np.zeros((0, 1)), np.zeros((0, 2)))
     assert none.points.shape == (0, 2)
     assert none.along.shape == (0, 2, 2)
+
+
+def test_ways_to_infinity_are_said_once():
+    """Maximum shear in (r, z): four planes meet along one line, that of mean stresses."""
+    shear = np.array([[1.0, 0.0, 0.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, 0.0, 0.0]])
+    edges = far_edges(np.stack([shear, 2.0 * shear]))
+    assert edges.shape == (2, 2, 3)
+    assert np.sort(edges[:, :, 1], axis=1) == pytest.approx(np.array([[-1.0, 1.0]] * 2))
+    assert edges[:, :, 1] == pytest.approx(edges[:, :, 2])
+
+
+def test_of_a_bounded_polyhedron_there_is_none():
+    box = np.array([[[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]])
+    assert np.array_equal(far_edges(box), np.zeros((1, 1, 2)))
