@@ -1,5 +1,7 @@
 """Load factors of joints that crush between bounds, by cells that follow the mechanism (T95)."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan
