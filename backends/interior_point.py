@@ -22,6 +22,7 @@ from backends._embedding.loops.best import best_loops
 from backends._embedding.rigid import motions
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
+from backends._embedding.whole import Whole
 from backends._goal import Goal
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.certificate import certify
@@ -33,6 +34,7 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
+_SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 _POSSIBLE = ("penetration", "divergence", "normalisation")  # of a velocity alone
 _CARRIED = ("equilibrium", "yield_violation", "cone")  # of forces, which dead loads are a scale of
 
@@ -122,6 +124,7 @@ class InteriorPointSolver:
     def __init__(self, program: KinematicProgram, options: InteriorPointOptions) -> None:
         self._given, self._options = program, options
         self._solver = symmetric_solver(refined=False)
+        self._indefinite = symmetric_solver(refined=False, definite=False)
         self._loops = best_loops()
         # Of bodies that move as they are contact would be lost beside their stiffness.
         self._motions = motions(program, self._solver)
@@ -129,13 +132,27 @@ class InteriorPointSolver:
         self._known: tuple[Translation, Stiffness] | None = None
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """Solve from a cold start; the pattern is that of the last where rows are the same."""
-        begin = time.perf_counter()
-        own, options = Translation(self._program, contact, self._loops), self._options
+        """Solve from a cold start; the pattern is that of the last where rows are the same.
+
+        What ends without an answer begins anew, and is factorised with more unknowns (`Whole`).
+        """
+        begin, options = time.perf_counter(), self._options
+        own = Translation(self._program, contact, self._loops)
         if self._known is None or not self._known[0].alike(contact):
             self._known = own, Stiffness(own.conic.kinds, self._loops)
-        system = System(own.conic, self._known[1], self._solver)
+        parts = own.conic, self._known[1], self._solver
         goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
+        answer = self._answer(contact, own, System(*parts), goal)
+        if answer.status not in _SURE:
+            other = self._answer(contact, own, Whole(*parts, self._indefinite), goal)
+            iterations = answer.iterations + other.iterations
+            answer = replace(other, iterations=iterations)
+        return replace(answer, solve_time=time.perf_counter() - begin)
+
+    def _answer(
+        self, contact: FrozenContact, own: Translation, system: System, goal: Goal
+    ) -> InnerSolution:
+        """What comes of one way to solve the equations."""
         # Vectors and small blocks: more BLAS threads only wait for each other.
         with one_thread_each(), np.errstate(all="ignore"):  # a step that overflows is refused
             found = follow(own.conic, system, goal)
@@ -145,7 +162,7 @@ class InteriorPointSolver:
             status=status,
             native_status=native,
             iterations=found.iterations,
-            solve_time=time.perf_counter() - begin,
+            solve_time=0.0,
             point=self._state(own, found) if status.has_point else None,
         )
         if status is not Status.SOLVED or answer.point is None:
@@ -161,7 +178,7 @@ class InteriorPointSolver:
             sizes = {kind: float(getattr(certificate, kind)) for kind in kinds}
             name = max(sizes, key=lambda kind: np.nan_to_num(sizes[kind], nan=np.inf))
             left = getattr(certificate, name)
-        if left <= _LEFT * options.tolerance:
+        if left <= _LEFT * goal.tolerance:
             return answer
         return replace(
             answer,
@@ -180,3 +197,4 @@ class InteriorPointSolver:
     def close(self) -> None:
         """Give the factors back."""
         self._solver.close()
+        self._indefinite.close()

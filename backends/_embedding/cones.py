@@ -6,11 +6,14 @@ of one component is a half-line. The algebra is that of `lacore.numerics.second_
 scaling of Nesterov and Todd kept as a vector and a number in place of a matrix.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from lacore.arrays import Floats
+
+_TINY = np.finfo(float).tiny
 
 
 def lengths(x: Floats) -> Floats:
@@ -145,24 +148,36 @@ class Compliance:
 
     def inverse(self, delta: Floats) -> "Inverse":
         """``(C + delta)^-1``."""
+        return self.through(lambda c: np.asarray(1 / (c + delta)))
+
+    def through(self, function: Callable[[Floats], Floats]) -> "Inverse":
+        """The function of C that its eigenvalues have."""
         square, w = self.square, self.w
-        plain = 1 / (square + delta)
+        plain = function(square)
         if self.first > 0:
-            along = square * (1 + self.rank * inner(w, w))
-            rank = -square * self.rank / (along + delta)
-            return Inverse(plain, rank, np.zeros(rank.size), w, self.first)
+            size = inner(w, w)
+            along = function(square * (1 + self.rank * size))
+            one = (along / plain - 1) / np.maximum(size, _TINY)
+            return Inverse(plain, one, np.zeros(one.size), w, self.first)
         if w.shape[0] == 1:
             return Inverse(plain, plain, plain, w, self.first)
         size = lengths(w[1:])
-        high = 1 / (square * (w[0] + size) ** 2 + delta)
-        low = 1 / (square / (w[0] + size) ** 2 + delta)
-        direction = w / np.maximum(size, np.finfo(float).tiny)
-        return Inverse(plain, high, low, direction, self.first)
+        high, low = function(square * (w[0] + size) ** 2), function(square / (w[0] + size) ** 2)
+        return Inverse(plain, high, low, w / np.maximum(size, _TINY), self.first)
+
+    def at_edge(self, rates: Floats, steep: float) -> Floats:
+        """Of ``W^2`` the z that makes up for rates along an edge, where ``w.w > steep``."""
+        if self.w.shape[0] == 1:
+            return np.zeros_like(rates)
+        size = lengths(self.w[1:])
+        edge = np.vstack([np.ones_like(size), self.w[1:] / np.maximum(size, _TINY)])
+        share = inner(edge, rates) / (2 * self.square * (self.w[0] + size) ** 2)
+        return np.asarray(np.where(self.w[0] ** 2 > steep, share, 0.0) * edge)
 
 
 @dataclass(frozen=True)
 class Inverse:
-    """``(C + delta)^-1``: ``plain (1 + one w w^T)``.
+    """``(C + delta)^-1``, or another function of C: ``plain (1 + one w w^T)``.
 
     Where ``C = W^2``, in the frame of each point, as eigenvalues lie far apart near the edge of a
     cone: `one` along ``(1, w_1)``, `two` along ``(1, -w_1)``, and `plain` across both, w_1 a unit.
@@ -186,7 +201,7 @@ class Inverse:
         return cls(plain, none, none, np.zeros((1, plain.size)))
 
     def times(self, a: Floats) -> Floats:
-        """``(C + delta)^-1 a``."""
+        """That times a."""
         if self.first > 0:
             return np.asarray(self.plain * (a + self.one * inner(self.w, a) * self.w))
         along = inner(self.w[1:], a[1:])

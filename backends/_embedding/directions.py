@@ -24,13 +24,13 @@ class _Reduced:
     Attributes:
         right: of `System`.
         leads: of the t of costly cones.
-        slacks: of the x of free cones beside ``G du + g dtau``.
+        heights: ``W^2 dz + ds`` of each cone.
         kappa: of ``tau dkappa + kappa dtau``.
     """
 
     right: Vector
     leads: tuple[Floats, ...]
-    slacks: tuple[Floats, ...]
+    heights: Sequence[Floats]
     kappa: float
 
 
@@ -45,6 +45,7 @@ class Directions:
         self._loops = conic.equal.loops
         pairs = zip(place.slacks, place.multipliers, strict=True)
         self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
+        self._twice = [Compliance.twice(scaling) for scaling in self._scalings]
         count = len(conic.costly)
         self._costly, self._free = self._scalings[:count], self._scalings[count:]
         # Of the t: 1 + a, what tau does to it, and what stresses do.
@@ -68,7 +69,7 @@ class Directions:
             slopes.append(-slope * across)
             slope_tau += float(slope @ self._by_tau[-1])
             self._slopes.append(slope)
-        soft += [Compliance.twice(scaling) for scaling in self._free]
+        soft += self._twice[count:]
         offsets = [kind.offset for kind in conic.free]
         border = Border((*rates, *offsets), (*slopes, *offsets), slope_tau)
         heights = [-s for s in place.slacks]
@@ -114,13 +115,15 @@ class Directions:
         conic, left = self._place.conic, self._place.left
         count = len(conic.costly)
         costly, leads = [], []
-        for one, height, raised, across in zip(
-            conic.costly, heights[:count], self._raised, self._across, strict=True
+        for one, height, raised, across, missed in zip(
+            conic.costly, heights[:count], self._raised, self._across, left.costly, strict=True
         ):
             leads.append(height[0] / raised)
-            costly.append(height[1:] - one.rise * height[0] * across)
-        slacks = tuple(share * part for part in left.free)
-        free = tuple(height - slack for height, slack in zip(heights[count:], slacks, strict=True))
+            costly.append(height[1:] - one.rise * height[0] * across - share * missed)
+        free = [
+            height - share * missed
+            for height, missed in zip(heights[count:], left.free, strict=True)
+        ]
         gap = -share * left.gap - kappa / self._place.at.tau
         gap -= sum(float(a @ b) for a, b in zip(self._slopes, leads, strict=True))
         right = self._system.layout.zeros()
@@ -129,7 +132,7 @@ class Directions:
         for part, given in zip((*right.costly, *right.free), (*costly, *free), strict=True):
             part[:] = given
         right.data[-2:] = -share * left.load, gap
-        return _Reduced(right, tuple(leads), slacks, kappa)
+        return _Reduced(right, tuple(leads), heights, kappa)
 
     def _roughly(self, given: _Reduced, start: Vector) -> "Directed":
         """The step from such a start."""
@@ -145,12 +148,31 @@ class Directions:
                 given.leads, self._by_tau, self._across, x.costly, strict=True
             )
         )
+        count = len(conic.costly)
+        # Products come out as aimed at, whatever the solution leaves: rates that are missed wait
+        # for the next step, where cones, whose edges are near, would end this one.
+        rates = tuple(
+            (height - own.times(np.vstack([one.cost * x.tau + one.rise * lead, z])))[1:]
+            for one, own, height, lead, z in zip(
+                conic.costly,
+                self._twice[:count],
+                given.heights[:count],
+                leads,
+                x.costly,
+                strict=True,
+            )
+        )
         slacks = tuple(
-            kind.rows.at(x.force) + x.tau * kind.offset + slack
-            for kind, slack in zip(conic.free, given.slacks, strict=True)
+            height - own.times(r)
+            for own, height, r in zip(
+                self._twice[count:], given.heights[count:], x.free, strict=True
+            )
         )
         kappa = (given.kappa - at.kappa * x.tau) / at.tau
-        return Step(conic, x.force, leads, x.costly, x.equal, slacks, x.free, x.load, x.tau, kappa)
+        return Step(
+            *(conic, x.force, leads, rates, x.costly, x.equal),
+            *(slacks, x.free, x.load, x.tau, kappa),
+        )
 
     def to_edges(self) -> "Directed":
         """The predictor: to the edges of all cones."""

@@ -22,6 +22,7 @@ _BAND = (0.1, 10.0)  # of sigma mu: where products stay as they are
 _SHORTEST = 1e-5  # step that leads nowhere
 _ROUND_OFF = 10.0  # tolerances that may be left where round-off ends the way
 _NOTHING = 0.01  # of the tolerance, per elastic power: a load factor that is zero
+_NEAR, _LOST = 1e-4, 1e3  # residuals that are next to an answer, and times as much: lost again
 _SUMMED = 100.0  # tolerances that forces out of balance may work: what certificates allow
 
 
@@ -50,6 +51,9 @@ def follow(conic: Conic, system: System, goal: Goal) -> Found:
         if native or left < least:
             best, least = place, left
         if native:
+            break
+        if least <= _NEAR and left > _LOST * least:  # round-off is all that is left of the way
+            native = "no progress"
             break
         if iteration == goal.max_iterations:
             native = "iteration limit"
@@ -115,7 +119,8 @@ def judged(place: Place, goal: Goal, power: float) -> str:
     # A ray of velocities: the dead loads work more than it dissipates.
     fastest = float(np.abs(at.velocity).max(initial=0.0))
     missed = max(_missed(place), abs(left.load) / size, at.tau / size)
-    if at.tau * power <= -goal.tolerance * place.cost and (missed <= goal.tolerance * fastest):
+    gained = -goal.tolerance * max(place.cost, place.dissipating)
+    if at.tau * power <= gained and missed <= goal.tolerance * fastest:
         return "unsafe"
     return ""
 
@@ -125,8 +130,8 @@ def _missed(place: Place) -> float:
     conic, left = place.conic, place.left
     sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
     sizes += [
-        (np.abs(part) / np.sqrt(kind.rows.norms)).ravel()
-        for kind, part in zip(conic.free, left.free, strict=True)
+        (np.abs(part) / np.sqrt(rows.norms)).ravel()
+        for rows, part in zip(conic.kinds[:-1], (*left.costly, *left.free), strict=True)
     ]
     return max(float(part.max(initial=0.0)) for part in sizes)
 

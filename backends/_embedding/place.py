@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from backends._embedding.arrays import Conic, Multipliers
-from backends._embedding.cones import inner, inside
+from backends._embedding.cones import inner, inside, lengths
 from lacore.arrays import Floats
 
 
@@ -18,7 +18,7 @@ class Step:
     Attributes:
         conic: the program.
         velocity: u, shape (n,).
-        leads: the t of costly cones, shape (m,) each.
+        leads, rates: t and y of costly cones, shape (m,) and (d, m) each.
         stresses: z_1 of costly cones, shape (d, m) each.
         equal: p.
         slacks, pressures: x and r of free cones, shape (dim, m) each.
@@ -29,6 +29,7 @@ class Step:
     conic: Conic
     velocity: Floats
     leads: tuple[Floats, ...]
+    rates: tuple[Floats, ...]
     stresses: tuple[Floats, ...]
     equal: Floats
     slacks: tuple[Floats, ...]
@@ -47,6 +48,7 @@ class Step:
             self.conic,
             self.velocity + share * other.velocity,
             sums(self.leads, other.leads),
+            sums(self.rates, other.rates),
             sums(self.stresses, other.stresses),
             self.equal + share * other.equal,
             sums(self.slacks, other.slacks),
@@ -60,11 +62,13 @@ class Step:
     def cones(self) -> tuple[list[Floats], list[Floats]]:
         """Slacks and multipliers of all cones, costly ones first, each of shape (1 + d, m).
 
-        Of costly cones ``s = (t, D u)`` and ``z_0 = c tau + h t`` hold whatever the step is.
+        Of costly cones ``z_0 = c tau + h t`` holds whatever the step is.
         """
         slacks, multipliers = [], []
-        for one, lead, stress in zip(self.conic.costly, self.leads, self.stresses, strict=True):
-            slacks.append(np.vstack([lead, one.rows.at(self.velocity)]))
+        for one, lead, rate, stress in zip(
+            self.conic.costly, self.leads, self.rates, self.stresses, strict=True
+        ):
+            slacks.append(np.vstack([lead, rate]))
             multipliers.append(np.vstack([one.cost * self.tau + one.rise * lead, stress]))
         return [*slacks, *self.slacks], [*multipliers, *self.pressures]
 
@@ -76,13 +80,14 @@ class Left:
     Attributes:
         force: of equilibrium, shape (n,).
         equal: ``E u - e tau``.
-        free: ``G u + g tau - x``.
+        costly, free: ``D u - y`` and ``G u + g tau - x``.
         load: ``F0.u - tau``.
         gap: ``kappa + c.t - Fd.u - ...``.
     """
 
     force: Floats
     equal: Floats
+    costly: tuple[Floats, ...]
     free: tuple[Floats, ...]
     load: float
     gap: float
@@ -128,6 +133,13 @@ class Place:
         plastic = sum(float(one.cost @ t) for one, t in pairs)
         return plastic + self.rising / (2 * self.at.tau) - float(self.conic.dead @ self.at.velocity)
 
+    @property
+    def dissipating(self) -> float:
+        """As `cost`, of what the velocity itself strains, whatever the rates of cones are."""
+        conic, u = self.conic, self.at.velocity
+        plastic = sum(float(one.cost @ lengths(one.rows.at(u))) for one in conic.costly)
+        return plastic - float(conic.dead @ u)
+
     @cached_property
     def bound(self) -> float:
         """``lambda - g.r + e.p - h t^2/(2 tau)``: tau times what is maximised."""
@@ -155,6 +167,9 @@ class Place:
         return Left(
             self.force + at.load * conic.load + at.tau * conic.dead,
             conic.equal.at(at.velocity)[0] - at.tau * conic.given,
+            tuple(
+                one.rows.at(at.velocity) - y for one, y in zip(conic.costly, at.rates, strict=True)
+            ),
             tuple(
                 kind.rows.at(at.velocity) + at.tau * kind.offset - x
                 for kind, x in zip(conic.free, at.slacks, strict=True)

@@ -24,7 +24,8 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     velocity = system.elastic(costly, equal, free)
     work = float(conic.load @ velocity)
     velocity = velocity / work if work > 0 else velocity
-    sizes = [lengths(one.rows.at(velocity)) for one in conic.costly]
+    rates = tuple(one.rows.at(velocity) for one in conic.costly)
+    sizes = [lengths(rate) for rate in rates]
     power = sum(float(one.cost @ size) for one, size in zip(conic.costly, sizes, strict=True))
     power += float(np.abs(conic.dead) @ np.abs(velocity))
     power = max(power, _moving(conic)) or 1.0
@@ -45,6 +46,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
         conic,
         velocity,
         leads,
+        rates,
         tuple(np.zeros((one.rows.dim, one.rows.count)) for one in conic.costly),
         np.zeros(conic.equal.count),
         tuple(slacks),

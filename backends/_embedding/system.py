@@ -17,12 +17,13 @@ from backends._embedding.arrays import Conic
 from backends._embedding.cones import Compliance, Inverse
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.vectors import Layout, Vector
-from lacore.arrays import Floats
+from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SymmetricSolver
 
 _CAP = 1e9  # of compliances of cones: how much stiffer than flowing ones they may get
 _VOLUME = 1e8  # and of rows that hold exactly
 _FLOWING = 1e4  # w.w: compliance along the flow, per that across it
+_LEAST = 1e-20  # of the largest: a diagonal, with less of which PARDISO ends
 _SHIFT = 1e-14  # of each diagonal, so that motions without any stiffness do not end it
 
 
@@ -59,12 +60,17 @@ class System:
 
     def _take(self, blocks: Sequence[Floats]) -> Floats:
         """Factorise; the diagonal."""
+        matrix, diagonal = self._summed(blocks)
+        self._solver.factorise_upper(matrix)
+        return diagonal
+
+    def _summed(self, blocks: Sequence[Floats]) -> tuple[Sparse, Floats]:
+        """The upper triangle of K, and its diagonal."""
         matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
-        floor = np.finfo(float).tiny + _SHIFT**2 * diagonal.max(initial=1.0)
+        floor = np.finfo(float).tiny + _LEAST * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
-        self._solver.factorise_upper(matrix)
-        return np.asarray(np.maximum(diagonal, floor))
+        return matrix, np.asarray(np.maximum(diagonal, floor))
 
     def factorise(
         self, soft: Sequence[Compliance], reference: float, border: Border, right: Vector
@@ -87,7 +93,8 @@ class System:
         ]
         self._stiff.append(Inverse.of(held))
         weights, rate, slope = (self.layout.zeros() for _ in range(3))
-        weights.force[:] = 1 / np.sqrt(self._take([own.blocks for own in self._stiff]))
+        self._least = [*(least * rows.norms for rows in conic.kinds[:-1]), 1 / held]
+        weights.force[:] = 1 / np.sqrt(self._factorised(reference))
         weights.equal[:] = np.sqrt(held)
         for part, own in zip(weights.parts, soft, strict=False):
             part[:] = 1 / np.sqrt(own.square)
@@ -116,6 +123,10 @@ class System:
         weights.data[-2:] = 1 / unit, 1 / (1 / unit + np.sqrt(abs(small[1, 1])))
         self._weights = weights.data
         return self._bordered(right, first)
+
+    def _factorised(self, reference: float) -> Floats:
+        """Factorise what stiffness makes; the diagonal of K."""
+        return self._take([own.blocks for own in self._stiff])
 
     def _gap(self, x: Vector) -> float:
         """What all but lambda and tau add to the gap."""
@@ -219,4 +230,7 @@ class System:
         loops, moved = self._conic.equal.loops, Vector(self.layout, x.data.copy())
         for own, rates, z in zip(self._soft, left.costly, moved.costly, strict=False):
             loops.along(own, _FLOWING, rates, z)
+        edges = self._soft[self.layout.costly : -1]
+        for own, rates, z in zip(edges, left.free, moved.free, strict=True):
+            z += own.at_edge(rates, _FLOWING)
         return moved

@@ -12,8 +12,9 @@ from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
-_POSITIVE_DEFINITE = 2
+_POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _OWN_SETTINGS = 1  # all others 0: no refinement, order by minimum degree
+_SMALLEST, _BY_TWO = 13, 1  # pivots, as a power of ten; and those of two rows
 
 
 class Pardiso:
@@ -21,12 +22,18 @@ class Pardiso:
 
     name = "PARDISO"
 
-    def __init__(self, refined: bool = True) -> None:
-        """Solutions are refined twice, which triples their time; or not, by whoever does it."""
+    def __init__(self, refined: bool = True, definite: bool = True) -> None:
+        """Solutions are refined twice, which triples their time; or not, by whoever does it.
+
+        Not definite, a matrix is factorised with pivots that may have either sign.
+        """
         self._solver = copy(_loaded())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
         self._solver.iparm[0] = 0 if refined else _OWN_SETTINGS
+        if not definite:
+            self._solver.mtype = _INDEFINITE
+            self._solver.iparm[[9, 20]] = _SMALLEST, _BY_TWO
         self._pattern: tuple[Any, Any] | None = None
         self._upper: Any = None  # which entries of the matrix are in its upper triangle
 

@@ -140,7 +140,7 @@ def test_nodal_forces_that_add_up_are_not_called_balanced():
 
 def test_without_pardiso_the_answer_is_the_same(smooth, monkeypatch):
     own = answer("interior_point", *smooth)
-    monkeypatch.setattr(interior_point, "symmetric_solver", lambda refined: SuperLU())
+    monkeypatch.setattr(interior_point, "symmetric_solver", lambda **_: SuperLU())
     other = answer("interior_point", *smooth)
     assert other.status is Status.SOLVED
     assert other.point.load_factor == pytest.approx(own.point.load_factor, rel=BAR)

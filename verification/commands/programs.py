@@ -70,7 +70,7 @@ def programs(
     from verification import progress
     from verification.fuzz.programs.drawn import DRAWN
     from verification.fuzz.programs.judge import WRONG
-    from verification.fuzz.programs.sweep import drawn_programs, rows_of, tallied
+    from verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
 
     require_positive("--time-limit", time_limit)
     for name in families:
@@ -81,7 +81,8 @@ def programs(
     with progress.patiently("random programs", count) as on_start:
         for family, place, drawn in drawn_programs(families, count, seed, most):
             on_start(f"{family} {place}")
-            rows += rows_of(family, place, drawn, asked, options)
+            own = rows_of(family, place, drawn, asked, options)
+            rows += [*own, in_turn(own)] if len(own) > 1 else own
     tallies = tallied(rows)
     if as_json:
         summary = [asdict(tally) for tally in tallies]

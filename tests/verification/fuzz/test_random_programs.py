@@ -18,11 +18,19 @@ from verification.fuzz.programs.judge import (
     RIGHT,
     WRONG,
     Asked,
+    _possible,
     ask,
     recomputed,
     verdict,
 )
-from verification.fuzz.programs.sweep import LARGE, drawn_programs, rows_of, sizes, tallied
+from verification.fuzz.programs.sweep import (
+    LARGE,
+    drawn_programs,
+    in_turn,
+    rows_of,
+    sizes,
+    tallied,
+)
 
 SMALL = 60
 
@@ -111,6 +119,27 @@ def test_the_interior_point_calls_nothing_solved_that_is_not(family):
     for place, size in enumerate((30, 200, 1600)):
         rows = rows_of(family, place, draw_program(family, 4, place, size), backends, {})
         assert rows[0].verdict != WRONG, rows[0]
+
+
+def test_asked_in_turn_the_first_that_is_sure_counts(drawn):
+    backends = [find_backend(name) for name in ("interior_point", "clarabel")]
+    first, second = rows_of("plane strain", 0, drawn, backends, {})
+    assert in_turn([first, second]) == replace(first, backend="interior_point, then clarabel")
+    stuck = replace(first, status=Status.STALLED.label, verdict=NOTHING)
+    both = in_turn([stuck, second])
+    assert both.verdict == second.verdict
+    assert both.seconds == pytest.approx(first.seconds + second.seconds)
+
+
+def test_a_soil_that_carries_nothing_is_measured_by_its_strength():
+    """Its strength is that of its surfaces: by that of cones, zero, no load of zero was right."""
+    rng = np.random.default_rng(0)
+    every = [draw_program("soil", 5, place, SMALL).program for place in range(20)]
+    alone = [one for one in every if not any(g.bound.any() for g in one.groups)]
+    strong = [one for one in alone if all(g.surfaces.strength.max() > 0 for g in one.groups)]
+    assert strong
+    for program in strong:
+        assert _possible(program, rng.normal(size=program.n)) > 0
 
 
 def test_counts_add_up():

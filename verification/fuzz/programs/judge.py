@@ -122,7 +122,10 @@ def _possible(program: KinematicProgram, velocity: Any) -> float:
     total = float(np.abs(program.dead_load).sum())
     for group in program.groups:
         squares = np.asarray(group.rows.multiply(group.rows).sum(axis=1)).reshape(-1, group.dim)
-        total += float((group.weights * group.bound) @ np.sqrt(squares.sum(axis=1)))
+        strength = group.bound
+        if group.surfaces is not None:  # of soils each cone has that of its strongest surface
+            strength = group.surfaces.strength.max(axis=1)
+        total += float((group.weights * strength) @ np.sqrt(squares.sum(axis=1)))
     return total * float(np.abs(velocity).max(initial=0.0))
 
 

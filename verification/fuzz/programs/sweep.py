@@ -1,16 +1,19 @@
 """Many random programs, each asked of several backends, and the table of what came."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from lacore.backend import Backend
+from lacore.status import Status
 from verification.fuzz.programs.drawn import DRAWN, Drawn, draw_program
 from verification.fuzz.programs.judge import NOTHING, REFUSED, RIGHT, WRONG, Asked, ask, verdict
 
 LARGE = 1500  # unknowns: at least half of all programs have as many
+THEN = ", then "
+_SURE = (Status.SOLVED.label, Status.LOCKED.label, Status.UNSAFE.label)
 _LEAST = 20
 _AGREE = 0.9  # of LARGE: what a mesh that is asked for that many may have
 
@@ -74,6 +77,14 @@ def rows_of(
         _row(family, place, drawn, one, [other for other in asked if other is not one])
         for one in asked
     ]
+
+
+def in_turn(rows: Sequence[Row]) -> Row:
+    """What comes of asking one backend after the other, until one is sure of its answer."""
+    sure = [number for number, row in enumerate(rows) if row.status in _SURE]
+    last = sure[0] if sure else len(rows) - 1
+    seconds = sum(row.seconds for row in rows[: last + 1])
+    return replace(rows[last], backend=THEN.join(row.backend for row in rows), seconds=seconds)
 
 
 def _row(family: str, place: int, drawn: Drawn, one: Asked, others: Sequence[Asked]) -> Row:

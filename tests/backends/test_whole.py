@@ -1,0 +1,58 @@
+"""What velocities alone do not solve, factorised with the multipliers of what is stiff."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backends import interior_point
+from backends._embedding import follow as way
+from backends._embedding.arrays import Translation
+from backends._embedding.directions import Directions
+from backends._embedding.least import least_program
+from backends._embedding.loops import plain
+from backends._embedding.place import Place
+from backends._embedding.start import start
+from backends._embedding.stiffness import Stiffness
+from backends._embedding.system import System
+from backends._embedding.whole import Whole
+from lacore.certificate import certify
+from lacore.numerics.linear_algebra import SuperLU
+from lacore.numerics.symmetric import symmetric_solver
+from lacore.status import Status
+from tests.backends.test_interior_point import BAR, KINDS, ROUND, answer, stated
+
+
+@pytest.mark.parametrize("kind", KINDS[:4])
+def test_what_velocities_do_not_solve_is_solved_with_more_unknowns(kind, monkeypatch):
+    def stuck(conic, system, goal):
+        found = way.follow(conic, system, goal)
+        return found if isinstance(system, Whole) else replace(found, native="no progress")
+
+    program, contact = stated(kind, 3)
+    own = answer("interior_point", program, contact)
+    monkeypatch.setattr(interior_point, "follow", stuck)
+    other = answer("interior_point", program, contact)
+    assert other.status is own.status
+    if own.status is Status.SOLVED:
+        assert other.iterations > own.iterations
+        assert other.point.load_factor == pytest.approx(own.point.load_factor, rel=ROUND)
+        assert certify(program, other.point, contact).holds(BAR)
+
+
+@pytest.mark.parametrize("solver", [symmetric_solver, lambda **_: SuperLU()])
+def test_both_ways_to_factorise_solve_the_same_equations(solver):
+    """Refined, as what they keep from being singular differs."""
+    program, contact = least_program()
+    own = Translation(program, contact, plain)
+    parts = own.conic, Stiffness(own.conic.kinds, plain), solver(refined=False)
+    whole = Whole(*parts, solver(refined=False, definite=False))
+    found = []
+    for system in (System(*parts), whole):
+        at, _ = start(own.conic, system)
+        directions = Directions(Place(own.conic, at), system)
+        found.append(directions.exactly(directions.to_edges(), 1e-8))
+    for one, other in zip(found[0].cones, found[1].cones, strict=True):
+        for first, second in zip(one, other, strict=True):
+            # `exactly` leaves a share of EXACT of the right-hand side; conditioned like mu = 0.2.
+            assert np.allclose(first, second, atol=1e-4)
