@@ -210,7 +210,8 @@ class ConicForm(Compact):
                 "Body.space",
                 "flow that is not associated",
                 "velocities that jump have a strength of their own beside it (T62): two laws",
-                "take a continuous space, or leave dilation_angle at the friction angle",
+                "take 'p2-gauss', in three dimensions 'p2-vertex', or leave dilation_angle at the"
+                " friction angle",
             )
         if len(self.surfaces) > 1 or not self.surfaces[0].normed:
             raise InputError(

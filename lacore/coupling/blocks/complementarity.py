@@ -22,6 +22,7 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.coupling.blocks.matrix import Factor, Pattern
 from lacore.numerics.curve import Change
+from lacore.numerics.linear_algebra import SingularError
 from lacore.program import KinematicProgram
 from lacore.showing import Compact
 from lacore.state import ProgramState
@@ -165,7 +166,9 @@ class Complementarity(Compact):
         )
 
     def linear(self, z: Floats) -> "Newton":
-        """The derivative at a vector inside; raises `SingularError`."""
+        """The derivative at a vector inside; raises `SingularError` at the edge and beyond."""
+        if not self._inside(z):  # where cones are 1e16 times as long as they are wide
+            raise SingularError("no derivative where a cone is as flat as round-off")
         return Newton(self, z)
 
     def state(self, z: Floats) -> ProgramState:
