@@ -205,12 +205,13 @@ def test_a_cone_in_plane_strain_carries_what_its_flow_makes_of_the_third_stress(
     state = la.solve(sample(soil, "plane_strain", cells=1), tolerance=1e-6)
     assert state.status is la.Status.SOLVED
     # States are not unique: flow may be uneven, and stresses with it, their mean in balance. On the
-    # straight flank of the cone what that changes in the load is of second order.
+    # straight flank of the cone what that changes in the load is of second order. And a gap turns
+    # the stress by its root on the round of the cone, where the load is not stationary.
     stress = state.stress["block"].reshape(-1, 4)
     uneven = np.mean(np.sum((stress - stress.mean(axis=0)) ** 2, axis=1))
     uneven /= np.sum(stress.mean(axis=0) ** 2)
     assert uneven < 1e-3
-    assert state.load_factor == pytest.approx(exact, rel=uneven + 1e-6)  # and the bar
+    assert state.load_factor == pytest.approx(exact, rel=uneven + sqrt(state.certificate.gap))
     above = la.solve(sample(soil, "plane_strain", cells=1), coupling="associated").load_factor
     assert state.load_factor < above * (1 - 1e-3)
     # The third stress is what flow makes of it: s_zz = -2 b sqrt(J2)/3.
