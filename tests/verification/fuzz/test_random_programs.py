@@ -155,3 +155,10 @@ def test_the_command_says_what_is_right():
     found = CliRunner().invoke(main, asked)
     assert found.exit_code == 0, found.output
     assert '"right": 2' in found.output
+
+
+def test_a_program_lost_next_to_its_answer_is_not_called_unsafe():
+    """At gaps of 1e-9 tau falls to round-off, and what is left of the way points anywhere."""
+    lost = draw_program("two bodies", 6, 3, 2333)
+    answered = ask(find_backend("interior_point"), lost, {})
+    assert answered.word is None
