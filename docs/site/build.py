@@ -5,6 +5,7 @@ Sources lie in reports/site/sources, the site in reports/site/html; drawn pictur
 
 import argparse
 import re
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -32,6 +33,8 @@ def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
     Returns:
         what is wrong with it: that Sphinx warned, links that lead nowhere.
     """
+    for old in ("sources", "html"):  # with pages that are no more
+        shutil.rmtree(folder / old, ignore_errors=True)
     site = Site(folder / "sources", sources())
     site.copy()
     site.put(f"{EXTRA}/_static/charts.css", _charts_css())

@@ -71,11 +71,10 @@ class Site:
         self.put(page, text.encode())
 
     def put(self, file: str, data: bytes) -> None:
-        """A file, if it is another one than before: Sphinx reads again what is newer."""
+        """A file."""
         path = self.folder / file
         path.parent.mkdir(parents=True, exist_ok=True)
-        if not path.exists() or path.read_bytes() != data:
-            path.write_bytes(data)
+        path.write_bytes(data)
 
     def _led(self, text: str, source: str, page: str) -> str:
         def link(found: re.Match[str]) -> str:
