@@ -15,6 +15,8 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 import lacore as la
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
@@ -85,7 +87,13 @@ def between(text: str, first: str, last: str, new: str) -> str:
 
 
 def picture_of_guide(page: str, picture: str, drawn: str) -> None:
-    """That which a page of the guide draws of something, by its code up to there."""
+    """That which a page of the guide draws of something, by its code up to there.
+
+    Args:
+        page: of the guide.
+        picture: name of the file.
+        drawn: name of a figure in the code, or of what is plotted.
+    """
     text = (ROOT / "docs" / "guide" / f"{page}.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     (last,) = [number for number, code in enumerate(blocks) if f'"{picture}"' in code]
@@ -93,7 +101,9 @@ def picture_of_guide(page: str, picture: str, drawn: str) -> None:
         names: dict[str, Any] = {}
         for code in blocks[: last + 1]:
             exec(code, names)
-    names[drawn].plot().savefig(ROOT / "docs" / picture, dpi=80)
+    thing = names[drawn]
+    figure = thing if isinstance(thing, Figure) else thing.plot()
+    figure.savefig(ROOT / "docs" / picture, dpi=80)
 
 
 def main() -> None:
@@ -121,6 +131,7 @@ def main() -> None:
     picture_of_guide("structures", "plate.png", "state")
     picture_of_guide("bridge", "bridge.png", "governing")
     picture_of_guide("forming", "upset.png", "rough")
+    picture_of_guide("solids", "square-section.png", "cut")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Who draws, animates and writes what: the top floor, the only one that knows all rooms.
+"""Who draws, cuts, animates and writes what: the top floor, the only one that knows all rooms.
 
 What does the work is imported when it is asked for: `import lacore` loads no matplotlib.
 """
@@ -27,6 +27,10 @@ views.picture.makers |= {
         "lacore.pictures.questions.sensitivity:plot_sensitivity"
     ),
     "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
+}
+views.section.makers |= {
+    "lacore.limit.state:LimitState": "lacore.pictures.space.section:plot_section",
+    "lacore.bounds.lower:LowerBound": "lacore.pictures.space.section:plot_strength_section",
 }
 views.animation.makers |= {
     "lacore.paths.path:Path": "lacore.pictures.animation:animate_path",

@@ -1,4 +1,4 @@
-"""What a result can be asked to show: its picture, film, files, scene.
+"""What a result can be asked to show: its picture, a section, film, files, scene.
 
 A result knows neither matplotlib nor meshio, nor who uses them: `lacore.doors` says which function
 makes a view of what. Both are named, not imported: nothing loads before it is asked for.
@@ -44,6 +44,7 @@ class View(Generic[Made]):
 
 
 picture: View["Figure"] = View("draws")
+section: View["Figure"] = View("cuts")
 animation: View[None] = View("animates")
 files: View["Path"] = View("writes files of")
 scene: View["Path"] = View("makes a scene of")

@@ -119,7 +119,9 @@ def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit(path):
         assert own not in wing or not seen & set(other)
 
 
-@pytest.mark.parametrize("view", [views.picture, views.animation, views.files, views.scene])
+@pytest.mark.parametrize(
+    "view", [views.picture, views.section, views.animation, views.files, views.scene]
+)
 def test_every_door_opens(view):
     """It names both sides; of a class or a function that was renamed nobody would notice."""
     assert view.makers

@@ -26,6 +26,7 @@ _EXAMPLES = {
         ("footing.png", "A footing on layered soil", "../guide/footing"),
         ("inclined.png", "Which loads a footing carries beside a push", "../guide/footing"),
         ("envelope.png", "Which loads a footing carries together", "../guide/questions"),
+        ("square-section.png", "Under the edge of a square footing", "../guide/solids"),
         ("bridge.png", "An arch bridge under a wheel", "../guide/bridge"),
         ("wall.png", "A facade", "../guide/friction"),
         ("portal.png", "A portal on sliding feet", "../guide/structures"),

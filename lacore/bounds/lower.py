@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -131,6 +131,10 @@ class LowerBound(Shown):
     def plot(self) -> Figure:
         """What is used of the strength: see `lacore.pictures.mesh.plot_strength`."""
         return views.picture(self)
+
+    def plot_section(self, point: Sequence[float], normal: Sequence[float]) -> Figure:
+        """The same cut: see `lacore.pictures.space.section.plot_strength_section`."""
+        return views.section(self, point, normal)
 
     @property
     def stress(self) -> dict[str, Floats]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
@@ -342,6 +342,20 @@ class LimitState(Shown):
     def plot(self) -> Figure:
         """Mechanism and forces: see `lacore.pictures.mechanism.plot_mechanism`."""
         return views.picture(self)
+
+    def plot_section(self, point: Sequence[float], normal: Sequence[float]) -> Figure:
+        """A cut through tetrahedra: see `lacore.pictures.space.section.plot_section`.
+
+        Example:
+            >>> mesh = la.meshes.box(x=(0, 1), y=(0, 1), z=(0, 2), nx=1, ny=1, nz=2)
+            >>> column = la.Body(mesh, la.VonMises(40e3), kinematics="3d")
+            >>> sides = [la.Fix("column", side, "normal") for side in ("left", "front", "bottom")]
+            >>> problem = la.Problem({"column": column}, [la.Pressure("column", "top", 1e3)], sides)
+            >>> figure = la.solve(problem).plot_section((0, 0.5, 0), (0, 1, 0))
+            >>> figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()
+            ('x [m]', 'z [m]')
+        """
+        return views.section(self, point, normal)
 
     def to_vtu(self, path: str | PathLike[str]) -> None:
         """A file for ParaView: see `lacore.files.vtu.write_state`."""

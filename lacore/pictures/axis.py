@@ -1,6 +1,6 @@
 """Bodies of revolution in pictures: their axis, the names of coordinates, units."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ def label_coordinates(axes: Axes, bodies: Iterable[Stated], units: Units = _SI) 
     label_lengths(axes, "rz" if has_axis(bodies) else "xy", units)
 
 
-def label_lengths(axes: Axes, names: str, units: Units) -> None:
+def label_lengths(axes: Axes, names: Sequence[str], units: Units) -> None:
     """Names of both axes, which are in m, and ticks in the unit of lengths."""
     size = units.size("m")
     for axis, name in zip((axes.xaxis, axes.yaxis), names, strict=True):

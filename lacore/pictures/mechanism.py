@@ -71,9 +71,9 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     """
     units = units or Units(fitting(state.discretisation.problem.sizes))
     if state.discretisation.solids:
-        return plot_in_space(state, units, _title(state))
+        return plot_in_space(state, units, title_of(state))
     if state.discretisation.problem.dimension == 3:
-        return plot_flow(state, units, _title(state))
+        return plot_flow(state, units, title_of(state))
     places, velocities = _outline(state)
     size = float(np.linalg.norm(np.ptp(places, axis=1)))
     fastest = float(np.linalg.norm(velocities, axis=0).max()) or 1.0
@@ -119,7 +119,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     _fit(layout, colours)
     for cell, contact in zip(layout.cells, panels, strict=True):
         draw_panel(layout.figure, cell, contact, fastest, units)
-    layout.figure.suptitle(_title(state), fontsize=11, x=0.01, ha="left")
+    layout.figure.suptitle(title_of(state), fontsize=11, x=0.01, ha="left")
     layout.figure.draw_without_rendering()  # the layout needs the scales to find the margins
     return layout.figure
 
@@ -234,7 +234,8 @@ def _block_size(state: LimitState, extent: Floats) -> float:
     return float(min(sizes, default=extent.max()))
 
 
-def _title(state: LimitState) -> str:
+def title_of(state: LimitState) -> str:
+    """The load factor and what it is worth, and who found it."""
     if state.status is Status.SOLVED:
         worth = state.discretisation.worth(state.rigor).partition(":")[0]
         first = f"load factor {state.load_factor:.6g}   ({worth})"

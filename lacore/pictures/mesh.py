@@ -23,6 +23,7 @@ from lacore.pictures.space.surface import surface_by_name, surface_by_value
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
 _FEW = 10  # boundaries that have a colour
+STRENGTH_USED = "largest stress in an element, per strength"
 
 
 def plot_body(body: Body) -> Figure:
@@ -54,19 +55,27 @@ def plot_strength(bound: LowerBound) -> Figure:
     Raises:
         ValueError: there is no state, or nothing that yields.
     """
+    used = strength_used(bound)
+    bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
+    title = f"lower bound {bound.load_factor:.6g}"
+    return _coloured(bodies, used, title, STRENGTH_USED, matplotlib.colormaps["viridis"], 1.0)
+
+
+def strength_used(bound: LowerBound) -> dict[str, Floats]:
+    """The largest stress in each element, per its strength, by body, (elements,).
+
+    Raises:
+        ValueError: there is no state, or nothing that yields.
+    """
     if bound.point is None or not bound.model.bodies:
         raise ValueError("there are no stresses to show")
-    bodies = {name: dofs.body for name, dofs in bound.model.bodies.items()}
     point, groups = bound.point, bound.model.full.groups
     corners = bound.model.problem.dimension + 1
     uses = [
         group.uses(stress, mean).reshape(-1, corners).max(axis=1)
         for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True)
     ]
-    used = {name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.bodies, uses)}
-    label = "largest stress in an element, per strength"
-    colours = matplotlib.colormaps["viridis"]
-    return _coloured(bodies, used, f"lower bound {bound.load_factor:.6g}", label, colours, 1.0)
+    return {name: gathered(dofs.body, own) for name, dofs, own in by_body(bound.model.bodies, uses)}
 
 
 def plot_gap(identity: GapIdentity) -> Figure:

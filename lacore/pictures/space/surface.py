@@ -22,6 +22,7 @@ from lacore.pictures.space.drawing import explain, eye, page, space
 _STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
 _WIDE = 7.4  # inches, with the scale of colours
 PLAIN = "#ece2cd"
+DISSIPATION = "dissipation per volume, per its largest"
 _FEW = 10  # boundaries that have a colour
 _SHADOW = 0.72  # of the colour that is left on sides that the light does not meet
 _LIGHT = np.array([-0.35, -0.6, 0.72]) / np.linalg.norm([-0.35, -0.6, 0.72])
@@ -84,9 +85,8 @@ def plot_flow(state: LimitState, units: Units, title: str) -> Figure:
     power = state.dissipation
     largest = max(float(own.max()) for own in power.values()) or 1.0
     shares = {name: own / largest for name, own in power.items()}
-    label = "dissipation per volume, per its largest"
     return _coloured(
-        bodies, corners, shares, (title, label, matplotlib.colormaps["YlOrRd"], 1.0), units
+        bodies, corners, shares, (title, DISSIPATION, matplotlib.colormaps["YlOrRd"], 1.0), units
     )
 
 
