@@ -24,13 +24,17 @@ _KEPT = {"reports/reference": "reference"}
 """Folders that are copied whole, with a page of their own."""
 
 
+_RECORDS = {"CHANGELOG.md", "docs/measured.md"}
+"""What was measured once, by hand: numbers of the site are computed, or of what is kept."""
+
+
 def sources() -> dict[str, str]:
     """Pages of the site by the files of the repository that they are from."""
-    found = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
+    found = {"CONTRIBUTING.md": "contributing.md"}
     for path in sorted((ROOT / "docs").rglob("*.md")):
         own = path.relative_to(ROOT / "docs")
         found[f"docs/{own.as_posix()}"] = own.as_posix().removeprefix("site/")
-    return found
+    return {file: page for file, page in found.items() if file not in _RECORDS}
 
 
 def guide() -> str:
@@ -86,6 +90,8 @@ class Site:
                 raise FileNotFoundError(f"{source}: {target} is linked and not there")
             if picture or target.endswith(".svg"):
                 return f"{picture}[{words}]({self._beside(page, self._picture(target))})"
+            if target in _RECORDS:
+                return f"{words} (`{target}` of the repository)"
             own = self.pages.get(target, _FOLDERS.get(target, ""))
             if own:
                 return f"[{words}]({self._beside(page, own)}{anchor})"
