@@ -177,6 +177,26 @@ def test_every_public_name_is_in_the_reference(scripts):
     assert dir(la) == sorted(la.__all__)  # nothing else is shown to who looks
 
 
+def test_first_lines_of_properties_stay_whole_in_the_reference(scripts):
+    """Napoleon reads `word: words` of an attribute as a type and its description."""
+    from sphinx.ext.napoleon import Config, GoogleDocstring
+
+    import lacore as la
+
+    docstrings = scripts("docstrings")
+    looked = 0
+    for own in (getattr(la, name) for name in la.__all__):
+        for name, part in vars(own).items() if isinstance(own, type) else ():
+            if isinstance(part, property) and ":" in (part.__doc__ or "").partition("\n")[0]:
+                lines = part.__doc__.splitlines()
+                docstrings.before_napoleon(None, "property", name, part, None, lines)
+                made = GoogleDocstring(lines, Config(), what="property", name=name).lines()
+                assert made[0] == part.__doc__.partition("\n")[0]
+                assert not any(line.startswith(":type:") for line in made)
+                looked += 1
+    assert looked > 0
+
+
 @pytest.fixture(scope="module")
 def html(tmp_path_factory):
     """The whole site without pictures of cases; nothing may be wrong with it."""

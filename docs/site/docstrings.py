@@ -11,6 +11,8 @@ from sphinx.environment import BuildEnvironment
 from sphinx.util.inspect import TypeAliasForwardRef
 
 _SHORT = {"la": "lacore"}
+_UNTYPED = {"attribute", "data", "property"}
+"""Of which napoleon takes a first line for ``type: description``: ours have their annotation."""
 _SEVERAL = re.compile(r"( +)(\w+(?:, \w+)+): (.*)")
 
 
@@ -34,9 +36,17 @@ def resolve(
     return None
 
 
-def one_by_one(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """``low, high: ends of it``: a field each, with the same words; in place."""
+def before_napoleon(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """``low, high: ends of it``: a field each, with the same words; in place.
+
+    What stands before a colon in the first line of an attribute napoleon reads as its type: an
+    empty type before that keeps the sentence whole.
+    """
     lines[:] = _repeated(lines)
+    if what in _UNTYPED and lines and ":" in lines[0]:
+        lines[0] = f": {lines[0]}"
 
 
 def _repeated(lines: Sequence[str]) -> Iterator[str]:
@@ -64,5 +74,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
     TypeAliasForwardRef.__repr__ = _name  # type: ignore[method-assign]  # Sphinx 9.0 in unions
     app.connect("missing-reference", resolve)
-    app.connect("autodoc-process-docstring", one_by_one, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", before_napoleon, priority=400)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
