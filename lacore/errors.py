@@ -57,7 +57,8 @@ class SolveError(LacoreError):
 def suggest(name: str, known: Iterable[str]) -> str:
     """What to try instead of an unknown name: "did you mean ..." or the list of known names."""
     names = sorted(known)
-    close = get_close_matches(name, names, n=1, cutoff=0.5)
+    alike = 0.5 if len(name) < 4 else 0.6  # of three letters one or two are half
+    close = get_close_matches(name, names, n=1, cutoff=alike)
     if close:
         return f"did you mean {close[0]!r}?"
     return f"known names: {', '.join(names)}" if names else "none is known"
@@ -151,3 +152,10 @@ def require_positive(field: str, value: float) -> None:
     if not (is_number(value) and value > 0):
         raise InputError(field, value, "not a positive number", "give a finite value > 0")
     require_range(field, value)
+
+
+def require_width(field: str, value: float) -> None:
+    """Raise `InputError` unless `value` is the width of a bracket as a share of its load factor."""
+    require_positive(field, value)
+    if value >= 1:
+        raise InputError(field, value, "not a share of the load factor", "give 0.05 for 5 %")

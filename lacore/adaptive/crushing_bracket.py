@@ -15,7 +15,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.crushing import Cells, Crushing, crushing_of
 from lacore.bodies.blocks3d.surface import axes_of
-from lacore.errors import InputError, require_count, require_positive
+from lacore.errors import InputError, require_count, require_width
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -97,7 +97,7 @@ def crushing_bracket(
         >>> round(found.low, 3), round(found.high, 3)  # (0.4 m - 0.08 m)/1 m
         (0.32, 0.32)
     """
-    require_positive("crushing_bracket.target_width", target_width)
+    require_width("crushing_bracket.target_width", target_width)
     require_count("crushing_bracket.rounds", rounds)
     solids = of_kind(problem.bodies, BlockAssembly3D)
     laws = {name: law for name, own in solids.items() if (law := crushing_of(own.crushing))}

@@ -26,7 +26,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound
-from lacore.errors import InputError, require_count, require_positive
+from lacore.errors import InputError, require_count, require_positive, require_width
 from lacore.limit.solve import solve
 from lacore.meshes.checks import quality
 from lacore.meshes.refinement import grown
@@ -104,7 +104,7 @@ def bracket(
         True
     """
     begin = time.perf_counter()
-    require_positive("target_width", target_width)
+    require_width("target_width", target_width)
     require_count("max_elements", max_elements)
     require_positive("time_limit", time_limit)
     jobs = processors() if jobs is None else jobs

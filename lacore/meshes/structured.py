@@ -71,6 +71,9 @@ def _row(
         raise InputError(count_of, cells, "not a positive whole number", "give at least one cell")
     if grade is None:
         return np.linspace(start, stop, cells + 1)
+    if not (isinstance(grade, Sequence | np.ndarray) and len(grade) == 2):
+        mend = "give (at, ratio): a place, and the largest cell per smallest"
+        raise InputError(graded_by, grade, "not a pair", mend)
     at, ratio = grade
     if not start <= at <= stop:
         raise InputError(

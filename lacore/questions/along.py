@@ -50,6 +50,11 @@ class Along:
     rows: dict[float, dict[str, Any]] = field(default_factory=dict)
     states: dict[float, LimitState] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if not callable(self.problem_at):
+            mend = "give a function of a value that returns the problem at it"
+            raise InputError("problem_at", self.problem_at, "no function", mend)
+
     def ask(self, values: Sequence[float]) -> list[float]:
         """Load factors at values, NaN where none is certified; those that are new are solved."""
         asked = [float(value) for value in dict.fromkeys(values) if float(value) not in self.rows]

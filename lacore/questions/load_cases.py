@@ -17,7 +17,7 @@ from lacore.arrays import Bools
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.conditions.loads import Load
-from lacore.errors import InputError, require_count, require_positive
+from lacore.errors import InputError, require_count, require_width
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.sharing import solved
@@ -164,7 +164,7 @@ def load_cases(
         results = dict(zip(names, states, strict=True))
         rows = [_of_state(name, state) for name, state in zip(names, states, strict=True)]
     else:
-        require_positive("target_width", target_width)
+        require_width("target_width", target_width)
         rows = []
         for name, one in stated.items():
             found = bracket(one.problem, target_width, backend=backend)

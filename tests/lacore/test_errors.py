@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 
-from lacore.errors import InputError
+from lacore.errors import InputError, suggest
 
 
 def test_a_value_is_written_as_it_is_unless_it_would_fill_pages():
@@ -15,6 +15,13 @@ def test_a_value_is_written_as_it_is_unless_it_would_fill_pages():
     wrong = InputError("problem", {"x": np.arange(500.0).tolist()}, "not a problem", "give one")
     assert str(wrong) == "problem = <dict>: not a problem; give one"
     assert len(wrong.value["x"]) == 500
+
+
+def test_a_name_is_suggested_where_it_may_have_been_meant():
+    """One that shares half of its letters by chance is none: then those that there are."""
+    assert suggest("clarable", ["clarabel", "ipopt"]) == "did you mean 'clarabel'?"
+    assert suggest("nn", ["nx", "shape"]) == "did you mean 'nx'?"
+    assert suggest("linprog", ["clarabel", "ipopt"]) == "known names: clarabel, ipopt"
 
 
 def test_an_error_survives_pickling():

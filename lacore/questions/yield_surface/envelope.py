@@ -16,7 +16,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.conditions.loads import Load
-from lacore.errors import InputError, require_count, require_positive
+from lacore.errors import InputError, require_count, require_width
 from lacore.problem.problem import Problem
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import gauge, parts_of_width
@@ -189,7 +189,7 @@ def envelope(
     jobs = processors() if jobs is None else jobs
     require_count("jobs", jobs)
     if target_width is not None:
-        require_positive("target_width", target_width)
+        require_width("target_width", target_width)
     if not isinstance(problem, Problem):
         raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     components = Components(problem, loads)

@@ -234,6 +234,7 @@ def test_too_heavy_to_stand():
     [
         (punch, {"target_width": 0.0}, "target_width = 0.0"),
         (punch, {"target_width": np.nan}, "target_width"),
+        (punch, {"target_width": 5}, "target_width = 5: .*give 0.05 for 5 %"),
         (punch, {"time_limit": -1.0}, "time_limit"),
         (punch, {"max_elements": 20}, "the mesh of both bounds starts with 96 elements"),
         (

@@ -67,6 +67,7 @@ def test_without_grade_cells_are_equal():
         ((0, 1, 3, (2.0, 4)), ("grade", "outside", "move it inside")),
         ((0, 1, 3, (np.nan, 4)), ("grade", "outside")),
         ((0, 1, 3, (0.0, 0.5)), ("grade", "ratio >= 1")),
+        ((0, 1, 3, 4.0), ("grade = 4.0", "(at, ratio)")),
         ((0, 1, 3, (0.0, np.nan)), ("grade", "ratio >= 1")),
         ((0, 1, 1, (0.5, 4)), ("cells", "at least two")),
     ],
