@@ -80,12 +80,14 @@ def proven(summary: VariantSummary) -> str:
 
 
 def _errors(summary: VariantSummary) -> tuple[str, str]:
-    """The worst error and the one that is allowed, %."""
-    error, allowed = summary.error, summary.allowed
+    """The worst error and the one that is allowed, %; of round-off the sides tell nothing."""
+    error, allowed = 100 * summary.error, 100 * summary.allowed
     if isnan(error):
         return "", ""
-    shown = "< 1e-4 %" if abs(error) < SOLVER else f"{100 * error:+.2g} %"
-    return shown, f"{100 * allowed:+.2g} %" if isfinite(allowed) else ""
+    none = abs(summary.error) < SOLVER
+    shown = "< 1e-4 %" if none else f"{error:+.2g} %"
+    most = f"{abs(allowed):.2g} %" if none else f"{allowed:+.2g} %"
+    return shown, most if isfinite(allowed) else ""
 
 
 def _badness(summary: VariantSummary) -> tuple[bool, int, float]:
