@@ -71,8 +71,11 @@ def test_values_outside_of_proven_bounds_are_found(scripts, results):
     case = catalogue()["vertical-cut"]
     right = case.reference(**case.variants[0].parameters)
     wrong = replace(case, reference=lambda: replace(right, value=1.1 * right.value))
-    assert "None lies outside" in manual.excluded([case], results)
-    told = manual.excluded([wrong], results)
+    inside, all_of_them = manual.excluded([case], results).split("## All that were compared")
+    assert "None lies outside" in inside
+    said = rf"\| \[{right.low:.7g}, {right.high:.7g}\] \| \[3\.77.* elements below, "
+    assert re.search(said, all_of_them)
+    told, _ = manual.excluded([wrong], results).split("## All that were compared")
     assert "1 lies outside" in told
     assert "| [4.15" in told
     with pytest.raises(ValueError, match="nothing is proven"):

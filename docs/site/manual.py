@@ -1,10 +1,8 @@
 """The verification manual as pages of the site: of each case, and what leads to them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite, nan
-
-import pandas as pd
 
 from lacore.bounds.enclosing import has_coulomb
 from myst import Writer, escaped
@@ -86,7 +84,7 @@ def index(cases: Sequence[Case], results: Results) -> str:
         "A page a case: the problem as its model has it, the calculation by hand, the reference"
         " with its source, what lacore found with every backend, and why that is allowed."
         " `lacore verify` finds all of it again.",
-        "[Published values that our bounds exclude](excluded.md)",
+        f"[{_EXCLUDED}](excluded.md)",
     ]
     for kind in (*KINDS, ""):
         own = [case for case in cases if _kind(case) == kind]
@@ -141,32 +139,34 @@ _LEAST_WIDTH = 1e-4
 
 
 def excluded(cases: Sequence[Case], results: Results) -> str:
-    """Values of others that lie outside of what is proven of the continuum, with the run.
+    """References that lie outside of what is proven of the continuum, with the run; and all.
 
     Of Coulomb friction an upper bound is proven: that of associated friction (T14).
     """
     compared = list(_compared(cases, results))
     if not compared:
         raise ValueError("nothing is proven of any case: no value can be held against it")
-    rows = list(_outside(compared))
-    table = pd.DataFrame(rows, columns=["case", "variant", "who says", "value", "proven", "by"])
+    rows = [_held(one) for one in compared if _is_outside(one)]
     head = (
-        "# Published values that our bounds exclude\n\nEach value that a case takes from others,"
-        " its reference and what stands beside it, is held against the bounds that are proven of"
+        f"# {_EXCLUDED}\n\nEach value that a case is judged by, its reference and what stands"
+        " beside it, published or by hand, is held against the bounds that are proven of"
         " the same problem. One that lies outside, by more than its own uncertainty and what the"
         " proof lets through, is listed here with the run that proves it. With Coulomb friction"
         " no load factor is above that of associated friction (T14), and a lower bound is not"
         " proven.\n\n"
     )
     counted = f"{len(compared)} values were compared with proven bounds. "
-    if not rows:
-        return head + counted + "**None lies outside.**\n"
-    lines = ["| " + " | ".join(table.columns) + " |", "|" + "---|" * len(table.columns)]
-    lines += ["| " + " | ".join(map(str, row)) + " |" for row in table.to_numpy()]
     verb = "lies" if len(rows) == 1 else "lie"
-    return head + counted + f"{len(rows)} {verb} outside:\n\n" + "\n".join(lines) + "\n"
+    said = f"{len(rows)} {verb} outside:\n\n{_listed(rows)}" if rows else "**None lies outside.**\n"
+    return f"{head}{counted}{said}\n## All that were compared\n\n{_listed(map(_held, compared))}"
 
 
+def _listed(rows: Iterable[Sequence[str]]) -> str:
+    lines = ["| case | variant | who says | value | proven | by |", "|---|---|---|---|---|---|"]
+    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
+
+
+_EXCLUDED = "References that our bounds exclude"
 _ROUND_OFF = 1e-6
 """Relative: what a certificate lets through."""
 
@@ -206,12 +206,19 @@ def _is_of_both_sides(case: Case, name: str) -> bool:
     return not has_coulomb(case.problem(variant, case.bracketed_from))
 
 
-def _outside(compared: Sequence[tuple[Told, Row]]) -> Iterator[tuple[str, ...]]:
-    for (case, variant, who, low, high), row in compared:
-        slack = _ROUND_OFF * max(abs(end) for end in (row.lower, row.upper) if isfinite(end))
-        if high < row.lower - slack or low > row.upper + slack:
-            value = f"{low:.7g}" if low == high else f"[{low:.7g}, {high:.7g}]"
-            both = isfinite(row.lower)
-            bounds = f"[{row.lower:.7g}, {row.upper:.7g}]" if both else f"<= {row.upper:.7g}"
-            by = f"{row.backend}, {row.n_elements_lower:g} and {row.n_elements:g} elements"
-            yield f"[{escaped(case.title)}]({case.id}.md)", variant, escaped(who), value, bounds, by
+def _is_outside(compared: tuple[Told, Row]) -> bool:
+    (*_, low, high), row = compared
+    slack = _ROUND_OFF * max(abs(end) for end in (row.lower, row.upper) if isfinite(end))
+    return high < row.lower - slack or low > row.upper + slack
+
+
+def _held(compared: tuple[Told, Row]) -> tuple[str, ...]:
+    """A line: what is said of a variant, and what is proven of it."""
+    (case, variant, who, low, high), row = compared
+    value = f"{low:.7g}" if low == high else f"[{low:.7g}, {high:.7g}]"
+    bounds, size = f"<= {row.upper:.7g}", f"{row.n_elements:g} elements"
+    if isfinite(row.lower):
+        bounds = f"[{row.lower:.7g}, {row.upper:.7g}]"
+        size = f"{row.n_elements_lower:g} elements below, {row.n_elements:g} above"
+    by = f"{row.backend}, {size}"
+    return f"[{escaped(case.title)}]({case.id}.md)", variant, escaped(who), value, bounds, by
