@@ -249,8 +249,9 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
         )
     if (frame["kind"] == "path").any():
         paragraphs.append(
-            "**Paths of large deformation**, all steps with their certificates, beside the time of"
-            " the loop as it was before, and in units of one associated solve of the first step:"
+            "**Paths of large deformation**, all steps with their certificates, beside the time"
+            " before, of the loop that began each step at the associated state, what was aimed at,"
+            " and in units of one associated solve of the first step:"
             f"\n\n{paths(frame)}"
         )
     if (frame["kind"] == "soil").any():
@@ -261,7 +262,8 @@ def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
     if (frame["kind"] == "bracket").any():
         paragraphs.append(
             "**Brackets with proof**, from the start to the certificate, all solves and refinements"
-            " included, with one elastic solve of the last mesh of the upper bound:"
+            " included, beside what was aimed at and one elastic solve of the last mesh of the"
+            " upper bound:"
             f"\n\n{brackets(frame)}"
         )
     for order in frame[frame["kind"] == "bracket order"].to_dict("records"):

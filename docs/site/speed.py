@@ -13,6 +13,7 @@ from results import Results
 from verification.analysis import costs, performance_profile, shifted_geometric_means
 from verification.analysis.profiles import Costs
 from verification.case.bracketing import BRACKET
+from verification.fuzz.programs.judge import BAR
 from verification.report.blocks import Block, Column, Drawing, Heading, Table, Text
 from verification.report.charts import axes
 from verification.report.charts.axes import Axis
@@ -48,13 +49,18 @@ def _of_benchmarks(kept: Mapping[str, Any]) -> Iterator[Block]:
     if runs:
         yield from _programs(frame, pd.DataFrame(runs))
     yield Heading("How time grows")
+    yield Text(
+        "An elastic solve, of the stiffness of the same mesh by a direct solver, is the yardstick;"
+        " assembly is what makes the program of the problem."
+    )
     sizes = frame[frame["kind"].isin(_KINDS)]
     several = sizes.groupby("label")["unknowns"].transform("nunique") > 1
     grown = "Processor time of the smooth punch against its unknowns, on one thread"
     yield Drawing("growth", grown, axes.curves(sizes[several], _UNKNOWNS, _SECONDS, by="label"))
     fits = benchmarks.growth(frame)
     laws = [f"{one.label}: {one.exponent:.2f} ± {one.error:.2f}" for one in fits.itertuples()]
-    yield Text(f"Exponents of the number of triangles, log-log: {'; '.join(laws)}.")
+    told = "Exponents of the number of triangles, which unknowns go with"
+    yield Text(f"{told}: {'; '.join(laws)}.")
     yield Heading("What a narrower bracket costs")
     widths = [rows.assign(problem=name) for name, rows in benchmarks.widths(frame).items()]
     drawn = axes.curves(pd.concat(widths), _SECONDS, _WIDTH, by="problem")
@@ -83,8 +89,10 @@ def _programs(frame: pd.DataFrame, runs: pd.DataFrame) -> Iterator[Block]:
     yield Heading("Which backend is fast: random programs")
     yield Text(
         f"{told['what']}, {runs['unknowns'].min()} to {runs['unknowns'].max()} unknowns, of all"
-        " classes of `lacore programs`. Solved is what residuals prove, computed anew, whatever the"
-        " solver says; wrong is what it claims and they refute."
+        " classes of `lacore programs`; `lacore backends` says what each backend is. Solved is"
+        f" what residuals within {BAR:g}, computed anew, prove, whatever the solver says. Wrong is"
+        " a number that it claims and they refute, which `solve` does not give out, as it judges by"
+        " the same residuals; or `locked` or `unsafe` where another backend has a proven number."
         f" Programs that none solved: {nobody}."
     )
     caption = "Share of random programs solved within a factor of the fastest backend"
