@@ -24,7 +24,7 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vstack
 
-from backends._surface_rows import Leads, point_units, stress_besides, volumetric_gain
+from backends._surface_rows import Leads, Volumes, point_units, stress_besides
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.program import FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
@@ -159,11 +159,6 @@ class ConicForm:
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
-        self._voluminous = [
-            # With surfaces a row without an entry says that their multipliers sum to zero.
-            _filled(group.volumetric) | (group.surfaces is not None)
-            for group in program.groups
-        ]
 
         def slip(mask: Bools) -> _Law:
             rows = points.tangential[np.repeat(mask, dim)]
@@ -172,30 +167,22 @@ class ConicForm:
         def opening(mask: Bools) -> _Law:
             return _Law(points.normal[mask], 1, points.weights[mask], stiff.normal)
 
-        groups = list(zip(program.groups, self._voluminous, strict=True))
-        self._gained = [volumetric_gain(group) for group in program.groups]
         self._units = [
             point_units(g) if penalty is None else np.ones(g.weights.size) for g in program.groups
         ]
-        volumes = [
-            _Law(
-                g.volumetric[own],
-                1,
-                (gain * np.repeat(g.weights / unit, g.volumes))[own],
-                stiff.bulk,
-            )
-            for (g, own), gain, unit in zip(groups, self._gained, self._units, strict=True)
-        ]
+        groups = list(zip(program.groups, self._units, strict=True))
+        self._volumes = [Volumes.of(g, unit, soft=penalty is not None) for g, unit in groups]
+        volumes = [_Law(own.rows, 1, own.weights, stiff.bulk) for own in self._volumes]
         strains = [
             _Law(g.rows, g.dim, g.weights / unit, stiff.eta)
-            if penalty is None or g.surfaces is not None or not own.any()
+            if penalty is None or g.surfaces is not None or not own.weights.size
             else _Law(
                 interleaved(g.rows, g.dim, g.volumetric * g.volumetric_factor, 1),
                 g.dim + 1,
                 g.weights,
                 stiff.eta,
             )
-            for (g, own), unit in zip(groups, self._units, strict=True)
+            for (g, unit), own in zip(groups, self._volumes, strict=True)
         ]
         equal = [*volumes, slip(pattern.stick)]
         unilateral = [opening(~self._dilatant), opening(self._dilatant), slip(self._dilatant)]
@@ -224,7 +211,7 @@ class ConicForm:
             self._norms.append(_Norm(law.weights.size, law.dim))
             normed_rows.append(self._norms[-1].rows(_placed(lead.shares, columns, first_own), rows))
             if lead.slopes is not None:
-                slopes = csr_matrix(diags_array(self._gained[number]) @ lead.slopes)
+                slopes = csr_matrix(diags_array(self._volumes[number].gain) @ lead.slopes)
                 over[number] = csr_matrix(over[number] - _placed(slopes, columns, first_own))
             if lead.slopes is not None and not (lead.single and self.even):
                 each = csr_matrix(identity(lead.shares.shape[1]))
@@ -238,7 +225,7 @@ class ConicForm:
         self.cones += [clarabel.NonnegativeConeT(flat)] if flat else []
         for norm in self._norms:
             self.cones += norm.cones
-        gains = [gain[own] for gain, own in zip(self._gained, self._voluminous, strict=True)]
+        gains = [own.gain for own in self._volumes]
         gains += [np.ones(law.weights.size) for law in laws[len(groups) :]]
         soft = [
             np.repeat(law.weights / gain, law.dim)
@@ -293,11 +280,9 @@ class ConicForm:
         b = np.zeros(self.matrix.shape[0])
         b[0] = 1.0
         volumes = np.split(b, self._ends)[1:]
-        of_groups = (self._voluminous, self._gained, self._units, volumes)
-        for group, own, gain, unit, part in zip(self._program.groups, *of_groups, strict=False):
+        for group, own, part in zip(self._program.groups, self._volumes, volumes, strict=False):
             if group.surfaces is not None:
-                weights = gain * np.repeat(group.weights / unit, group.volumes)
-                part[:] = (weights * group.surfaces.besides)[own]
+                part[:] = own.weights * group.surfaces.besides
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
@@ -321,15 +306,13 @@ class ConicForm:
         tangential[pattern.stick] -= stick.reshape(-1, dim)
         tangential[pattern.friction] += rubbed[:, 1:]
         stresses, mean_stresses = [], []
-        of_groups = (self._voluminous, self._gained, self._units, means, strains)
-        for group, own, gain, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
+        of_groups = (self._volumes, self._units, means, strains)
+        for group, own, unit, mean, strain in zip(program.groups, *of_groups, strict=True):
             shear = -strain[:, 1:] / unit[:, None]
             stresses.append(shear[:, : group.dim] + stress_besides(group, velocity))
             # Softened, theta is a row of the norm too.
             softened = group.volumetric_factor * shear[:, group.dim :].sum(axis=1)
-            total = np.repeat(softened, group.volumes)
-            total[own] += (gain / np.repeat(unit, group.volumes))[own] * mean
-            mean_stresses.append(total)
+            mean_stresses.append(np.repeat(softened, group.volumes) + own.means @ mean)
         return ProgramState(
             velocity=velocity,
             load_factor=-float(load[0]),
@@ -364,8 +347,3 @@ def _wide(rows: Sparse, columns: int, weights: Floats) -> Sparse:
         wide = wide.copy()  # zeros are cut out of arrays that are those of the program
         wide.eliminate_zeros()
     return wide
-
-
-def _filled(rows: Sparse) -> Bools:
-    """Which rows have an entry; the others would say ``0 = 0``."""
-    return np.asarray(abs(rows).sum(axis=1)).ravel() > 0

@@ -1,11 +1,11 @@
-"""What strength that depends on pressure, and hardening, make of the rows of a conic form."""
+"""What strength, hardening and volumes that depend on each other make of the rows of a form."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix, identity
+from scipy.sparse import csr_matrix, diags_array, identity
 
-from lacore.arrays import Floats, Sparse
+from lacore.arrays import Bools, Floats, Sparse
 from lacore.program import DissipationGroup
 
 _SLIGHT = 1e-3  # hardening per bound, at rates of order 1
@@ -49,6 +49,50 @@ class Leads:
         slopes = csr_matrix(entries, (row.size, own.size))
         slopes.eliminate_zeros()
         return cls(shares, slopes, single=surfaces.count == 1)
+
+
+@dataclass(frozen=True)
+class Volumes:
+    """What a form says of the volumes of a group: ``weights rows U``.
+
+    Attributes:
+        rows: shape (k, n).
+        weights: of them, shape (k,).
+        gain: share of them that is that of `volumetric_gain`, shape (k,).
+        means: from multipliers of them to mean stresses of the group, shape (m L, k).
+    """
+
+    rows: Sparse
+    weights: Floats
+    gain: Floats
+    means: Sparse
+
+    @classmethod
+    def of(cls, group: DissipationGroup, unit: Floats, soft: bool) -> "Volumes":
+        """Those of a group whose points are in units.
+
+        The rows themselves where they are softened: an energy of each point.
+        """
+        gain = volumetric_gain(group)
+        weights = np.repeat(group.weights / unit, group.volumes)
+        combined, rows = group.conditions, group.conditioned
+        if combined is None or rows is None or soft:
+            # With surfaces a row without an entry says that their multipliers sum to zero.
+            own = np.flatnonzero(filled(group.volumetric) | (group.surfaces is not None))
+            factors = gain / np.repeat(unit, group.volumes)
+            entries = (factors[own], (own, np.arange(own.size)))
+            means = csr_matrix(entries, (weights.size, own.size))
+            return cls(group.volumetric[own], (gain * weights)[own], gain[own], means)
+        own = np.flatnonzero(filled(rows))
+        combined, roots = combined[own], np.sqrt(group.weights)
+        size = np.asarray(combined.power(2) @ (weights / roots))
+        means = csr_matrix(diags_array(1 / roots) @ combined.T @ diags_array(size))
+        return cls(rows[own], size, np.ones(own.size), means)
+
+
+def filled(rows: Sparse) -> Bools:
+    """Which rows have an entry; the others would say ``0 = 0``."""
+    return np.asarray(abs(rows).sum(axis=1)).ravel() > 0
 
 
 def volumetric_gain(group: DissipationGroup) -> Floats:

@@ -1,8 +1,10 @@
 """What straining the bodies of a program costs: cones, and surfaces that depend on pressure."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_matrix, diags_array
 
 from lacore.arrays import Floats, Sparse
 from lacore.errors import InputError
@@ -11,6 +13,7 @@ from lacore.surfaces import Surfaces
 
 _ROUND_OFF = 16 * float(np.finfo(float).eps)  # of the sums: about as many terms in a row
 _DOUBTFUL = 1e-12  # of the largest term in a sum: what is above is no round-off of it
+_CANCELLED = 1e-13  # of the largest entry of a row: a sum of a dozen terms that is zero
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,6 +37,9 @@ class DissipationGroup(Compact):
             Beside surfaces it raises all that bound ``||s||``, and chooses between velocities:
             flow of an apex has no certificate with it.
         surfaces: yield surfaces that depend on pressure; None: none does.
+        conditions: combinations of volumetric rows times roots of their weights, orthonormal, shape
+            (k, m): as many as do not depend on each other, and all of what the rows say; None: the
+            rows themselves. Whoever solves may take either; mean stresses are those of the rows.
     """
 
     name: str
@@ -45,6 +51,7 @@ class DissipationGroup(Compact):
     volumetric_factor: float
     modulus: Floats | None = None
     surfaces: Surfaces | None = None
+    conditions: Sparse | None = None
 
     @property
     def volumes(self) -> int:
@@ -55,6 +62,23 @@ class DissipationGroup(Compact):
     def volume_weights(self) -> Floats:
         """`weights` of the volumetric rows, shape (m L,)."""
         return np.repeat(self.weights, self.volumes)
+
+    @cached_property
+    def conditioned(self) -> Sparse | None:
+        """What `conditions` say of velocities, shape (k, n); None without them.
+
+        Kept: of one program several forms are made.
+        """
+        if self.conditions is None:
+            return None
+        roots = diags_array(np.sqrt(self.volume_weights))
+        rows = csr_matrix(self.conditions @ csr_matrix(roots @ self.volumetric))
+        # A combination within one element of four has no entries of the other three.
+        size = np.abs(rows.data)
+        largest = np.maximum.reduceat(np.append(size, 0.0), rows.indptr[:-1])
+        rows.data[size <= _CANCELLED * np.repeat(largest, np.diff(rows.indptr))] = 0.0
+        rows.eliminate_zeros()
+        return rows
 
     @property
     def rise(self) -> Floats:

@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.varying import Varying
-from lacore.bodies.continuum.volume import volumetric_rows
+from lacore.bodies.continuum.volume import conditions, volumetric_rows
 from lacore.materials.fields import Field
 from lacore.program import DissipationGroup
 from lacore.surfaces import Surfaces
@@ -58,6 +58,7 @@ def plasticity(name: str, dofs: "BodyDofs", n: int) -> tuple[DissipationGroup, .
             volumetric=volumetric_rows(dofs, region, rows),
             volumetric_factor=form.volumetric_factor,
             surfaces=surfaces,
+            conditions=conditions(dofs, region),
         )
         groups.append(group)
     return tuple(groups)

@@ -48,6 +48,78 @@ def volumetric_rows(
     return csr_matrix(vstack(parts, format="csr")[order])
 
 
+def conditions(dofs: "BodyDofs", region: Region) -> Sparse | None:
+    """Conditions of a region that do not depend on each other, (k, m); None: all its rows.
+
+    See `lacore.dissipation.DissipationGroup.conditions`. Those of the rows of surfaces are
+    equations of each point with multipliers of its own.
+    """
+    if region.form.surfaces or not (dofs.space.pressures is not None or _crossed(dofs)):
+        return None
+    points = _points(dofs, region)
+    place = np.full(dofs.weights.size, -1)
+    place[points] = np.arange(points.size)
+    at, blocks = _bases(dofs)
+    at = place[at]
+    whole = (at >= 0).all(axis=1)
+    if not whole.any():
+        return None
+    at, blocks = at[whole], blocks[whole]
+    left = np.setdiff1d(np.arange(points.size), at)
+    count, rows = blocks.shape[:2]
+    row = np.broadcast_to(np.arange(count * rows).reshape(count, rows, 1), blocks.shape)
+    column = np.broadcast_to(at[:, None, :], blocks.shape)
+    entries = np.concatenate([blocks.ravel(), np.ones(left.size)])
+    every = np.concatenate([row.ravel(), count * rows + np.arange(left.size)])
+    places = every, np.concatenate([column.ravel(), left])
+    found = csr_matrix((entries, places), (count * rows + left.size, points.size))
+    found.eliminate_zeros()
+    return found
+
+
+def _bases(dofs: "BodyDofs") -> tuple[Ints, Floats]:
+    """Strain points of each projection, (b, r), and an orthonormal basis of it, (b, k, r).
+
+    Of theta times roots of weights, as `volume_projector` is orthogonal then.
+    """
+    count, roots = dofs.weights.shape[1], np.sqrt(dofs.weights)
+    if dofs.space.pressures is not None:
+        own = np.arange(dofs.weights.size).reshape(-1, count)
+        basis = np.linalg.qr(roots[:, :, None] * dofs.space.pressures)[0]
+        return own, basis.transpose(0, 2, 1)
+    elements, corner = _crossings(dofs)
+    own = count * elements[:, :, None] + np.arange(count)
+    return own.reshape(-1, 4 * count), _beside(_alternating(dofs, corner) / roots[elements])
+
+
+def _beside(mode: Floats) -> Floats:
+    """Orthonormal basis of what is orthogonal to a mode of four elements (b, 4, q): (b, 4q-1, 4q).
+
+    With as many zeros as there can be: all but one of the q within each element, then one within
+    either pair of them. What is dense here fills the factors of a solver.
+    """
+    b, _, q = mode.shape
+    size = np.linalg.norm(mode, axis=2)
+    turned = np.linalg.qr((mode / size[:, :, None])[..., None], mode="complete")[0]
+    basis = np.zeros((b, 4, q, 4, q))
+    for element in range(4):
+        basis[:, element, : q - 1, element] = turned[:, element, :, 1:].transpose(0, 2, 1)
+    along = mode / size[:, :, None]
+    one, two = np.hypot(size[:, 0], size[:, 1]), np.hypot(size[:, 2], size[:, 3])
+    none = np.zeros(b)
+    shares = (
+        (size[:, 1] / one, -size[:, 0] / one, none, none),
+        (none, none, size[:, 3] / two, -size[:, 2] / two),
+        tuple(
+            factor / np.hypot(one, two) * size[:, element]
+            for element, factor in enumerate((two / one, two / one, -one / two, -one / two))
+        ),
+    )
+    for row, share in enumerate(shares):
+        basis[:, row, q - 1] = np.stack(share, axis=1)[:, :, None] * along
+    return basis.reshape(b, 4 * q, 4 * q)[:, :-1]
+
+
 def judged_means(dofs: "BodyDofs", means: Sequence[Floats]) -> list[Floats]:
     """Mean stresses of regions as criteria judge them, shape (m L,) each, Pa.
 
@@ -100,12 +172,17 @@ def volume_projector(dofs: "BodyDofs") -> Sparse:
     if dofs.space.pressures is not None:
         return _onto(dofs.weights, dofs.space.pressures)
     whole = csr_matrix(eye_array(dofs.weights.size, format="csr"))
-    if dofs.linear or len(dofs.body.mesh.t) != 3:
+    if not _crossed(dofs):
         return whole
     modes = _alternating_sums(dofs)
     share = csr_matrix(diags_array(1 / dofs.weights.ravel()) @ modes.T)
     size = np.asarray(modes.multiply(share.T).sum(axis=1)).ravel()
     return csr_matrix(whole - share @ diags_array(1 / size) @ modes)
+
+
+def _crossed(dofs: "BodyDofs") -> bool:
+    """Whether crossings have a combination that says almost nothing, but not nothing."""
+    return not dofs.linear and len(dofs.body.mesh.t) == 3
 
 
 def _onto(weights: Floats, functions: Floats) -> Sparse:
@@ -123,11 +200,17 @@ def _alternating_sums(dofs: "BodyDofs") -> Sparse:
     """Theta of the four elements at crossings, with alternating signs, from the strain points."""
     elements, corner = _crossings(dofs)
     count = dofs.space.points.shape[1]
-    values = dofs.space.to_vertices()[corner] * np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    values = _alternating(dofs, corner)
     columns = elements[:, :, None] * count + np.arange(count)
     start = np.arange(len(elements) + 1) * 4 * count
     shape = (len(elements), dofs.areas.size * count)
     return csr_matrix((values.ravel(), columns.ravel(), start), shape=shape)
+
+
+def _alternating(dofs: "BodyDofs", corner: Ints) -> Floats:
+    """Factors of theta at the strain points of four elements, (crossings, 4, q)."""
+    signs = np.array([1.0, -1.0, 1.0, -1.0])
+    return np.asarray(dofs.space.to_vertices()[corner] * signs[:, None])
 
 
 def _crossings(dofs: "BodyDofs") -> tuple[Ints, Ints]:
