@@ -9,6 +9,7 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.assembly.unknowns import Unknowns
 from lacore.bodies.blocks3d.crushing import crushing_of
+from lacore.bodies.continuum.regions.gathering import by_body, region_count
 from lacore.dissipation import DissipationGroup
 from lacore.errors import InputError
 from lacore.program import KinematicProgram, Scales
@@ -21,14 +22,25 @@ def strengths_of(
 
     The apex of a cone is none: it is far away where friction is small (T48).
     """
-    strengths = [sqrt(3) * float(group.bound.max()) for group in groups]
-    pressed = [group.surfaces for group in groups if group.surfaces is not None]
-    if pressed:
-        steepest = max(float(surfaces.slope.max()) for surfaces in pressed)
-        strengths.append(steepest * fsum(np.abs(dead_load)) / length)
+    strengths = [_carried(group, dead_load, length) for group in groups]
     if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
+        pressed = [group.surfaces for group in groups if group.surfaces is not None]
         strengths += [float(surfaces.strength.max()) for surfaces in pressed]
     return strengths
+
+
+def _carried(group: DissipationGroup, dead_load: Floats, length: float) -> float:
+    own = sqrt(3) * float(group.bound.max())
+    if group.surfaces is None:
+        return own
+    return max(own, float(group.surfaces.slope.max()) * fsum(np.abs(dead_load)) / length)
+
+
+def _between(strengths: Sequence[float]) -> float:
+    """Between those of the regions of a body: the load may be that of the weakest, or strongest."""
+    some = [own for own in strengths if own > 0]
+    least, most = min(some, default=0.0), max(some, default=0.0)
+    return most if least == most else sqrt(least) * sqrt(most)
 
 
 def with_speeds_of_crushing(basis: Sparse, unknowns: Unknowns, dead_load: Floats) -> Sparse:
@@ -63,8 +75,10 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     across = length if solid else 1.0
     bodies = unknowns.continua
     pressed = solid and bool(np.any(program.dead_load))
-    yielding = program.groups[: len(bodies)] or program.groups
+    yielding = program.groups[: region_count(bodies)] or program.groups
     strengths = [] if pressed and not bodies else strengths_of(yielding, program.dead_load, length)
+    if bodies and len(strengths) == len(yielding):
+        strengths = [_between(own) for _, _, own in by_body(bodies, strengths)]
     if not strengths:
         limit = program.contact.limit
         strengths = [
@@ -76,8 +90,9 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
             "Problem.dead_loads",
             None,
             "bodies without cohesion under no dead load: nothing sets a scale of forces, the load"
-            " factor would always be 0",
-            "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields",
+            " factor would be 0, or have no limit",
+            "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields:"
+            " a cohesion, a compressive_strength",
         )
     volume = sum(float(body.weights.sum()) for body in bodies.values())
     area = sum(body.extent for body in bodies.values())

@@ -1,5 +1,6 @@
 """Bodies of several regions, and strengths that vary from place to place."""
 
+from dataclasses import replace
 from itertools import pairwise
 from math import cos, radians, sin
 
@@ -345,3 +346,19 @@ def test_several_values_of_an_element_are_bounded_by_the_least_and_the_largest()
     assert bounds.below()[:, 0].tolist() == [1.0, 4.0]
     assert bounds.above()[:, 0].tolist() == [3.0, 5.0]
     assert [own.tolist() for own in bounds.limits()] == [[1.0, 4.0], [3.0, 5.0]]
+
+
+@pytest.mark.parametrize("under", [la.MohrCoulomb(0.0, 30), la.MohrCoulomb(1e6, 30)])
+@pytest.mark.parametrize("order", [("low", "high"), ("high", "low")])
+def test_the_region_named_first_sets_no_scale(under, order):
+    """Clay pressed on what has no strength by itself, or a million times as much: named first it
+    was the scale of all forces, and there was none, or one that the load was round-off of."""
+    criteria = {"low": under, "high": la.VonMises(1.0)}
+    problem = la.Problem(
+        {"soil": la.Body(halves(), {name: criteria[name] for name in order})},
+        [la.RigidFooting("soil", lambda x: (x[1] == 1) & (x[0] <= 1), (0, -1))],
+        [la.Fix("soil", "left", "x"), la.Fix("soil", "right", "x"), la.Fix("soil", "bottom")],
+    )
+    state = la.solve(problem, throw=True)
+    other = la.solve(replace(problem, bodies={"soil": la.Body(halves(), criteria)}))
+    assert state.load_factor == pytest.approx(other.load_factor, rel=2e-6)  # two certificates
