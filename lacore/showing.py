@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
+from decimal import ROUND_FLOOR, Context
 from html import escape
 from io import BytesIO
 from reprlib import Repr
@@ -115,6 +116,12 @@ def cut(text: str, longest: int) -> str:
     """A text on one line, without its end where it is too long."""
     line = " ".join(text.split()) if "\n" in text else text
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
+
+
+def rounded_down(value: float) -> str:
+    """A number > 0 in six digits, none of them rounded up: what may be given at most."""
+    least = Context(prec=6, rounding=ROUND_FLOOR).create_decimal_from_float(value)
+    return f"{float(least):.6g}"
 
 
 def counted(number: int, what: str) -> str:

@@ -38,8 +38,9 @@ class Status(Enum):
         " them, add supports or strength"
     )
     LOCKED = (
-        "no admissible mechanism feels the reference load (load factor +inf): the supports,"
-        " obstacles or incompressibility block every motion that it drives"
+        "no admissible mechanism feels the reference load (load factor +inf): supports, obstacles,"
+        " incompressibility, or a strength that pressure raises without end block every motion that"
+        " it drives"
     )
     FREE = (
         "the structure moves under the reference load without any dissipation (load factor 0):"
@@ -62,6 +63,11 @@ class Status(Enum):
         if self is Status.SOLVED and message.startswith(expected):
             return self.label + message.removeprefix(expected)
         return message
+
+    def added(self, message: str) -> str:
+        """What a message that begins with this status says beside it; empty where nothing."""
+        _, _, more = message.partition(f"{self.label}: {self.value}")
+        return more.lstrip("; ")
 
 
 _WITH_POINT = frozenset(

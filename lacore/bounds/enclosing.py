@@ -53,7 +53,8 @@ def require_associated_flow(bodies: Mapping[str, Body]) -> None:
                     "its flow is not associated, and the bound theorems do not hold with it",
                     "an upper bound with its dilation_angle left out is one of all its load"
                     " factors, a lower one with friction_angle = dilation_angle and the cohesion"
-                    " times tan(psi)/tan(phi) as well (T54); lacore.soil_range looks for them",
+                    " times tan(psi)/tan(phi) as well (T54), which without dilation leaves no"
+                    " strength; lacore.soil_range looks for them",
                 )
 
 

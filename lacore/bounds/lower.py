@@ -102,7 +102,7 @@ class LowerBound(Shown):
 
     def _point(self) -> ProgramState:
         if self.point is None:
-            raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
+            raise ValueError(f"there is no state to look at: {self.message}")
         return self.point
 
     def facts(self) -> Facts:

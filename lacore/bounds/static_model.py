@@ -20,6 +20,7 @@ from lacore.bodies.continuum.body_forces import require_carried
 from lacore.bodies.continuum.boundaries import facet_geometry
 from lacore.bodies.continuum.loaded import facets_of
 from lacore.bodies.continuum.regions.gathering import by_body
+from lacore.bodies.continuum.regions.lending import lend, strengthless
 from lacore.bodies.continuum.solid.memory import require_memory, stress_memory, told_memory
 from lacore.bodies.frames.frame import Frame
 from lacore.bounds.enclosing import (
@@ -48,8 +49,6 @@ from lacore.problem.wet import acting
 from lacore.program import DissipationGroup, KinematicProgram, Scales
 from lacore.reduction import held_shut, kept_points, reduced
 from lacore.showing import Facts, Shown, counted, listed, placed, sized
-
-_LENT = 1e-5  # of the dead load per size of a body: a cohesion that no result sees, and proofs do
 
 
 @dataclass(frozen=True, repr=False)
@@ -272,16 +271,13 @@ def _continua(problem: Problem) -> dict[str, Body]:
 
 def _check_cohesion(name: str, dofs: EquilibriumDofs, dead_load: Floats) -> None:
     """Refuse what has no strength at all without pressure: no proof in floating point has room."""
-    for region in dofs.body.regions:
-        if not region.form.surfaces or region.least_strength > 0:
-            continue
-        lent = _LENT * float(np.abs(dead_load).sum()) / dofs.body.size or 1e-6
+    for region in strengthless(dofs.body):
         raise InputError(
             named_criterion(name, region),
             region.criterion.label,
             "no cohesion or no tension: where nothing presses it stresses have no room to be exact"
             " in",
-            f"lend it next to none, {lent:.1e} Pa: what is proven then is of that soil",
+            f"{lend(dofs.body, dead_load)}: what is proven then is of that soil",
         )
 
 

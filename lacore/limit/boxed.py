@@ -1,14 +1,17 @@
-"""`lacore.solve`: a state, and where a soil may go on beyond its box what that would change.
+"""`lacore.solve`: a state, and what only who asked for it reads.
 
-What lacore solves for itself - steps of brackets, ranges, paths, neighbours of a state - asks
-`lacore.limit.solve` alone: nobody reads there what a larger box would carry.
+That is where a soil may go on beyond its box what that would change, and what to try where there is
+no load factor. What lacore solves for itself - steps of brackets, ranges, paths, neighbours of a
+state - asks `lacore.limit.solve` alone.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import wraps
 from typing import ParamSpec
 
+from lacore.bodies.continuum.regions.lending import lend, strengthless
+from lacore.conditions.water import PorePressure, StandingWater
 from lacore.inner.preparing import JUDGE
 from lacore.limit import solve as states
 from lacore.limit.larger import held_back
@@ -22,13 +25,13 @@ _TAKEN = ("__name__", "__qualname__", "__doc__", "__annotations__")  # not where
 
 
 def telling(solved: Callable[Given, LimitState]) -> Callable[Given, LimitState]:
-    """The function with, in messages of solved states, which sides of soils hold them back."""
+    """The function with messages that say which sides of soils hold them back, and what to try."""
 
     @wraps(solved, assigned=_TAKEN)
     def told(*args: Given.args, **kwargs: Given.kwargs) -> LimitState:
         state = solved(*args, **kwargs)
-        beyond = _beyond(state) if state.status is Status.SOLVED else ""
-        return replace(state, message=f"{state.message}; {beyond}") if beyond else state
+        more = _TOLD.get(state.status, _nothing)(state)
+        return replace(state, message=f"{state.message}; {more}") if more else state
 
     return told
 
@@ -47,5 +50,39 @@ def _beyond(state: LimitState) -> str:
     known = state.load_factor if normal and state.rigor is not Rigor.REGULARISED else None
     return held_back(discretisation, point.velocity, _associated, known)
 
+
+def _room(state: LimitState) -> str:
+    """What to lend to bodies in which solvers find no digits."""
+    found = state.discretisation
+    weak = {name: dofs.body for name, dofs in found.bodies.items() if any(strengthless(dofs.body))}
+    return "; ".join(
+        f"{name!r} carries nothing where nothing presses it, which leaves solvers no room:"
+        f" {lend(body, found.full.dead_load)}, by which its load factor hardly rises; or take"
+        " another of the backends 'clarabel' and 'interior_point'"
+        for name, body in weak.items()
+    )
+
+
+def _water(state: LimitState) -> str:
+    """That free water has to be said, too, where a wet body falls without any."""
+    dead = state.discretisation.problem.dead_loads
+    wet = any(isinstance(load, PorePressure) for load in dead)
+    standing = any(isinstance(load, StandingWater) for load in dead)
+    if not wet or standing:
+        return ""
+    return "where free water stands on it, that presses it, too: state a StandingWater"
+
+
+def _nothing(state: LimitState) -> str:
+    return ""
+
+
+_TOLD: Mapping[Status, Callable[[LimitState], str]] = {
+    Status.SOLVED: _beyond,
+    Status.UNSAFE: _water,
+    Status.NOT_CERTIFIED: _room,
+    Status.STALLED: _room,
+    Status.ITERATION_LIMIT: _room,
+}
 
 solve = telling(states.solve)

@@ -89,7 +89,7 @@ class LimitState(Shown):
 
     def _point(self) -> ProgramState:
         if self.point is None:
-            raise ValueError(f"there is no state to look at: {self.status.label}: {self.message}")
+            raise ValueError(f"there is no state to look at: {self.message}")
         return self.point
 
     @property
@@ -325,6 +325,8 @@ class LimitState(Shown):
             lines.append(f"largest residual {size:.1e} ({residual})")
         if self.status is not Status.SOLVED:
             lines.append(self.message)
+        elif note := self.status.added(self.message):
+            lines.append(note)
         if self.discretisation.program.homogeneous:
             lines.append(str(self.stability))
         return "\n".join(lines)

@@ -192,7 +192,7 @@ def called(
         raise InputError(
             field,
             found if len(found) > 1 else found[0],
-            f"at ({x:.6g}, {y:.6g}): " + ("negative" if least == 0.0 else "not a finite number"),
+            f"at ({x:.6g}, {y:.6g}): " + ("negative" if min(found) < 0 else "not a finite number"),
             "let it return finite values >= 0 in all of the body"
             if least == 0.0
             else "let it return finite numbers in all of the body",

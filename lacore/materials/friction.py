@@ -8,7 +8,7 @@ from math import inf, radians, tan
 import numpy as np
 
 from lacore.errors import InputError, is_number
-from lacore.showing import Compact, short
+from lacore.showing import Compact, rounded_down, short
 
 _DEGREES = (5.0, 90.0)  # bare numbers that look like angles: tan of 79 degrees is 5
 _ROUND_OFF = 1e-12  # of the adhesion, where a tension is meant to be that of the apex
@@ -85,7 +85,7 @@ class Coulomb(Compact):
                 "Coulomb.tension",
                 self.tension,
                 f"beyond the apex of the cone, adhesion/mu = {self.adhesion / self.mu:.6g} Pa",
-                "give no more than that, or a larger adhesion",
+                f"give at most {rounded_down(self.adhesion / self.mu)}, or a larger adhesion",
             )
 
     def __repr__(self) -> str:

@@ -23,7 +23,7 @@ from lacore.materials.planes import (
     require_cutoffs,
     require_not_negative,
 )
-from lacore.showing import Compact
+from lacore.showing import Compact, rounded_down
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,7 +39,8 @@ class MohrCoulomb(Compact):
     Attributes:
         cohesion: c, Pa, >= 0.
         friction_angle: phi, degrees: 0, or from 0.1 to 89 everywhere.
-        tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none.
+        tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none. Where
+            one of them varies, what is beyond that changes nothing.
         crushing: largest compression of a principal stress, Pa; None: none.
         dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
@@ -78,7 +79,7 @@ class MohrCoulomb(Compact):
                 "MohrCoulomb.tension_cutoff",
                 most,
                 f"beyond the apex c cot(phi) = {self.apex:.6g} Pa, which no stress exceeds",
-                f"give at most {self.apex:.6g}, or none",
+                f"give at most {rounded_down(self.apex)}, or none",
             )
 
     @property

@@ -1,7 +1,7 @@
 """Planes of stress that criteria are made of, and what their numbers must be (T39, T40)."""
 
 from collections.abc import Callable
-from math import degrees, pi
+from math import degrees, pi, radians
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from lacore.errors import InputError, is_number, require_known, require_positive
 from lacore.materials.conic_form import KINEMATICS, SPACE, ConicForm, Surface
 from lacore.materials.fields import Field, Strength, Strengths, number_told
 from lacore.materials.von_mises import VonMises
+from lacore.showing import rounded_down
 
 Slope = float | Floats
 """Of all elements, or of each."""
@@ -141,13 +142,19 @@ def require_angle(field: str, value: float) -> None:
             field, value, "a plane that is all but level, which no solver tells from one", "take 0"
         )
     whole = round(degrees(value))
-    if value < pi / 2 and whole >= _LEAST_WHOLE and abs(degrees(value) - whole) < _WHOLE:
+    if value < pi / 2 and whole >= _LEAST_WHOLE and _is_in_radians(value, whole):
         raise InputError(
             field,
             value,
             f"{whole} degrees in radians, by its looks",
             f"give degrees: {whole}; if {value:.4g} degrees are meant, round them",
         )
+
+
+def _is_in_radians(value: float, whole: int) -> bool:
+    """Whether a number is a whole angle in radians, with all of its digits or rounded to three."""
+    rounded = value == round(radians(whole), 3) != round(value, 2)
+    return rounded or abs(degrees(value) - whole) < _WHOLE
 
 
 def require_dilation(kind: str, dilation: float | None, friction: float) -> None:
@@ -167,5 +174,5 @@ def require_dilation(kind: str, dilation: float | None, friction: float) -> None
             field,
             dilation,
             f"more than the friction angle {friction:.6g}: flow would create energy",
-            f"give at most {friction:.6g}, or none for flow that is associated",
+            f"give at most {rounded_down(friction)}, or none for flow that is associated",
         )

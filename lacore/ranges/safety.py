@@ -17,6 +17,7 @@ import pandas as pd
 
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.regions.lending import largest_strength
 from lacore.bounds.enclosing import named_criterion, require_associated_flow
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
@@ -262,7 +263,7 @@ def _check(name: str, body: Body) -> None:
                 "does not say how it is when its strength is divided",
                 "give lacore's criteria, or one with a method `weakened(factor)`",
             )
-    if not any(region.cohesion > 0 for region in body.regions):
+    if not largest_strength(body) > 0:
         raise InputError(
             f"Problem.bodies[{name!r}].criterion",
             body.label,

@@ -9,6 +9,7 @@ import lacore as la
 from lacore.bodies.any_body import of_kind
 from lacore.conditions.loads import Load
 from lacore.files.problem.statements import law as stated_law
+from lacore.files.problem.wording import in_words_of_files
 from lacore.materials.friction import Friction
 from lacore.numerics.quantities import Units
 from lacore.showing import counted, listed
@@ -51,7 +52,9 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     problem = state.discretisation.problem
     told["times"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
-        told["status"] = units.rewritten(state.status.said(state.message))
+        told["status"] = _in_words(state.status.said(state.message), units)
+    elif note := state.status.added(state.message):
+        told["note"] = _in_words(note, units)
     if answer.interval is not None:
         told["interval"] = f"{answer.interval} is what this mechanism carries"
     if answer.bracketed:
@@ -76,6 +79,11 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     )
     told["size"] = state.discretisation.contents
     return told
+
+
+def _in_words(message: str, units: Units) -> str:
+    """A message of lacore in the words and the units of the file."""
+    return units.rewritten(in_words_of_files(message))
 
 
 def _said(name: str, found: Any, units: Units) -> str:

@@ -9,6 +9,7 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.varying import Varying
 from lacore.bodies.continuum.volume import conditions, volumetric_rows
+from lacore.errors import InputError
 from lacore.materials.fields import Field
 from lacore.program import DissipationGroup
 from lacore.surfaces import Surfaces
@@ -76,6 +77,14 @@ def at_strain_points(dofs: "BodyDofs", region: Region) -> tuple[Floats, Surfaces
         varies = region.of(own)
         if not callable(own.values):
             listed = own.values.reshape(len(own.values), -1)[region.elements]
+            if listed.shape[1] not in (1, count):
+                raise InputError(
+                    "Body.criterion",
+                    own.values.shape,
+                    f"values at {listed.shape[1]} points of each element, and the space"
+                    f" {dofs.space.name!r} has {count}",
+                    "give one value for each element",
+                )
             return np.broadcast_to(listed, (region.elements.size, count)).ravel()
         if dofs.space.strict and dofs.linear:
             return by_rule(varies, count).ravel()

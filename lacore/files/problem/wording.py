@@ -31,6 +31,7 @@ _WORDS: Sequence[tuple[str, str]] = (
     (rf"{_L}BOND", '"bond"'),
     (rf"{_L}Coulomb\((\S+)\)", r"{ mu = \1 }"),
     (rf"{_L}(?:coulomb|soil)_range", "--range"),
+    (rf"ask {_L}lower_bound", "ask for --bracket"),
     (rf"{_L}WaterTable\(height\)", "{ height = ... }"),
     (rf"a {_L}Pressure", 'load = "pressure"'),
     (r"\ba PointForce\b", 'load = "point-force"'),

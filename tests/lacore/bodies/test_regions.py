@@ -148,6 +148,9 @@ def test_elements_that_a_slope_leaves_no_strength_are_named(kind):
         (la.VonMises(lambda x: np.full(3, 1.0)), "does not return an array of shape"),
         (la.VonMises(lambda x: x[7]), "the function fails .* IndexError"),
         (la.VonMises(np.ones(7)), "'7 values': the mesh has 64 elements"),
+        (la.VonMises(lambda x: np.nan * x[0]), "not a finite number; let it"),
+        (la.VonMises(lambda x: -x[0]), "negative; let it"),
+        (la.VonMises, "not a yield criterion"),
     ],
 )
 def test_what_cannot_be_is_said(criterion, message):
@@ -168,6 +171,12 @@ def test_strengths_of_elements_that_are_none(given):
         la.InputError, match=r"VonMises.shear_strength = .*(negative|not a positive|neither)"
     ):
         la.VonMises(given)
+
+
+def test_values_at_points_are_those_of_the_space():
+    """Two for each element, whose space takes its strains at three."""
+    with pytest.raises(la.InputError, match="'p2-vertex' has 3; give one value for each"):
+        la.solve(pulled(la.VonMises(np.ones((64, 2)))))
 
 
 def test_layers_that_do_not_meet():

@@ -178,6 +178,15 @@ def test_nothing_is_proven_of_what_has_no_cohesion_but_how_much_to_lend_it():
     assert la.upper_bound(footing(30, cohesion=0.0, weight=1.0)).status is Status.SOLVED
 
 
+def test_what_is_lent_is_a_share_of_the_strength_where_no_dead_load_presses():
+    """A cut-off at 0 in a soil of 5 kPa: a millionth of a Pascal would be round-off of it."""
+    cracked = footing(30, cohesion=5e3, tension_cutoff=0.0)
+    with pytest.raises(la.InputError, match=r"lend it next to none, 4\.3e-02 Pa of cohesion or of"):
+        la.lower_bound(cracked)
+    lent = la.lower_bound(footing(30, cohesion=5e3, tension_cutoff=4.3e-2))
+    assert lent.rigor is Rigor.LOWER
+
+
 def test_a_margin_takes_of_friction_where_that_is_all_that_carries():
     """Strengths alone would leave a sand under pressure no room to be exact in."""
     program = la.upper_bound(footing(30, cohesion=1e-5, weight=1.0)).discretisation.program

@@ -1,5 +1,6 @@
 """Criteria of soil, rock and masonry: what they refuse, what they say of themselves."""
 
+import re
 from math import inf, pi, radians, sqrt
 
 import numpy as np
@@ -17,6 +18,11 @@ WRONG = {
     "all but level": (lambda: la.MohrCoulomb(1.0, 0.05), "friction_angle", "take 0"),
     "radians": (lambda: la.MohrCoulomb(1.0, pi / 6), "friction_angle", "give degrees: 30"),
     "rounded radians": (lambda: la.MohrCoulomb(1.0, 0.6109), "friction_angle", "degrees: 35"),
+    "radians of three digits": (
+        lambda: la.MohrCoulomb(1.0, 0.524),
+        "friction_angle",
+        "give degrees: 30",
+    ),
     "nothing at all": (lambda: la.MohrCoulomb(0.0, 0.0), "cohesion", "give a cohesion > 0"),
     "beyond the apex": (
         lambda: la.MohrCoulomb(1.0, 45, tension_cutoff=1.01),
@@ -50,9 +56,24 @@ def test_what_is_refused(made, field, mend):
     assert mend in str(error.value)
 
 
-@pytest.mark.parametrize("angle", [0, 0.1, 0.5, 1, 1.5, 30, 89])
+@pytest.mark.parametrize("angle", [0, 0.1, 0.14, 0.5, 1, 1.1, 1.5, 30, 89])
 def test_angles_that_are_degrees(angle):
     assert la.MohrCoulomb(1.0, angle).angle == radians(angle)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda most: la.MohrCoulomb(1.0, 20, tension_cutoff=most),  # apex 2.7474774
+        lambda most: la.MohrCoulomb(1.0, 26.56505118, dilation_angle=most),
+        lambda most: la.Coulomb(0.3, adhesion=0.2, tension=most),  # 2/3
+    ],
+)
+def test_what_may_be_given_at_most_is_taken(made):
+    """A limit that is told in six digits is not rounded up: it would be refused once more."""
+    with pytest.raises(la.InputError) as error:
+        made(29.0)
+    made(float(re.search(r"give at most (\S+), or", str(error.value))[1]))
 
 
 def test_the_apex():

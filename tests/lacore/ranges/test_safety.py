@@ -147,6 +147,11 @@ WRONG = {
         "criterion",
         "small cohesion",
     ),
+    "no tension": (  # crushing sets the size of its loads
+        lambda p: la.safety_factor(cut(1.0, la.NoTension(5.0))),
+        "criterion",
+        "lend it next to none, 5.0e-05 Pa",
+    ),
 }
 
 

@@ -384,11 +384,16 @@ def test_a_body_with_curved_edges_takes_water():
 
 
 def test_dead_water_alone_may_lift_the_ground():
-    """Artesian: water under a light soil without cohesion to speak of; it is told as unsafe."""
+    """Artesian: water under a light soil without cohesion to speak of; it is told as unsafe.
+
+    With the question whether the water of a river was forgotten, as long as none stands on it.
+    """
     light = loaded(
         [own_weight(0.5), la.PorePressure("soil", lambda x: 4 * (-x[1]))], la.MohrCoulomb(0.01, 30)
     )
-    assert la.solve(light).status is Status.UNSAFE
+    state = la.solve(light)
+    assert state.status is Status.UNSAFE
+    assert "state a StandingWater" in state.message
 
 
 def test_files_show_both_parts_of_the_stress(tmp_path):

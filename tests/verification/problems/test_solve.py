@@ -17,6 +17,9 @@ from tests.verification.command_line import lacore
 from verification.problems import starters
 
 STARTERS = starters.titles()
+_LESS_DILATANT = (
+    'criterion = "mohr-coulomb", cohesion = "5 kPa", friction_angle = 30, dilation_angle = 20'
+)
 
 
 def only_progress(text):
@@ -58,6 +61,29 @@ def test_a_bracket_is_what_the_answer_begins_with(tmp_path):
     assert f"Collapse between {lower:.6g} and {upper:.6g} times the reference loads" in page
     facts = re.sub("<[^>]+>", " ", page)
     assert facts.index(f"{lower:.6g} &lt;= load") < facts.index(f"{document['load_factor']:.6g}")
+
+
+def test_what_a_state_adds_to_its_load_factor_is_told(tmp_path):
+    """That a box is too small, and that there may be other load factors, stands in the message of
+    the state: who solves a file reads it, too, in the words of files."""
+    text = lacore("new", "footing").stdout
+    for old, new in (
+        ('criterion = "von-mises", shear_strength = "20 kPa"', _LESS_DILATANT),
+        ("nx = 20", "nx = 5"),
+        ("ny = 8", "ny = 2"),
+        ("x = [0, 5]", "x = [0, 1.5]"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    file = tmp_path / "sand.toml"
+    file.write_text(text, encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    note = next(line for line in result.stdout.splitlines() if line.split()[0] == "note")
+    assert "one of several, maybe" in note
+    assert "--range looks for others" in note
+    assert "the mechanism reaches clay." in note
+    assert "the mechanism reaches clay." in (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
 def test_a_page_pictures_tables_and_paraview_come_with_it(solved):

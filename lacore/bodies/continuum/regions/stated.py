@@ -36,7 +36,7 @@ def regions_of(
 
 def require_criterion(name: str, given: object) -> None:
     """Raise `InputError` unless something is a yield criterion."""
-    if not isinstance(given, Criterion):
+    if isinstance(given, type) or not isinstance(given, Criterion):
         raise InputError(
             name,
             given,

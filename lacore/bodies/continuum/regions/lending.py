@@ -1,0 +1,43 @@
+"""Regions without cohesion or without tension, and what lent to them no result sees (T45, T48)."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.continuum.regions.region import Region
+
+if TYPE_CHECKING:
+    from lacore.bodies.continuum.body import Body
+
+_LENT = 1e-5  # of the dead load per size of a body: no result sees it, and proofs do
+
+
+def strengthless(body: "Body") -> Iterator[Region]:
+    """Regions of a body that somewhere carry nothing where nothing presses them."""
+    for region in body.regions:
+        if region.form.surfaces and not region.least_strength > 0:
+            yield region
+
+
+def lend(body: "Body", dead_load: Floats) -> str:
+    """What to lend them, in words.
+
+    Args:
+        body: with such regions.
+        dead_load: on all unknowns, N/m; of bodies of revolution and in space N.
+    """
+    area = body.size ** (2 if body.axisymmetric or body.dimension == 3 else 1)
+    size = float(np.abs(dead_load).sum()) / area or largest_strength(body) or 0.1
+    lent = f"{_LENT * size:.1e} Pa of cohesion or of tension"
+    return f"lend it next to none, {lent} (Rankine for NoTension)"
+
+
+def largest_strength(body: "Body") -> float:
+    """The largest of the strengths of its regions that no pressure makes, Pa: also of crushing."""
+    return max(
+        float(np.max(region.seen(own)))
+        for region in body.regions
+        for own in (region.form.bound, *(one.strength for one in region.form.surfaces))
+    )
