@@ -9,7 +9,6 @@ import numpy as np
 
 from backends._embedding.loops.best import compiles
 from lacore.backend import (
-    Backend,
     Capabilities,
     InnerSolution,
     PreparedSolver,
@@ -110,12 +109,15 @@ class AutoSolver:
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """By the first that is sure of its answer; the words of all that were asked are told."""
         begin, said, iterations = time.perf_counter(), [], 0
-        for name in self._names:
-            solver = self._ready(name, self._options.time_limit - (time.perf_counter() - begin))
+        # Slip that is given may be a hundred times that of an elastic start.
+        names = [_OTHER] if np.any(contact.shift) else self._names
+        for name in names:
+            first, spent = name == names[0], time.perf_counter() - begin
+            solver = self._first(name) if first else self._made(name, spent)
             try:
                 answer = checked_answer(self._program, False, solver.solve(contact))
             finally:
-                if name not in self._solvers:
+                if not first:
                     solver.close()
             said.append(f"{name}: {answer.native_status}")
             iterations += answer.iterations
@@ -128,23 +130,23 @@ class AutoSolver:
             solve_time=time.perf_counter() - begin,
         )
 
-    def _ready(self, name: str, left: float) -> PreparedSolver:
-        """The first, kept; or the other one with so many seconds left, for this once."""
-        options, first = self._options, name == self._names[0]
-        if name in self._solvers:
-            return self._solvers[name]
-        backend: Backend = find_backend(name)
-        solver = backend.prepare(
+    def _first(self, name: str) -> PreparedSolver:
+        """One that is asked first, kept for the next contact."""
+        if name not in self._solvers:
+            self._solvers[name] = self._made(name, 0.0)
+        return self._solvers[name]
+
+    def _made(self, name: str, spent: float) -> PreparedSolver:
+        """One with the time that is left."""
+        backend, options = find_backend(name), self._options
+        return backend.prepare(
             self._program,
             backend.Options(
                 tolerance=options.tolerance * (1.0 if name == _FIRST else _NOMINAL),
                 max_iterations=options.max_iterations,
-                time_limit=options.time_limit if first else max(left, _INSTANT),
+                time_limit=max(options.time_limit - spent, _INSTANT),
             ),
         )
-        if first:
-            self._solvers[name] = solver
-        return solver
 
     def close(self) -> None:
         """Close those that are at work."""

@@ -366,6 +366,14 @@ def test_auto_takes_lower_bounds_from_more_unknowns_up(fast):
         assert native.startswith(first)
 
 
+def test_auto_leaves_slip_that_is_given_to_clarabel_and_keeps_both(fast):
+    program, contact, shifted = random_program(1), frozen(1.0), frozen(1.0, 0.0, 0.1)
+    solver = AutoSolver(program, AutoOptions(), 0)
+    words = [solver.solve(own).native_status for own in (contact, shifted, contact, shifted)]
+    solver.close()
+    assert words == 2 * ["interior_point: solved", "clarabel: Solved"]
+
+
 def test_auto_falls_back_in_the_same_call(smooth, fast, monkeypatch):
     follow = interior_point.follow
 
