@@ -28,6 +28,7 @@ _GUESSES = 4  # of the duration of a step
 _BEFORE, _BEFORE_FIRST = 0.25, 0.5  # of the rate before in that of the first half of a step
 _LOCKED = 1e4  # of a yield stress over the whole body: no load of a flow is that large
 _INVERTED = 1e-3  # least Jacobian of an element, per its mean at the beginning of the path
+_OTHER_SHAPES = "; another scheme, or other steps, meet other shapes on the way, and may go on"
 _STILL = 1e-9  # of the largest velocity: a control that moves less stands still
 
 Fields = Mapping[str, Floats]
@@ -120,7 +121,8 @@ class Walk:
             text = f"{Ending.LOCKED.value} (load factor {found.load_factor:.3g})"
             raise PathEndError(Ending.LOCKED, text)
         if state.status is not Status.SOLVED or state.point is None:
-            raise PathEndError(Ending.NOT_SOLVED, state.message)
+            way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
+            raise PathEndError(Ending.NOT_SOLVED, state.message + way_out)
         self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)

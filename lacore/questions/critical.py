@@ -158,6 +158,9 @@ class Critical(Shown):
         """The value, between what, and what proves it."""
         title = f"Critical: {self.status.label}"
         told = {"status": self.message}
+        seen = self.table["load_factor"].dropna()
+        if self.status is not Search.FOUND and len(seen):
+            told["seen"] = f"{seen.min():.6g} to {seen.max():.6g}; {self.target:g} is looked for"
         if self.status is Search.FOUND:
             title = f"Critical: {self.value:.7g}, in [{self.low:.10g}, {self.high:.10g}]"
             by = self.table.set_index("parameter")["load_factor"]

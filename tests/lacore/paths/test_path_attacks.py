@@ -62,6 +62,13 @@ def test_one_plane_has_one_friction_for_an_edge():
     assert path.status is Ending.REACHED
 
 
+def test_a_step_without_a_certificate_says_that_another_scheme_may_go_on():
+    path = la.sequential(billet()[0], 0.1, 2, options={"max_iterations": 3})
+    assert path.status is Ending.NOT_SOLVED
+    assert "iteration limit" in path.message
+    assert "another scheme, or other steps" in path.message
+
+
 def test_friction_that_dilates_is_refused():
     """It lifts bodies off, so that each other step would be without friction."""
     refused("lift the body off", approaching=[side(la.Coulomb(0.3, associated=True))])
@@ -84,6 +91,7 @@ def test_dead_loads_that_collapse_are_named(scheme, slope):
     path = la.sequential(problem, 0.1, 4, scheme)
     assert path.status is Ending.NOT_SOLVED
     assert "unsafe" in path.message
+    assert "another scheme" not in path.message  # none carries them
     assert path.history.empty
     borne = replace(problem, dead_loads=[replace(pull, vector=(1.1, 0.0))])
     path = la.sequential(borne, 0.1, 1, "explicit")

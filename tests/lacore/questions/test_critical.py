@@ -89,6 +89,8 @@ def test_sides_that_are_the_same_are_said():
     assert found.status is la.Search.SAME_SIDE
     assert len(found.table) == 11
     assert np.isnan(found.value)
+    seen = found.table["load_factor"]
+    assert f"{seen.min():.6g} to {seen.max():.6g}; 5 is looked for" in str(found)
     assert "is not proven" in found.message
 
 
