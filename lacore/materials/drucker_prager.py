@@ -30,9 +30,10 @@ class DruckerPrager(Compact):
     allowed, so that it meets `MohrCoulomb` no longer, whatever the match (T88).
 
     Attributes:
-        cohesion, friction_angle: c, Pa, and phi, degrees, of the Mohr-Coulomb criterion to match;
-            both may vary from place to place, as there; the angles not in plane stress, whose cones
-            turn with them.
+        cohesion: c, Pa, of the Mohr-Coulomb criterion to match; it may vary from place to place, as
+            there.
+        friction_angle: phi, degrees, of that criterion; both angles may vary, too, but not in plane
+            stress, whose cones turn with them.
         match: where it is met (T42): ``plane_strain``, where both are the same, or by the strengths
             in triaxial ``compression`` or ``extension``.
         dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.

@@ -58,7 +58,8 @@ class Frame(Shown):
         tolerance: m; 1e-6 of the size if None.
         sections: of all members, or by member: see `lacore.sections`. Their axial force and moment
             interact, bars carry axial force alone; a plain M_p has no limit to axial force.
-        names, member_names: of nodes (N,) and members (M,).
+        names: of nodes, (N,).
+        member_names: (M,).
         position: of the nodes, (2, N), m.
         size: diagonal of the bounding box, m.
         section_of: of each member, (M,).

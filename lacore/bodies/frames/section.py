@@ -34,7 +34,8 @@ class Section(Compact):
         lower: its lower side, likewise; None: the mirror image, of what bears the same M in either
             sense. Then M >= 0 in `corners`.
         plastic_moment: the largest M of the polygon in either sense, N.
-        sagging, hogging: the largest M in the one sense and in the other, N.
+        sagging: the largest M > 0, N: tension below a beam that is drawn from left to right.
+        hogging: the largest M in the other sense, N, > 0.
         squash_load: half the width of the polygon, N/m: the largest N of what bears as much in
             tension as in compression.
         middle: N_0 of that width, N/m.
