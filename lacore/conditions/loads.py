@@ -42,8 +42,7 @@ class Fix(Compact):
 
     Attributes:
         body: name of the body.
-        where: see `lacore.bodies.continuum.boundaries.boundary_facets`; of a frame its nodes, see
-        `Frame.find`.
+        where: which part, see `lacore.types.Where`; it ends where facets do. Of a frame its nodes.
         components: ``all`` directions, which a problem reads as ``xy``, in space as ``xyz``; or
             ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
             frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks in

@@ -24,7 +24,7 @@ class Interface(Compact):
     Which of two bodies is called slave changes no result, only the signs of `LimitState.reactions`.
 
     Attributes:
-        slave: ``(body name, where)``, see `lacore.bodies.continuum.boundaries.boundary_facets`.
+        slave: ``(body name, where)``, see `lacore.types.Where`; it ends where facets do.
         master: a `RigidObstacle`, or ``(body name, where)`` of another body. The two boundaries
             touch along straight parts; their meshes need not match.
         friction: coefficient of Coulomb friction, or `Coulomb`, `Tresca`, `SMOOTH`, `STICK`,

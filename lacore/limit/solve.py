@@ -98,22 +98,22 @@ def solve(
     Args:
         problem: the problem, or its discretisation where several backends share it.
         backend: a name from `lacore.backend_names()`.
-        coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (of
-            the paper, T9; the default and only one of regularised backends), ``shift`` (T10) or
-            ``kappa`` (T11); or one solve of another problem: ``associated``, friction made
-            associated, or ``stick``, no slip, both upper bounds of every Coulomb load factor, or
-            ``frictionless``, a lower one (T14); of those of the discrete problem, where bodies
-            deform; or ``davis``, associated flow with Davis's reduced strength of soils (T55), no
-            bound of anything.
-        start, damping, anderson, kappa: of ``reaction``, ``shift`` and ``kappa``, see
-            `CouplingOptions`.
+        coupling: a loop for Coulomb friction, ``certified`` (the default, T12), ``reaction`` (T9;
+            the default and only one of regularised backends), ``shift`` (T10) or ``kappa`` (T11);
+            or one solve of another problem: ``associated``, friction made associated, or ``stick``,
+            no slip, both upper bounds of every Coulomb load factor, or ``frictionless``, a lower
+            one (T14); of those of the discrete problem, where bodies deform; or ``davis``,
+            associated flow with Davis's reduced strength of soils (T55), no bound of anything.
+        start: of the other loops, reactions: ``associated`` ones (T14), or ``zero``.
+        damping: of these, share of the new reactions in the next ones, above 0, at most 1.
+        anderson: of these, depth of Anderson's acceleration, 0 for none.
+        kappa: of ``kappa``, from 0, which is ``reaction``, to 1, which is ``shift``.
         tolerance: bar for the residuals of the certificate, of all loops; None: 1e-6, and of soils
             whose flow is not associated 5e-5 where that is not reached soon (T58).
         max_iterations: of all loops; None: 100, and 300 of blocks in space, which need more (T74).
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
-        throw: raise `SolveError` unless the status is SOLVED; else return the state whatever its
-            status.
+        throw: raise `SolveError` unless the status is SOLVED; else return the state as it is.
         process: let the backend work in this process, which survives neither hanging nor crashing
             of it, but everything else does. Without it, a backend that asks for isolation gets a
             process for this one solve, and any other works here.

@@ -126,8 +126,11 @@ class Path(Shown):
     Attributes:
         status: whether the travel asked for is reached, and if not, why.
         message: the status in words.
-        history: one row a step, see `PathStep`.
-        events: one row an event, see `Event`.
+        history: one row a step: ``travel`` and ``load_factor`` where the load is that of the bodies
+            (at the beginning of an explicit step, in the middle of a leapfrog step, at the end of
+            an implicit one), ``force``, the power of the reference load per speed of the control:
+            what a testing machine reads, and more, see `PathStep`.
+        events: one row an event: ``kind``, ``step``, ``travel`` and ``what`` of it.
         snapshots: the bodies at the beginning and at the end of the steps that were to be kept.
         last: limit state of the last step that was taken; None where there is none.
         stage: the problem as it was made ready.
