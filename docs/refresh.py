@@ -132,6 +132,7 @@ def main() -> None:
     picture_of_guide("bridge", "bridge.png", "governing")
     picture_of_guide("forming", "upset.png", "rough")
     picture_of_guide("solids", "square-section.png", "cut")
+    picture_of_guide("domes", "dome.png", "state")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ _EXAMPLES = {
         ("inclined.png", "Which loads a footing carries beside a push", "../guide/footing"),
         ("envelope.png", "Which loads a footing carries together", "../guide/questions"),
         ("square-section.png", "Under the edge of a square footing", "../guide/solids"),
+        ("dome.png", "A dome that is shaken", "../guide/domes"),
         ("bridge.png", "An arch bridge under a wheel", "../guide/bridge"),
         ("wall.png", "A facade", "../guide/friction"),
         ("portal.png", "A portal on sliding feet", "../guide/structures"),

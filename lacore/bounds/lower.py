@@ -68,7 +68,8 @@ class LowerBound(Shown):
             these elements. None where there is no state.
         history: one row an inner solve: margin taken off all strengths, load factors as solved and
             as proven, residuals before and after the projection, statuses, times.
-        build_time, solve_time: s, wall clock: assembly, and everything after it.
+        build_time: of assembly, s, wall clock.
+        solve_time: of everything after it, s, wall clock.
         options: of the backend, as they were given.
         message: the status in words.
         model: the assembled problem.
