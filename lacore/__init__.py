@@ -4,8 +4,18 @@ The public names are those of `__init__.pyi`; each is imported when it is first 
 what a script or a child process does not use costs it nothing.
 """
 
+from typing import Any
+
 import lazy_loader
 
 from lacore import doors as doors  # a result finds who draws it, whichever way it was imported
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    if name in __all__ or name.startswith("_"):
+        return _public(name)
+    from lacore.errors import suggest
+
+    raise AttributeError(f"lacore has no {name!r}; {suggest(name, __all__)}")

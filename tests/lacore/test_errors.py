@@ -3,7 +3,9 @@
 import pickle
 
 import numpy as np
+import pytest
 
+import lacore as la
 from lacore.errors import InputError, suggest
 
 
@@ -28,3 +30,8 @@ def test_an_error_survives_pickling():
     error = InputError("mu", -1.0, "negative", "give mu >= 0")
     again = pickle.loads(pickle.dumps(error))
     assert (str(again), again.value) == (str(error), error.value)
+
+
+def test_a_public_name_that_is_mistyped_is_suggested():
+    with pytest.raises(AttributeError, match=r"no 'lowerbound'; did you mean 'lower_bound'\?"):
+        la.lowerbound  # noqa: B018
