@@ -5,9 +5,7 @@ from collections.abc import Iterator
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.region import Region
 
-GROUND = "#efe3c8"
-"""Of bodies that consist of one criterion."""
-_SHADES = (GROUND, "#d9c4a3", "#c9d3c0", "#c2cdd6", "#e3c9bd", "#d8d2e0", "#b8a98f", "#dfe0b9")
+_SHADES = ("#efe3c8", "#d9c4a3", "#c9d3c0", "#c2cdd6", "#e3c9bd", "#d8d2e0", "#b8a98f", "#dfe0b9")
 
 
 def shaded(body: Body) -> Iterator[tuple[Region, str]]:

@@ -17,12 +17,12 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.pictures.blocks import FIXED, fill_blocks
-from lacore.pictures.regions import GROUND, shaded
+from lacore.pictures.regions import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, quantity
 from lacore.problem.problem import Problem
 
 _FEW = 6  # regions, that have their own entries of the legend
-SOIL, _BLOCK, _OUTLINE, _NAME = GROUND, "#ece7dc", "#333333", "#555555"
+_BLOCK, _OUTLINE, _NAME = "#ece7dc", "#333333", "#555555"
 
 
 @singledispatch
@@ -36,6 +36,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     mesh = body.mesh
     corners = outlines(mesh)
     many = len(body.regions) > _FEW
+    whole = name if len(problem.bodies) > 1 else "rigid-plastic"
     # Edges in the colour of the faces leave no hairlines between them.
     for region, colour in shaded(body):
         fill = PolyCollection(
@@ -46,9 +47,10 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
             zorder=1.5,
         )
         sheet.axes.add_collection(fill)
-        text = f"{region.name or 'rigid-plastic'}, {_symbols(sheet.units.rewritten(region.label))}"
+        named = (region.name or whole).replace("$", r"\$")  # no mathematics
+        text = f"{named}, {_symbols(sheet.units.rewritten(region.label))}"
         if many:
-            text = f"rigid-plastic, {len(body.regions)} regions"
+            text = f"{whole}, {len(body.regions)} regions"
         sheet.handles[text] = Patch(facecolor=colour, edgecolor=_OUTLINE)
     outer = edge_lines(mesh, mesh.boundary_facets())
     sheet.axes.add_collection(

@@ -26,7 +26,7 @@ from lacore.conditions.loads import Load, PointForce, Pressure, Traction, acts
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
-from lacore.pictures.sketch.bodies import SOIL
+from lacore.pictures.regions import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
@@ -251,26 +251,29 @@ def _row(
 
 @_draw.register
 def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool, gid: str) -> None:
-    """The deeper the blue, the larger the pressure."""
+    """The deeper the blue, the larger the pressure, over the colour of each region."""
     pressure = in_pores(load, body, "PorePressure")
     largest = float(pressure.max())
     if largest == 0:
         return
     corners, places = body.mesh.t, body.mesh.p[:, : pressure.size]
-    halves = [corners[:3]] if len(corners) == 3 else [corners[[0, 1, 2]], corners[[0, 2, 3]]]
-    # Agg draws such triangles without transparency.
-    mixed = (1 - _DEEPEST) * np.array(to_rgb(SOIL)) + _DEEPEST * np.array(to_rgb(_WATER))
-    shades = [to_rgb(SOIL), to_rgb(mixed.tolist())]
-    sheet.axes.tripcolor(
-        Triangulation(places[0], places[1], np.concatenate(halves, axis=1).T),
-        pressure,
-        shading="gouraud",
-        cmap=LinearSegmentedColormap.from_list("water", shades),
-        vmin=0.0,
-        zorder=1.6,
-        gid=gid,
-    )
-    sheet.handles["pore water"] = Patch(facecolor=shades[1])
+    for region, dry in shaded(body):
+        own = corners[:, region.elements]
+        halves = [own[:3]] if len(own) == 3 else [own[[0, 1, 2]], own[[0, 2, 3]]]
+        # Agg draws such triangles without transparency.
+        mixed = (1 - _DEEPEST) * np.array(to_rgb(dry)) + _DEEPEST * np.array(to_rgb(_WATER))
+        shades = [to_rgb(dry), to_rgb(mixed.tolist())]
+        sheet.axes.tripcolor(
+            Triangulation(places[0], places[1], np.concatenate(halves, axis=1).T),
+            pressure,
+            shading="gouraud",
+            cmap=LinearSegmentedColormap.from_list("water", shades),
+            vmin=0.0,
+            vmax=largest,
+            zorder=1.6,
+            gid=gid,
+        )
+        sheet.handles.setdefault("pore water", Patch(facecolor=shades[1]))
     home = shapely.union_all(shapely.polygons(outlines(body.mesh)))
     text = rf"$u \leq$ {_worth(sheet, largest, 'Pa', live)}"
     deepest = places[:, corners].mean(axis=1)[:, int(np.argmax(pressure[corners].mean(axis=0)))]

@@ -6,9 +6,12 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.collections import TriMesh
+from matplotlib.colors import to_rgba
 from matplotlib.patches import FancyArrowPatch
 
 import lacore as la
+from lacore.pictures.regions import shaded
 from tests.shares import one_in
 from verification.case.sketches import sketch_of
 from verification.catalogue.catalogue import catalogue
@@ -215,7 +218,7 @@ def test_two_bodies_are_named_as_they_are():
     figure = problem.plot()
     assert {"soil", "pier $x$_1", r"$\mu = 0.3$"} <= set(labels(figure))
     assert "rigid footing, rough" in legend(figure)
-    assert {"rigid-plastic, $k = 1$ Pa", "rigid-plastic, $k = 2$ Pa"} <= set(legend(figure))
+    assert {"soil, $k = 1$ Pa", r"pier \$x\$_1, $k = 2$ Pa"} <= set(legend(figure))
 
 
 def test_regions_have_their_own_entries_and_the_page_stays_as_wide_as_the_structure():
@@ -275,6 +278,23 @@ def test_many_laws_are_counted():
         reference_loads=[la.BodyForce("stack", (1, 0))],
     )
     assert "joints: 8 laws of friction" in legend(problem.plot())
+
+
+def test_water_hides_no_region():
+    """Without pressure each has its colour, and the same pressure everywhere is as blue."""
+    mesh = la.meshes.layered((0, 2), {"clay": (-2, -1), "sand": (-1, 0)}, 2, 2)
+    body = la.Body(mesh, {"clay": la.MohrCoulomb(1.0, 20), "sand": la.MohrCoulomb(1.0, 30)})
+    problem = la.Problem(
+        bodies={"soil": body},
+        supports=[la.Fix("soil", "bottom")],
+        reference_loads=[la.Pressure("soil", "top")],
+        dead_loads=[la.PorePressure("soil", la.WaterTable(0.0, 1.0))],
+    )
+    axes = problem.plot().axes[0]
+    water = [own for own in axes.collections if isinstance(own, TriMesh)]
+    dry = [to_rgba(colour) for _, colour in shaded(body)]
+    assert [own.get_cmap()(0.0) for own in water] == dry
+    assert {own.get_clim() for own in water} == {(0.0, 2.0)}
 
 
 def test_water_is_drawn_where_it_is():
