@@ -6,7 +6,7 @@ of the bodies, positive definite, and of one pattern.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar
@@ -19,14 +19,18 @@ from backends._embedding.dilating import as_moved, dilates
 from backends._embedding.follow import Found, follow
 from backends._embedding.least import least_program
 from backends._embedding.loops.best import best_loops
+from backends._embedding.loose import loosened
 from backends._embedding.rigid import motions
+from backends._embedding.start import start, unresisted
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
 from backends._embedding.whole import Whole
 from backends._goal import Goal
+from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.certificate import certify
 from lacore.errors import require_count, require_positive
+from lacore.inner.left_over import idle, left_over
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
@@ -35,13 +39,12 @@ from lacore.status import Status
 
 _LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
 _SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
-_POSSIBLE = ("penetration", "divergence", "normalisation")  # of a velocity alone
-_CARRIED = ("equilibrium", "yield_violation", "cone")  # of forces, which dead loads are a scale of
 
 STATUS_MAP = {
     "solved": Status.SOLVED,
     "solved to round-off": Status.SOLVED,  # ten tolerances are left, and certificates hold
     "nothing to overcome": Status.SOLVED,  # at a load factor of zero
+    "in balance": Status.SOLVED,  # a motion that nothing resists, without any stress
     "almost solved": Status.ALMOST_SOLVED,  # by its own residuals, but not by those recomputed
     "locked": Status.LOCKED,
     "unsafe": Status.UNSAFE,
@@ -118,6 +121,9 @@ def _compiled() -> None:
     loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
 
 
+_Way = tuple[str, int, ProgramState]  # native status, iterations, and where it ended
+
+
 class InteriorPointSolver:
     """The method at work on one program."""
 
@@ -137,48 +143,78 @@ class InteriorPointSolver:
         What ends without an answer begins anew, and is factorised with more unknowns (`Whole`).
         """
         begin, options = time.perf_counter(), self._options
+        goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
         own = Translation(self._program, contact, self._loops)
         if self._known is None or not self._known[0].alike(contact):
             self._known = own, Stiffness(own.conic.kinds, self._loops)
-        parts = own.conic, self._known[1], self._solver
-        goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
-        answer = self._answer(contact, own, System(*parts), goal)
-        if answer.status not in _SURE:
-            other = self._answer(contact, own, Whole(*parts, self._indefinite), goal)
-            iterations = answer.iterations + other.iterations
-            answer = replace(other, iterations=iterations)
-        return replace(answer, solve_time=time.perf_counter() - begin)
-
-    def _answer(
-        self, contact: FrozenContact, own: Translation, system: System, goal: Goal
-    ) -> InnerSolution:
-        """What comes of one way to solve the equations."""
         # Vectors and small blocks: more BLAS threads only wait for each other.
         with one_thread_each(), np.errstate(all="ignore"):  # a step that overflows is refused
-            found = follow(own.conic, system, goal)
-        native = found.native
+            answer = self._solved(contact, own, self._known[1], goal)
+        return replace(answer, solve_time=time.perf_counter() - begin)
+
+    def _solved(
+        self, contact: FrozenContact, own: Translation, stiffness: Stiffness, goal: Goal
+    ) -> InnerSolution:
+        """By the first way that is sure of its answer, or else by the last."""
+        iterations = 0
+        for native, count, point in self._ways(own, stiffness, goal):
+            iterations += count
+            answer = self._answer(native, point, contact)
+            if answer.status in _SURE:
+                break
+        return replace(answer, iterations=iterations)
+
+    def _ways(self, own: Translation, stiffness: Stiffness, goal: Goal) -> Iterator[_Way]:
+        """What comes of one way after the other.
+
+        Of velocities alone; without what nothing resists, unstressed where the loads are in balance
+        then; with more unknowns.
+        """
+        conic, basis = own.conic, None
+        system = System(conic, stiffness, self._solver)
+        begin = start(conic, system)
+        free = unresisted(begin[0])
+        if not free:
+            yield self._followed(own, basis, follow(system, goal, *begin))
+        loose = loosened(conic, self._solver)  # what no load drives round-off may
+        if loose is not None:
+            if loose.driven:
+                yield "in balance", 0, self._unstressed(*loose.alone())
+            conic, basis = loose.conic, loose.basis
+            stiffness = Stiffness(conic.kinds, self._loops)
+            system = System(conic, stiffness, self._solver)
+            begin = start(conic, system)
+        if free or loose is not None:
+            yield self._followed(own, basis, follow(system, goal, *begin))
+        whole = Whole(conic, stiffness, self._solver, self._indefinite)
+        yield self._followed(own, basis, follow(whole, goal, *begin))
+
+    def _followed(self, own: Translation, basis: Sparse | None, found: Found) -> _Way:
+        """In the unknowns of the program."""
+        velocity = found.velocity if basis is None else np.asarray(basis @ found.velocity)
+        point = self._moved(own.state(velocity, found.multipliers))
+        return found.native, found.iterations, point
+
+    def _answer(self, native: str, point: ProgramState, contact: FrozenContact) -> InnerSolution:
+        """What was found, and what it is worth."""
         status = STATUS_MAP[native]
         answer = InnerSolution(
             status=status,
             native_status=native,
-            iterations=found.iterations,
+            iterations=0,
             solve_time=0.0,
-            point=self._state(own, found) if status.has_point else None,
+            point=point if status.has_point else None,
         )
-        if status is not Status.SOLVED or answer.point is None:
+        if status is not Status.SOLVED:
             return answer
-        judged = self._given, answer.point
+        judged = self._given, point
         if dilates(self._given):
             judged = as_moved(*judged)
-        certificate = certify(*judged, contact)
-        name, left = certificate.worst
-        if native == "nothing to overcome":
-            # Powers per that of a load factor of zero say nothing, nor forces without dead loads.
-            kinds = (*_POSSIBLE, *(_CARRIED if np.any(self._given.dead_load) else ()))
-            sizes = {kind: float(getattr(certificate, kind)) for kind in kinds}
-            name = max(sizes, key=lambda kind: np.nan_to_num(sizes[kind], nan=np.inf))
-            left = getattr(certificate, name)
-        if left <= _LEFT * goal.tolerance:
+        allowed = _LEFT * self._options.tolerance
+        name, left = certify(*judged, contact).worst
+        if not left <= allowed and idle(*judged, contact):
+            name, left = left_over(*judged, contact)
+        if left <= allowed:
             return answer
         return replace(
             answer,
@@ -187,9 +223,22 @@ class InteriorPointSolver:
             message=f"the residual {name!r}, recomputed, is {left:.1e}",
         )
 
-    def _state(self, own: Translation, found: Found) -> ProgramState:
+    def _unstressed(self, velocity: Floats, load_factor: float) -> ProgramState:
+        """A velocity without any stress."""
+        program, points = self._program, self._program.contact
+        return self._moved(
+            ProgramState(
+                velocity=velocity[: program.n],
+                load_factor=load_factor,
+                stress=tuple(np.zeros((g.weights.size, g.dim)) for g in program.groups),
+                mean_stress=tuple(np.zeros(g.volumetric.shape[0]) for g in program.groups),
+                normal_reaction=np.zeros(points.count),
+                tangential_reaction=np.zeros((points.count, points.tangent_dim)),
+            )
+        )
+
+    def _moved(self, state: ProgramState) -> ProgramState:
         """In the unknowns of the program."""
-        state = own.state(found.velocity, found.multipliers)
         if self._motions is None:
             return state
         return replace(state, velocity=np.asarray(self._motions.basis @ state.velocity))

@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from backends._embedding.loops.best import Loops
 from backends._embedding.pressed import pressed
-from lacore.arrays import Bools, Floats, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.interleaving import interleaved
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
@@ -102,6 +102,7 @@ class Conic:
         load, dead: F0 and Fd, less what u itself costs, shape (n,).
         weight: sum of the nodal forces of Fd alone.
         typical: a strength.
+        loose: unknowns that the loads alone know (`backends._embedding.loose`).
     """
 
     costly: tuple[Costly, ...]
@@ -112,6 +113,7 @@ class Conic:
     dead: Floats
     weight: float
     typical: float
+    loose: Ints
 
     @property
     def kinds(self) -> list[Rows]:
@@ -229,6 +231,7 @@ class Translation:
             dead,
             float(np.abs(program.dead_load).sum()),
             _typical([one.cost for one in costly]),
+            np.zeros(0, dtype=np.int64),
         )
 
     def alike(self, contact: FrozenContact) -> bool:

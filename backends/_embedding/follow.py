@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends._embedding.arrays import Conic, Multipliers
+from backends._embedding.arrays import Multipliers
 from backends._embedding.directions import Directions
 from backends._embedding.place import Place, Step
-from backends._embedding.start import start
 from backends._embedding.system import System
 from backends._goal import Goal
 from lacore.arrays import Floats
@@ -39,9 +38,9 @@ class Found:
     multipliers: Multipliers
 
 
-def follow(conic: Conic, system: System, goal: Goal) -> Found:
-    """From the start to the end."""
-    at, power = start(conic, system)
+def follow(system: System, goal: Goal, at: Step, power: float) -> Found:
+    """From a start, and the power that its velocity turns over, to the end."""
+    conic = at.conic
     native, iteration = "iteration limit", 0
     best, least = Place(conic, at), np.inf
     for iteration in range(goal.max_iterations + 1):

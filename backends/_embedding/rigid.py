@@ -92,7 +92,7 @@ def motions(program: KinematicProgram, solver: SymmetricSolver) -> Motions | Non
     touch = csc_matrix(csr_matrix(vstack([contact.normal, contact.tangential]))[:, moved])
     for number in range(count):
         which = np.flatnonzero(body == number)
-        modes = _without_strain(csr_matrix(strain[:, which]), found[which])
+        modes = without_strain(csr_matrix(strain[:, which]), found[which])
         modes = _resisted(csr_matrix(touch[:, which]), modes)
         if modes.shape[1]:
             _, pivots = qr(modes.T, mode="r", pivoting=True)
@@ -126,7 +126,7 @@ def _soft(stiffness: Sparse, solver: SymmetricSolver) -> Floats:
     return found
 
 
-def _without_strain(rows: Sparse, found: Floats) -> Floats:
+def without_strain(rows: Sparse, found: Floats) -> Floats:
     """Of velocities of a body those that strain nothing, orthonormal, shape (n, k)."""
     basis, _ = np.linalg.qr(found)
     _, strains, turn = np.linalg.svd(rows @ basis, full_matrices=False)

@@ -10,6 +10,7 @@ from lacore.arrays import Floats
 
 _BULK = 1e6  # stiffness of rows that hold exactly, per that of their body
 _AWAY = 1.1  # of the length of a strain rate: the t
+_NO_STRAIN = 1e-5  # per row and speed: of a body that is held it is as much as one element
 
 
 def start(conic: Conic, system: System) -> tuple[Step, float]:
@@ -56,6 +57,14 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
         mu,
     )
     return step, power
+
+
+def unresisted(begin: Step) -> bool:
+    """Whether the elastic velocity moves something as it is, and nothing seems in its way."""
+    conic, velocity = begin.conic, begin.velocity
+    fastest = float(np.abs(velocity).max(initial=0.0))
+    rates = [np.abs(rows.at(velocity)) / np.sqrt(rows.norms) for rows in conic.kinds]
+    return max(float(rate.max(initial=0.0)) for rate in rates) <= _NO_STRAIN * fastest
 
 
 def _moving(conic: Conic) -> float:

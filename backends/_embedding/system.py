@@ -56,7 +56,11 @@ class System:
         for rows, stiffness in zip(conic.kinds, [*costly, *free, equal], strict=True):
             blocks.append(np.eye(rows.dim)[:, :, None] * stiffness)
         self._take(blocks)
-        return self._solver.solve(conic.load)
+        if not np.any(conic.load[conic.loose]):
+            return self._solver.solve(conic.load)
+        alone = np.zeros_like(conic.load)  # they give way, and nothing else does
+        alone[conic.loose] = conic.load[conic.loose]
+        return alone
 
     def _take(self, blocks: Sequence[Floats]) -> Floats:
         """Factorise; the diagonal."""
@@ -68,6 +72,7 @@ class System:
         """The upper triangle of K, and its diagonal."""
         matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
+        diagonal[self._conic.loose] = diagonal.mean()  # one as good as another: no force gets there
         floor = np.finfo(float).tiny + _LEAST * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
         return matrix, np.asarray(np.maximum(diagonal, floor))
@@ -112,12 +117,11 @@ class System:
         by_load, by_tau, first = self._inner(by_load, by_tau, right)
         self._columns = by_load, by_tau
         work = float(conic.load @ by_load.force)
-        small = np.array(
-            [
-                [work, conic.load @ by_tau.force - 1],
-                [self._gap(by_load) - 1, self._gap(by_tau) + border.tau],
-            ]
-        )
+        small = np.zeros((2 + conic.loose.size, 2 + conic.loose.size))
+        small[0, :2] = work, conic.load @ by_tau.force - 1
+        small[1, :2] = self._gap(by_load) - 1, self._gap(by_tau) + border.tau
+        small[0, 2:] = small[2:, 0] = conic.load[conic.loose]
+        small[1, 2:], small[2:, 1] = -conic.dead[conic.loose], conic.dead[conic.loose]
         self._small = small
         unit = np.sqrt(abs(work)) + np.finfo(float).tiny
         weights.data[-2:] = 1 / unit, 1 / (1 / unit + np.sqrt(abs(small[1, 1])))
@@ -138,12 +142,14 @@ class System:
         return self._bordered(right, x)
 
     def _bordered(self, right: Vector, x: Vector) -> Vector:
-        """With lambda and tau."""
+        """With lambda and tau, and unknowns that none but they move."""
         by_load, by_tau = self._columns
-        rest = np.array([right.load - self._conic.load @ x.force, right.tau - self._gap(x)])
-        load, tau = np.linalg.solve(self._small, rest)
+        loose = self._conic.loose
+        rest = right.load - self._conic.load @ x.force, right.tau - self._gap(x)
+        load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
         x.data[:] += load * by_load.data
         x.data[:] += tau * by_tau.data
+        x.force[loose] = own
         x.data[-2:] = load, tau
         return x
 
@@ -154,6 +160,7 @@ class System:
             np.negative(right.force, out=force)
             for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
                 rows.loops.pulled(rows.matrix, stiff, part, force)
+        forces[:, self._conic.loose] = 0.0
         found = self._solver.solve(forces.T)
         return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
 

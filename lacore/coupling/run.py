@@ -25,6 +25,7 @@ from lacore.errors import (
     require_known,
     require_positive,
 )
+from lacore.inner.left_over import impossible
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.showing import Compact
 from lacore.state import ProgramState
@@ -318,7 +319,9 @@ class Run:
                 bool(rigid) and certificate.normalisation <= tolerance and _none(powers, _NO_POWER)
             )
         frozen = laws or reaction_contact(program.contact, state.normal_reaction)
-        admissible = [certificate.penetration, certificate.divergence, certificate.normalisation]
+        # The divergence of soils is a power, which here is 0/0 as well.
+        flow = impossible(program, state)
+        admissible = [certificate.penetration, flow, certificate.normalisation]
         return _none(admissible, tolerance) and without_dissipation(
             program, state, frozen, tolerance
         )

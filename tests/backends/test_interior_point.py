@@ -377,8 +377,9 @@ def test_auto_leaves_slip_that_is_given_to_clarabel_and_keeps_both(fast):
 def test_auto_falls_back_in_the_same_call(smooth, fast, monkeypatch):
     follow = interior_point.follow
 
-    def stalls(conic, system, goal) -> Found:
-        return replace(follow(conic, system, replace(goal, max_iterations=1)), native="no progress")
+    def stalls(system, goal, *begin) -> Found:
+        once = replace(goal, max_iterations=1)
+        return replace(follow(system, once, *begin), native="no progress")
 
     monkeypatch.setattr(interior_point, "follow", stalls)
     solver = AutoSolver(smooth[0], AutoOptions(), 0)

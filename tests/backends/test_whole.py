@@ -25,8 +25,8 @@ from tests.backends.test_interior_point import BAR, KINDS, ROUND, answer, stated
 
 @pytest.mark.parametrize("kind", KINDS[:4])
 def test_what_velocities_do_not_solve_is_solved_with_more_unknowns(kind, monkeypatch):
-    def stuck(conic, system, goal):
-        found = way.follow(conic, system, goal)
+    def stuck(system, *rest):
+        found = way.follow(system, *rest)
         return found if isinstance(system, Whole) else replace(found, native="no progress")
 
     program, contact = stated(kind, 3)

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from lacore.backend import InnerSolution, find_backend
 from lacore.certificate import certify
+from lacore.inner.left_over import could_turn_over
 from lacore.program import require_finite
 from lacore.status import Status
 from verification.commands.cli import main
@@ -18,7 +19,6 @@ from verification.fuzz.programs.judge import (
     RIGHT,
     WRONG,
     Asked,
-    _possible,
     ask,
     recomputed,
     verdict,
@@ -139,7 +139,7 @@ def test_a_soil_that_carries_nothing_is_measured_by_its_strength():
     strong = [one for one in alone if all(g.surfaces.strength.max() > 0 for g in one.groups)]
     assert strong
     for program in strong:
-        assert _possible(program, rng.normal(size=program.n)) > 0
+        assert could_turn_over(program, rng.normal(size=program.n)) > 0
 
 
 def test_counts_add_up():

@@ -1,0 +1,118 @@
+"""Motions that nothing resists, as unknowns of their own, which the loads alone know.
+
+A body that no support holds, or that slides along a smooth wall, moves without any strain, and so
+does the whole program at the load factor that puts it in balance. With velocities
+
+    u = Z a + v,   v = 0 where a moves,   rows Z = 0
+
+no row knows a, and ``lambda F0.Z + tau Fd.Z = 0`` says the load factor before anything is solved.
+Of these motions two at most count, as there are two loads; all others stand still.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import csr_matrix, diags_array, vstack
+
+from backends._embedding.arrays import Conic, Rows
+from backends._embedding.rigid import without_strain
+from lacore.arrays import Floats, Ints, Sparse
+from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
+
+_SOUGHT = 7  # motions, those of both loads among them
+_SHIFT = 1e-10  # of the diagonal: next to the least stiffness, nothing
+_TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
+_WORKS = 1e-9  # of the nodal forces of a load, times the fastest: less is in balance
+
+
+@dataclass(frozen=True)
+class Loose:
+    """A program in q, of which a part is a.
+
+    Attributes:
+        conic: its `loose` unknowns are a.
+        basis: ``u = basis q``, shape (n, n).
+    """
+
+    conic: Conic
+    basis: Sparse
+
+    @property
+    def driven(self) -> bool:
+        """Whether F0 works on a."""
+        return bool(np.any(self.conic.load[self.conic.loose]))
+
+    def alone(self) -> tuple[Floats, float]:
+        """The least a at the speed of the load, as u, and the load factor that balances it."""
+        own = self.conic.loose
+        load, dead = self.conic.load[own], self.conic.dead[own]
+        size = float(load @ load)
+        return np.asarray(self.basis[:, own] @ load) / size, 0.0 - float(load @ dead) / size
+
+
+def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
+    """The program with such motions as unknowns of their own; None where there are none."""
+    try:
+        modes = _modes(conic, solver)
+    except SingularError:
+        return None
+    if not modes.shape[1]:
+        return None
+    n, count = modes.shape
+    _, pivots = qr(modes.T, mode="r", pivoting=True)
+    own = pivots[:count].astype(np.int64)
+    loads = np.column_stack([conic.load, conic.dead])
+    sums = np.abs(loads).sum(axis=0)
+    turn, works, _ = np.linalg.svd(modes.T @ (loads / np.where(sums > 0, sums, 1.0)))
+    known = int(np.sum(works > _WORKS))
+    moving = modes @ turn[:, :known]
+    moving = moving / np.abs(moving).max(axis=0, initial=0.0)
+    kept = np.ones(n)
+    kept[own] = 0.0
+    rows, columns = np.tile(np.arange(n), known), np.repeat(own[:known], n)
+    moved = csr_matrix((moving.T.ravel(), (rows, columns)), (n, n))
+    basis = csr_matrix(diags_array(kept) + moved)
+    return Loose(_stated(conic, kept, basis, own[:known]), basis)
+
+
+def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
+    """Motions without any rate, orthonormal, shape (n, k)."""
+    each = [
+        diags_array(np.repeat(1 / np.sqrt(kind.norms), kind.dim)) @ kind.matrix
+        for kind in conic.kinds
+    ]
+    rows = csr_matrix(vstack(each))
+    stiffness = csr_matrix(rows.T @ rows)
+    diagonal = stiffness.diagonal()
+    diagonal[diagonal == 0] = 1.0
+    shifted = csr_matrix(stiffness + diags_array(_SHIFT * diagonal))
+    shifted.sort_indices()
+    solver.factorise(shifted)
+    found = diagonal[:, None] * np.random.default_rng(0).normal(size=(diagonal.size, _SOUGHT))
+    found[:, 0], found[:, 1] = conic.load, conic.dead
+    for _ in range(_TIMES):
+        found = solver.solve(found)
+        fastest = np.abs(found).max(axis=0)
+        found = diagonal[:, None] * found / np.where(fastest > 0, fastest, 1.0)
+    return without_strain(rows, found / diagonal[:, None])
+
+
+def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints) -> Conic:
+    """The program in q: rows know what is not a motion."""
+    straining = diags_array(kept)
+
+    def cut(rows: Rows) -> Rows:
+        matrix = csr_matrix(rows.matrix @ straining)
+        matrix.eliminate_zeros()
+        return replace(rows, matrix=matrix)
+
+    return replace(
+        conic,
+        costly=tuple(replace(one, rows=cut(one.rows)) for one in conic.costly),
+        free=tuple(replace(kind, rows=cut(kind.rows)) for kind in conic.free),
+        equal=cut(conic.equal),
+        load=np.asarray(basis.T @ conic.load),
+        dead=np.asarray(basis.T @ conic.dead),
+        loose=loose,
+    )

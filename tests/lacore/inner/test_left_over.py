@@ -1,0 +1,100 @@
+"""What answers leave where nothing is turned over, and the word of a solver beside it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lacore as la
+from lacore.backend import find_backend, read_options
+from lacore.certificate import certify
+from lacore.inner.left_over import idle, impossible, left_over
+from lacore.inner.preparing import preparing
+from lacore.inner.rescaling import RescalingSolver, good_for, proven
+from lacore.program import associated_contact
+from lacore.status import Status
+from verification.fuzz.programs.drawn import draw_program
+
+BAR = 1e-6
+PHI = 30.0
+
+
+def on_rails(across):
+    """A square of soil that nothing holds along y, pressed to its rails, pushed along them."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 4, 4)
+    return la.Problem(
+        bodies={"block": la.Body(mesh, la.MohrCoulomb(1.0, PHI), space="p2-gauss")},
+        supports=[la.Fix("block", "left", "x")],
+        reference_loads=[la.BodyForce("block", (0.0, 1.0))],
+        dead_loads=[la.BodyForce("block", (across, 0.0))],
+    )
+
+
+@pytest.fixture(scope="module")
+def free():
+    """Its program, contact and answer."""
+    program = la.discretise(on_rails(-0.05)).program
+    contact = associated_contact(program.contact)
+    backend = find_backend("clarabel")
+    with preparing(backend, read_options(backend, {})) as prepare:
+        return program, contact, prepare(program).solve(contact)
+
+
+def test_flow_that_is_not_possible_is_a_rate_where_no_power_is_turned_over(free):
+    """The divergence of soil is a power: of round-off per round-off, of order one."""
+    program, contact, answer = free
+    assert idle(program, answer.point, contact)
+    assert certify(program, answer.point, contact).divergence > BAR
+    assert left_over(program, answer.point, contact)[1] <= BAR
+    # A square that shrinks at a rate of one, and its load's speed is one: no soil flows like that.
+    volumes = program.groups[0].volumetric
+    shrinking = np.linalg.lstsq(volumes.toarray(), -np.ones(volumes.shape[0]))[0]
+    moved = replace(answer.point, velocity=answer.point.velocity + shrinking)
+    assert impossible(program, moved) > 0.1
+    assert left_over(program, moved, contact)[1] > BAR
+
+
+def test_soil_that_nothing_holds_is_free():
+    state = la.solve(on_rails(-0.05), "clarabel", throw=False)
+    assert state.status is la.Status.FREE
+
+
+def test_the_word_of_a_solver_is_not_kept_above_the_bar(free):
+    program, contact, answer = free
+    assert answer.status is Status.SOLVED
+    assert proven(program, answer, contact, good_for(BAR)) is answer
+    off = replace(answer.point, load_factor=0.01)
+    doubted = proven(program, replace(answer, point=off), contact, good_for(BAR))
+    assert doubted.status is Status.ALMOST_SOLVED
+    assert "recomputed" in doubted.message
+    nothing = replace(answer, point=None, status=Status.FAILED)
+    assert proven(program, nothing, contact, good_for(BAR)) is nothing
+
+
+class Stubborn:
+    """A solver that says the same in whatever units."""
+
+    def __init__(self, answer):
+        self._answer = answer
+
+    def solve(self, contact):
+        return self._answer
+
+    def close(self):
+        pass
+
+
+def test_a_light_block_out_of_balance_is_solved_again_or_not_called_solved():
+    """By the word of Clarabel a program of weights decades apart is solved, and is not."""
+    drawn = draw_program("weights", 6, 9, 24)
+    backend = find_backend("clarabel")
+    alone = backend.prepare(drawn.program, read_options(backend, {})).solve(drawn.contact)
+    assert alone.status is Status.SOLVED
+    assert certify(drawn.program, alone.point, drawn.contact).worst[1] > BAR
+
+    with preparing(backend, read_options(backend, {}), good=good_for(BAR)) as prepare:
+        again = prepare(drawn.program).solve(drawn.contact)
+    assert certify(drawn.program, again.point, drawn.contact).holds(BAR)
+    assert again.status is Status.SOLVED
+    stubborn = RescalingSolver(drawn.program, lambda _: Stubborn(alone), good_for(BAR))
+    assert stubborn.solve(drawn.contact).status is Status.ALMOST_SOLVED
