@@ -95,6 +95,8 @@ def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
         found = solver.solve(found)
         fastest = np.abs(found).max(axis=0)
         found = diagonal[:, None] * found / np.where(fastest > 0, fastest, 1.0)
+    if not np.all(np.isfinite(found)):
+        return np.zeros((diagonal.size, 0))
     return without_strain(rows, found / diagonal[:, None])
 
 
