@@ -35,6 +35,7 @@ from lacore.inner.preparing import preparing
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
 from lacore.limit.driven_corners import driven_corners
+from lacore.limit.reached import reached_supports
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -298,6 +299,8 @@ def _bound(
     )
     status = Status.SOLVED if proves else Status.NOT_CERTIFIED
     message = f"{status.label}: {status.value}"
+    if proves and (reached := reached_supports(discretisation, velocity)):
+        message += f"; {reached}"
     if not proves:
         why = corners or _impossible(full, pressed, velocity)
         why = why or f"the velocity leaks {leak:.1e}, or penetrates by {penetration:.1e}; {_MEND}"

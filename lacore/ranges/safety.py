@@ -43,12 +43,15 @@ class SafetyFactor(Shown):
         history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
             bound that failed), ``proves``.
         problem: as stated.
+        note: which sides of soils the mechanism at the upper end comes to: in a larger body both
+            ends may be less; empty where it comes to none.
     """
 
     lower: float
     upper: float
     history: pd.DataFrame
     problem: Problem
+    note: str = ""
 
     @property
     def width(self) -> float:
@@ -77,6 +80,7 @@ class SafetyFactor(Shown):
             "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
             "solved by": f"{len(self.history)} bounds" + self._failed,
         }
+        told |= {"note": self.note} if self.note else {}
         return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
 
 
@@ -121,6 +125,7 @@ def safety_factor(
     for name, body in of_kind(given.bodies, Body).items():
         _check(name, body)
     rows: list[dict[str, object]] = []
+    notes: dict[float, str] = {}
 
     def below(factor: float) -> float | None:
         weaker = _weakened(given, factor, interfaces)
@@ -135,12 +140,13 @@ def safety_factor(
         if weaker is None:
             return None
         bound = upper_bound(weaker, backend)
+        notes[factor] = bound.status.added(bound.message)
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
     lower = _end("lower", below, 1.0, tolerance, rows)
     upper = _end("upper", above, lower if lower > 0 else 1.0, tolerance, rows)
-    return SafetyFactor(lower, upper, pd.DataFrame(rows), problem)
+    return SafetyFactor(lower, upper, pd.DataFrame(rows), problem, notes.get(upper, ""))
 
 
 def _end(

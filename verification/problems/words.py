@@ -64,7 +64,8 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     if answer.range is not None:
         told["range"] = answer.range.facts().title.partition(": ")[2]
     if answer.safety is not None:
-        told["safety"] = answer.safety.facts().title.partition(": ")[2]
+        ends = answer.safety.facts().title.partition(": ")[2]
+        told["safety"] = "; ".join(filter(None, (ends, answer.safety.note)))
     for name, found in answer.more.items():
         told[name] = units.rewritten(found) if isinstance(found, str) else _said(name, found, units)
     if state.point is not None:

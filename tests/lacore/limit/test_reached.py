@@ -44,6 +44,17 @@ def test_a_box_that_is_too_small_is_named(box, names):
         assert (side in message) == (side in names)
 
 
+@pytest.mark.parametrize("depth", [0.5, 3.0])
+def test_bounds_and_factors_of_safety_name_it_too(depth):
+    """Both ends of a factor are those of the box: in deeper ground the footing stands by less."""
+    problem = strip(5.0, depth, nx=10, ny=4)
+    told = "the mechanism reaches soil.bottom" * (depth < 1)
+    assert told in la.upper_bound(problem).message
+    factor = la.safety_factor(problem, tolerance=0.3)
+    assert factor.note.startswith(told)
+    assert ("note" in repr(factor)) == bool(told)
+
+
 def test_more_ground_is_all_that_is_solved_besides(monkeypatch):
     """Of an associated problem the load is known, and only the larger one is not."""
     asked = []
