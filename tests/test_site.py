@@ -200,6 +200,17 @@ def test_first_lines_of_properties_stay_whole_in_the_reference(scripts):
     assert looked > 0
 
 
+def test_signatures_name_what_numpy_makes_arrays_of(scripts):
+    from sphinx.util.inspect import signature
+
+    import lacore as la
+
+    aliases = scripts("conf").autodoc_type_aliases
+    for own in (la.LimitState.certify, la.RigidBlock):
+        assert "ArrayLike" in str(signature(own, type_aliases=aliases))
+        assert "_SupportsArray" not in str(signature(own, type_aliases=aliases))
+
+
 @pytest.fixture(scope="module")
 def html(tmp_path_factory):
     """The whole site without pictures of cases; nothing may be wrong with it."""

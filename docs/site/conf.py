@@ -35,7 +35,11 @@ autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
-autodoc_type_aliases = {name: f"~lacore.types.{name}" for name in types.__all__}
+autodoc_type_aliases = {
+    **{name: f"~lacore.types.{name}" for name in types.__all__},
+    "ArrayLike": "~numpy.typing.ArrayLike",
+    "Table": "~lacore.limit.tables.contact_table.Table",
+}
 autodoc_class_signature = "mixed"
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False

@@ -11,8 +11,8 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 import shapely
+from numpy.typing import ArrayLike
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.blocks.checks import check_contact
@@ -295,7 +295,7 @@ def _length_tolerance(given: float | None, points: Floats, block: Ints, area: Fl
     return float(tolerance)
 
 
-def RigidBlock(vertices: npt.ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
+def RigidBlock(vertices: ArrayLike) -> BlockAssembly:  # noqa: N802  it reads as a body
     """An assembly of one block, named "block".
 
     Example:
