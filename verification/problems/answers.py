@@ -10,7 +10,7 @@ from typing import Any
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
 from lacore.coupling.names import COUPLINGS
-from lacore.errors import InputError, is_number, require_known, require_positive
+from lacore.errors import InputError, is_number, require_known, require_width
 from lacore.files.problem.reading import Stated
 from lacore.files.problem.varied import Varied, read_varied
 from lacore.showing import counted
@@ -110,6 +110,8 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
             known(getattr(own, key))
         except InputError as error:
             raise stated.source.error(("solve", key), error.value, error.why, error.mend) from error
+    if (width := more.get("bracket")) is not None:
+        require_width("--bracket", width)
     goals = {"critical": more.get("critical", own.critical)}
     wanted = tuple(
         name
@@ -131,7 +133,7 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,
-        bracket=more.get("bracket") or own.bracket,
+        bracket=own.bracket if width is None else width,
         range=bool(more.get("range") or own.range),
         safety=bool(more.get("safety") or own.safety),
         more=wanted,
@@ -217,7 +219,7 @@ def _telling(tell: Callable[[str], None]) -> Callable[[Any], None]:
 
 def _check_bracket(width: float | None) -> None:
     if width is not None:
-        require_positive("bracket", width)
+        require_width("bracket", width)
 
 
 def _check_coupling(name: str | None) -> None:

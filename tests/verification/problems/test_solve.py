@@ -154,6 +154,7 @@ def test_bad_input_is_a_sentence_and_exit_code_2(tmp_path):
         ('backend = "clarable"', "backend = 'clarable': .*did you mean 'clarabel'"),
         ('coupling = "certifid"', "coupling = 'certifid': unknown name; did you mean 'certified'"),
         ("bracket = -0.1", "bracket = -0.1: not a positive number"),
+        ("bracket = 5", "bracket = 5.*: not a share of the load factor; give 0.05 for 5 %"),
         ("range = 1", "range = 1: neither true nor false|range"),
         ('backend = "newton"\nrange = true', "--backend = 'newton': is regularised"),
     ],
@@ -167,6 +168,14 @@ def test_what_is_asked_for_in_the_file_is_checked_before_it_is_solved(
     result = lacore("solve", file, "--out", tmp_path / "out")
     assert result.exit_code == 2
     assert re.search(said, result.stderr)
+
+
+def test_a_width_in_per_cent_is_refused_by_its_option(tmp_path):
+    file = tmp_path / "footing.toml"
+    file.write_text(footing.TEXT, encoding="utf-8")
+    result = lacore("solve", file, "--bracket", "5", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "--bracket = 5.0: not a share of the load factor; give 0.05 for 5 %" in result.stderr
 
 
 def test_what_is_seen_when_it_is_solved_is_said_with_its_line_too(tmp_path):
