@@ -210,6 +210,7 @@ def test_a_side_that_is_pulled_beyond_the_apex_is_unsafe():
     path = la.sequential(sample(la.MohrCoulomb(1.0, 30.0), -2.0), 0.1, 1)  # c cot(phi) = 1.73
     assert path.status is Ending.NOT_SOLVED
     assert "unsafe" in path.message
+    assert "another scheme" not in path.message  # none carries it
     assert path.history.empty
 
 
