@@ -70,7 +70,7 @@ def _water(state: LimitState) -> str:
     standing = any(isinstance(load, StandingWater) for load in dead)
     if not wet or standing:
         return ""
-    return "where free water stands on it, that presses it, too: state a StandingWater"
+    return "where free water stands on the ground, it presses that, too: state a StandingWater"
 
 
 def _nothing(state: LimitState) -> str:

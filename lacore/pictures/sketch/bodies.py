@@ -36,7 +36,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     mesh = body.mesh
     corners = outlines(mesh)
     many = len(body.regions) > _FEW
-    whole = name if len(problem.bodies) > 1 else "rigid-plastic"
+    whole = _plain(name) if len(problem.bodies) > 1 else "rigid-plastic"
     # Edges in the colour of the faces leave no hairlines between them.
     for region, colour in shaded(body):
         fill = PolyCollection(
@@ -47,7 +47,7 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
             zorder=1.5,
         )
         sheet.axes.add_collection(fill)
-        named = (region.name or whole).replace("$", r"\$")  # no mathematics
+        named = _plain(region.name) or whole
         text = f"{named}, {_symbols(sheet.units.rewritten(region.label))}"
         if many:
             text = f"{whole}, {len(body.regions)} regions"
@@ -57,6 +57,11 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
         LineCollection(outer, colors=_OUTLINE, linewidths=1.1, zorder=3, capstyle="round")
     )
     sheet.bodies.append(shapely.union_all(shapely.polygons(corners)))
+
+
+def _plain(name: str) -> str:
+    """A name that a user gave, whose dollars are no mathematics."""
+    return name.replace("$", r"\$")
 
 
 def _symbols(label: str) -> str:
