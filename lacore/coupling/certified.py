@@ -22,6 +22,7 @@ from lacore.coupling.blocks.central_path import central_path
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
+from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
 from lacore.coupling.steps import alternate, closest, resumed, s_step
@@ -49,7 +50,7 @@ def certified_loop(
     on_iterate: OnIterate,
     prepare: Callable[[KinematicProgram], PreparedSolver] | None = None,
     roughly: Callable[[KinematicProgram], PreparedSolver] | None = None,
-    pressed: Floats | None = None,
+    near: Nearby | None = None,
     time_limit: float = np.inf,
 ) -> Coupled:
     """Alternate K- and S-steps from the associated state; escape from stalls (T12, T12b, T13).
@@ -68,7 +69,7 @@ def certified_loop(
         return run.judged(run.solve("single", frictionless_contact(rows)))
     if not program.hardens or program.frictional or roughly is None:
         return _from_associated(run)
-    found = resumed(run, pressed, _mean, _PATIENCE)
+    found = resumed(run, near or Nearby(), _mean, _PATIENCE)
     if found is not None:
         return run.judged(found)
     # With all solves that it may take: what is certified so is certified still.

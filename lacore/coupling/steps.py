@@ -9,8 +9,9 @@ Where strain rates harden the loop begins with rough solves. Slip at associated 
 sixth or more; an S-step at it has slip of its own, and each brings what is off down to a fifth,
 whatever its digits: to a tolerance of 1e-4 they take half of the iterations. K- and S-step after
 them make a pair that holds as a rule, where the loop from the associated state takes two
-(docs/measured.md). Reactions of the step of a path before are off by a tenth: velocities jump from
-slip line to slip line.
+(docs/measured.md). Along a path they begin at the slip of the step before, which is off by as much
+as that at associated friction, at a solve less. Its reactions are off by a tenth, too much for a
+pair: velocities jump from slip line to slip line.
 """
 
 from collections.abc import Callable
@@ -20,6 +21,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.coupling.freezing import at_pressing, at_slip, friction_of, pressing
+from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Iterate, Run, paired
 from lacore.program import associated_contact, shift_contact
 from lacore.state import ProgramState
@@ -29,7 +31,7 @@ FALLS = 0.9  # of the least gap so far: anything above is a stall
 _VANISHED = 1e-6  # of the associated load factor, in a structure without dead loads
 _SOON = 8  # solves, with which a loop from the associated state is through as a rule
 _LOOKS = 3  # rough S-steps, at most
-_NEAR = 0.03  # gap of one on its own, from which the next pair holds as a rule
+_NEAR = 0.01  # gap of one on its own, from which the next pair holds as a rule
 _NOISE = 3e-4  # of the largest reaction: what rough solves leave where there is none
 
 Blend = Callable[[Floats, Floats, Floats], Floats]
@@ -74,16 +76,15 @@ def alternate(
     return None
 
 
-def resumed(run: Run, pressed: Floats | None, blend: Blend, patience: int) -> Iterate | None:
+def resumed(run: Run, near: Nearby, blend: Blend, patience: int) -> Iterate | None:
     """K- and S-steps from friction nearby; None unless a pair that holds comes soon.
 
     Args:
         run: a loop at its start.
-        pressed: what the first K-step freezes; None: what rough solves find.
+        near: its reactions are what the first K-step freezes; without, what rough solves find.
         blend, patience: see `alternate`.
     """
-    if pressed is None:
-        pressed = _found_roughly(run)
+    pressed = _found_roughly(run, near.slip) if near.pressed is None else near.pressed
     if pressed is None:
         return None
     k = k_step(run, pressed, None, "K")
@@ -95,12 +96,18 @@ def resumed(run: Run, pressed: Floats | None, blend: Blend, patience: int) -> It
     return alternate(run, s.inner.point, "K", patience, blend, _SOON)
 
 
-def _found_roughly(run: Run) -> Floats | None:
-    """Normal reactions at slip that is nearly theirs; None where rough solves find none."""
+def _found_roughly(run: Run, slip: Floats | None) -> Floats | None:
+    """Normal reactions at slip that is nearly theirs; None where rough solves find none.
+
+    From a slip nearby, else from the associated state.
+    """
     assert run.roughly is not None
     rows = run.program.contact
     with closing(run.roughly(run.program)) as solver:
-        last = run.solve("rough associated", associated_contact(rows), solver=solver)
+        if slip is None:
+            last = run.solve("rough associated", associated_contact(rows), solver=solver)
+        else:
+            last = run.solve("rough S", shift_contact(rows, slip), solver=solver)
         for _ in range(_LOOKS):
             point = last.inner.point
             if point is None or gap(last) <= _NEAR:

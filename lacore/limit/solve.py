@@ -34,8 +34,9 @@ from lacore.coupling.fixed_point import (
     stick,
 )
 from lacore.coupling.names import COUPLINGS
+from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate
-from lacore.errors import InputError, SolveError
+from lacore.errors import SolveError
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_si
@@ -92,6 +93,7 @@ def solve(
     throw: bool = False,
     process: SolverProcess | None = None,
     pressed: Floats | None = None,
+    slip: Floats | None = None,
 ) -> LimitState:
     """Collapse load and mechanism of a problem.
 
@@ -119,6 +121,8 @@ def solve(
             process for this one solve, and any other works here.
         pressed: normal reactions at the contact points of a state nearby, Pa, within a step of a
             path: its ``certified`` loop begins there. What is certified does not depend on it.
+        slip: slip rates there, m/s at ``F0.u = 1``, of a state that is less near, as of the step
+            before: the rough solves that find reactions begin with them.
 
     Raises:
         InputError: an unknown name or an option out of range, before any solve.
@@ -147,7 +151,7 @@ def solve(
         options=options,
         on_iterate=on_iterate,
         process=process,
-        pressed=pressed,
+        near=Nearby(pressed, slip),
     )
     state = asked(problem)
     bar = _HINGED if state.rigor is Rigor.REGULARISED else tolerance
@@ -180,7 +184,7 @@ def _solved(
     options: Mapping[str, Any] | None,
     on_iterate: Callable[[Iterate], None] | None,
     process: SolverProcess | None,
-    pressed: Floats | None,
+    near: Nearby,
 ) -> LimitState:
     """The state with hinges at the nodes that there are."""
     asked = coupling
@@ -189,7 +193,7 @@ def _solved(
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     program = stated(problem, engine, coupling, asked)
-    nearby = _nearby(pressed, program)
+    near = near.within(program)
     if not program.frictional:
         coupling_options = replace(coupling_options, accepted=None)
     built = time.perf_counter()
@@ -211,7 +215,7 @@ def _solved(
                 certified_loop,
                 prepare=prepare,
                 roughly=None if process is not None else lambda own: engine.prepare(own, loose),
-                pressed=nearby,
+                near=near,
                 time_limit=engine_options.time_limit,
             )
         coupled = couple(
@@ -245,22 +249,6 @@ def _solved(
     if state.status is Status.UNSAFE and program.homogeneous:
         state = _falling(state)
     return replace(state, solve_time=time.perf_counter() - built)
-
-
-def _nearby(pressed: Floats | None, program: KinematicProgram) -> Floats | None:
-    """Reactions where a loop begins, in the units of the program.
-
-    Raises:
-        InputError: they are not those of its contact points.
-    """
-    if pressed is None:
-        return None
-    count = program.contact.count
-    if np.shape(pressed) != (count,) or not np.all(np.isfinite(pressed)) or np.any(pressed < 0):
-        why = f"are not {count} numbers of 0 or more"
-        mend = "give those of a state with the same contact points, or leave them out"
-        raise InputError("pressed", None, why, mend)
-    return np.asarray(pressed, dtype=float) / program.scales.stress
 
 
 def _falling(state: LimitState) -> LimitState:

@@ -47,6 +47,8 @@ class Moment(Compact):
         share: of the duration that has gone by when the yield stress counts, theta.
         pressed: normal reactions at the contact points where the loop on friction begins, Pa: of
             a moment of the same step; None: it looks for them.
+        slip: slip rates there with which it begins to look, m/s at ``F0.u = 1``: of the step
+            before; None: it begins at the associated state.
     """
 
     begin: Configuration
@@ -54,6 +56,7 @@ class Moment(Compact):
     duration: float
     share: float
     pressed: Floats | None = None
+    slip: Floats | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,14 +139,36 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     return discretise(stage.at(moment.at), contact)
 
 
-def flow(stage: Stage, moment: Moment, settings: Mapping[str, Any]) -> Flow:
-    """Solve the limit problem of a moment; settings are those of `lacore.solve`.
+def flow(
+    stage: Stage,
+    moment: Moment,
+    settings: Mapping[str, Any],
+    before: Mapping[str, Floats] | None = None,
+) -> Flow:
+    """Solve the limit problem of a moment.
+
+    Args:
+        stage: the problem.
+        moment: of a step.
+        settings: see `lacore.solve`.
+        before: velocity of the step before by body, whose slip is to be that of the moment.
 
     Raises:
         InputError: see `discretised`.
     """
-    state = solve(limit_problem(stage, moment), **settings, pressed=moment.pressed)
+    problem = limit_problem(stage, moment)
+    if before is not None:
+        moment = replace(moment, slip=_slip(problem, before))
+    state = solve(problem, **settings, pressed=moment.pressed, slip=moment.slip)
     return flow_of(state, moment)
+
+
+def _slip(problem: Discretisation, velocity: Mapping[str, Floats]) -> Floats:
+    """Slip rates of a velocity of the bodies, shape (m,), m/s."""
+    u = np.zeros(problem.full.n)
+    for name, dofs in problem.bodies.items():
+        u[dofs.dofs] = velocity[name]
+    return np.asarray(np.linalg.norm(problem.full.contact.slip(u), axis=1))
 
 
 def limit_problem(stage: Stage, moment: Moment) -> Discretisation:

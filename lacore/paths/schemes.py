@@ -88,13 +88,21 @@ class Stride:
 
 @dataclass
 class Walk:
-    """What does not change along a path, and of a step the count of solves and the reactions."""
+    """What does not change along a path, and what is known of a step.
+
+    Attributes:
+        stage, gauge, settings, selection: of the path.
+        solves: of the step so far.
+        before: velocity of the step before by body; None at the beginning.
+        pressed: reactions of the last solve of the step; None before the first.
+    """
 
     stage: Stage
     gauge: Gauge
     settings: Mapping[str, Any]
     selection: LeastNorm | None = None
     solves: int = field(default=0)
+    before: Fields | None = None
     pressed: Floats | None = None
 
     @property
@@ -110,7 +118,9 @@ class Walk:
         """
         require_upright(self.stage, moment.at)
         try:
-            found = flow(self.stage, replace(moment, pressed=self.pressed), self.settings)
+            moment = replace(moment, pressed=self.pressed)
+            before = self.before if self.pressed is None else None
+            found = flow(self.stage, moment, self.settings, before)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
             raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong

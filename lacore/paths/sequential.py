@@ -183,7 +183,8 @@ def sequential(
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
     """The next place, after as many attempts as the pace asks for."""
     begin = time.perf_counter()
-    walk.solves, walk.pressed = 0, None  # of the step before they are too far off
+    # Reactions of the step before are too far off, its slip is where to look for them.
+    walk.solves, walk.pressed, walk.before = 0, None, here.velocity
     walk.require_safe(here, distance)
     stride = scheme(walk, here, distance)
     while not pace.accepts(stride.error):

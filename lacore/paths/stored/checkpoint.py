@@ -37,7 +37,7 @@ from lacore.paths.stage import Stage
 from lacore.paths.stored.fingerprint import fingerprint
 from lacore.paths.stored.progress import Progress, WrongFieldError, require_sound
 
-_FORMAT = 5
+_FORMAT = 6
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)}
 _UNREADABLE = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, KeyError, ValueError, TypeError, EOFError),
@@ -227,8 +227,10 @@ def _packed(progress: Progress) -> tuple[dict[str, Any], dict[str, Any]]:
         if snapshot.moment is not None:
             pack_configuration(f"snapshot/{place}/begin", snapshot.moment.begin)
             pack_configuration(f"snapshot/{place}/at", snapshot.moment.at)
-            if snapshot.moment.pressed is not None:
-                arrays[f"snapshot/{place}/pressed"] = snapshot.moment.pressed
+            friction = {"pressed": snapshot.moment.pressed, "slip": snapshot.moment.slip}
+            for name, values in friction.items():
+                if values is not None:
+                    arrays[f"snapshot/{place}/{name}"] = values
     for place, own in enumerate(progress.made):
         pack(f"made/{place}/nodes", own.nodes)
         for number, mesh in enumerate(own.meshes.values()):
@@ -343,6 +345,7 @@ def _unpacked(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> Progress:
                         *own["moment"],
                     ),
                     pressed=arrays.get(f"snapshot/{place}/pressed"),
+                    slip=arrays.get(f"snapshot/{place}/slip"),
                 ),
             )
             for place, own in enumerate(head["snapshots"])

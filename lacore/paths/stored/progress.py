@@ -148,7 +148,8 @@ def _check_snapshots(progress: Progress, start: Configuration) -> None:
             _number(f"{name}, share", own.moment.share)
             if not 0 <= own.moment.share <= 1:
                 raise WrongFieldError(f"{name}, share", "is outside [0, 1]")
-            _check_pressed(name, own.moment.pressed)
+            _check_friction(f"{name}, pressed", own.moment.pressed)
+            _check_friction(f"{name}, slip", own.moment.slip)
             _check_strain(name, own, progress.rows[own.step - 1])
     if steps != sorted(set(steps)) or steps[0] != 0 or last.step != here.step:
         raise WrongFieldError("snapshots", "are not those of steps in their order")
@@ -162,13 +163,13 @@ def _check_snapshots(progress: Progress, start: Configuration) -> None:
             raise WrongFieldError(f"snapshot 0, {field}", "is not zero at the beginning")
 
 
-def _check_pressed(name: str, pressed: Floats | None) -> None:
+def _check_friction(name: str, values: Floats | None) -> None:
     """Of how many points, only the limit problem knows, which refuses others."""
-    if pressed is None:
+    if values is None:
         return
-    _finite(f"{name}, pressed", pressed)
-    if pressed.ndim != 1 or pressed.min(initial=0.0) < 0:
-        raise WrongFieldError(f"{name}, pressed", "is no list of reactions")
+    _finite(name, values)
+    if values.ndim != 1 or values.min(initial=0.0) < 0:
+        raise WrongFieldError(name, "is no list of reactions or slip rates")
 
 
 def _check_strain(name: str, own: Snapshot, row: PathStep) -> None:

@@ -74,6 +74,17 @@ def test_where_it_begins_changes_nothing_that_is_proven(step, cold, factor):
         assert len(kinds(state)) <= 2
 
 
+@pytest.mark.parametrize("factor", [1.0, 1.2, 0.0, 1e3])
+def test_nor_does_the_slip_that_rough_solves_begin_with(step, cold, factor):
+    slip = factor * np.linalg.norm(step.full.contact.slip(cold.point.velocity), axis=1)
+    state = la.solve(step, slip=slip)
+    same(state, cold)
+    assert kinds(state)[0] == "rough S"
+    assert "rough associated" not in kinds(state)
+    if factor == 1.0:  # its own slip: one rough solve, and a pair that holds
+        assert len(kinds(state)) <= 3
+
+
 def test_where_rough_solves_fail_it_begins_as_ever(step, cold, monkeypatch):
     """And the history tells of both."""
 
@@ -122,7 +133,22 @@ def test_a_moment_begins_where_the_one_before_in_its_step_ended():
     # The last two iterates of a step have the same velocity to 1e-5 of the body.
     reactions = state.point.normal_reaction
     assert pressed == pytest.approx(reactions, abs=0.01 * reactions.max())
-    assert la.sequential(problem, 0.1, 2).snapshot(2).moment.pressed is None
+
+
+def test_a_step_begins_at_the_slip_of_the_one_before():
+    """So does a state that is solved again, and of the first step there is none."""
+    problem, _ = billet()
+    path = la.sequential(problem, 0.15, 3)
+    first, second = (path.snapshot(step).moment for step in (1, 2))
+    assert first.slip is second.pressed is None
+    state = path.state(2)
+    assert kinds(state)[0] == "rough S"
+    d, u = state.discretisation, np.zeros(state.discretisation.full.n)
+    for name, dofs in d.bodies.items():
+        u[dofs.dofs] = path.snapshot(1).velocity[name]
+    slip = np.linalg.norm(d.full.contact.slip(u), axis=1)
+    assert second.slip == pytest.approx(slip, rel=1e-12)
+    assert slip.max() > 0
 
 
 def test_what_does_not_harden_begins_as_ever(monkeypatch):
@@ -132,12 +158,13 @@ def test_what_does_not_harden_begins_as_ever(monkeypatch):
     assert kinds(la.solve(problem))[0] == "associated"
 
 
+@pytest.mark.parametrize("name", ["pressed", "slip"])
 @pytest.mark.parametrize("wrong", [np.zeros(3), [-1.0], [np.nan]])
-def test_reactions_of_other_points_are_refused(step, wrong):
+def test_friction_of_other_points_is_refused(step, wrong, name):
     count = step.program.contact.count
     given = np.resize(wrong, count) if len(wrong) == 1 else wrong
-    with pytest.raises(InputError, match=f"pressed: are not {count} numbers of 0 or more"):
-        la.solve(step, pressed=given)
+    with pytest.raises(InputError, match=f"{name}: are not {count} numbers of 0 or more"):
+        la.solve(step, **{name: given})
 
 
 def test_rough_is_no_tighter_than_what_was_asked_for():

@@ -166,6 +166,7 @@ def test_with_all_digests_forged_a_path_is_one_that_could_have_been_or_is_refuse
         (lambda head, arrays: head["snapshots"].pop(), "snapshots"),
         (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([-1.0])}), "reactions"),
         (lambda head, arrays: arrays.update({"snapshot/2/pressed": np.array([np.nan])}), "pressed"),
+        (lambda head, arrays: arrays.update({"snapshot/2/slip": np.array([-1.0])}), "slip"),
     ],
 )
 def test_a_wrong_field_is_named(tmp_path, kept, change, words):
