@@ -8,7 +8,8 @@ blocks: the mean of those of both steps needs the fewest solves and certifies 92
 reaction iteration needs twice as many and certifies 99 %; the S-step's alone (T12) certify 79 %.
 They are tried in this order: together 99.7 %. Of rigid blocks central paths of the problem itself
 come second (`lacore.coupling.blocks.central_path`): they end on tall walls, and on domes and
-vaults, whose reactions are a continuum as a rule (T74), where all of these stall.
+vaults, whose reactions are a continuum as a rule (T74), where all of these stall. Walls of
+thousands of blocks begin with them: K- and S-steps from a place on the way need the least time.
 """
 
 from collections.abc import Callable
@@ -18,7 +19,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
-from lacore.coupling.blocks.central_path import central_path
+from lacore.coupling.blocks.central_path import by_places, central_path
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
 from lacore.coupling.fixed_point import OnIterate, fixed_point
 from lacore.coupling.freezing import associated, at_pressing, frictionless, generous
@@ -88,7 +89,7 @@ def _from_associated(run: Run) -> Coupled:
         return replace(run.judged(anchor), note=_OUTSIDE if anchor is first else _TRIVIAL)
     if static is None or anchor.inner.status in _LIMITS or run.proven(anchor):
         return run.judged(anchor)
-    of_contact = (averaged, central_path, _damped, _alternated, _shifted)
+    of_contact = (by_places, averaged, central_path, _damped, _alternated, _shifted)
     for attempt in (averaged, settled, drifted) if program.frictional else of_contact:
         found = attempt(run, closest(run, static)) or run.accept()
         if found is not None:

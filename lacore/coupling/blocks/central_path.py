@@ -10,10 +10,14 @@ theta = 0. The problem is not monotone, and the curve turns back where one mecha
 (`lacore.numerics.curve`). From a start far inside, with powers a thousand times those of the load,
 it turns seldom and leads far; from close to a pair with a small gap it turns at once, and may never
 end. Powers c that differ from point to point lead along other curves, and often to other states;
-where a structure is symmetric curves of equal powers branch, others pass by.
+where a structure is symmetric curves of equal powers branch, others pass by. On walls of thousands
+of blocks paths are long, but long before its end a place is close enough for K- and S-steps, which
+stall from the associated state.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -24,7 +28,7 @@ from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.run import Iterate, Run
 from lacore.coupling.steps import alternate, carries
-from lacore.numerics.curve import followed
+from lacore.numerics.curve import Place, followed
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.showing import Compact
 from lacore.state import ProgramState
@@ -34,19 +38,55 @@ _SPREADS = (0.01, 0.3, 0.3, 0.3)  # logarithmic, of the powers of the paths, one
 _INSIDE = 1e3  # powers of the start, of the power that its state turns over
 _END = 0.3  # of the bar: gap at the end
 _MOST, _ALL = 1000, 3000  # factorisations, of one path, and after which no other one begins
+_LARGE = 5000  # unknowns from which a solve costs as much as dozens of factorisations
+_NEARER = 10.0  # powers of a start whose path is shorter, but may turn more
+_STOPS = (1e-2, 600), (2e-3, _MOST)  # gaps and factorisations, whichever comes first
 
 
 def central_path(run: Run, static: ProgramState) -> Iterate | None:
     """The state at the end of a path from the associated one, if need be after K- and S-steps."""
     if not poses(run.program):
         return None
-    start, rng = run.iterates[0].inner.point or static, np.random.default_rng(0)  # the same paths
-    spent = 0
+    return _stepped(run, _ends(run, run.iterates[0].inner.point or static))
+
+
+def by_places(run: Run, static: ProgramState) -> Iterate | None:
+    """K- and S-steps from two places of one path, the second nearer to its end; of large walls."""
+    rows = run.program.contact
+    if not poses(run.program) or rows.tangent_dim > 1 or run.program.n < _LARGE:
+        return None
+    return _stepped(run, _stops(run, run.iterates[0].inner.point or static))
+
+
+def _ends(run: Run, start: ProgramState) -> Iterator[Iterate]:
+    """Ends of paths, as long as there is budget."""
+    rng, spent = np.random.default_rng(0), 0  # the same paths
     for spread in _SPREADS:
         if run.exhausted or spent >= _ALL:
-            break
+            return
         found = along_path(run, start, spread, rng)
-        point, spent = found.inner.point, spent + found.inner.iterations
+        spent += found.inner.iterations
+        yield found
+
+
+def _stops(run: Run, start: ProgramState) -> Iterator[Iterate]:
+    """Places of a path, as long as there is budget."""
+    path = replace(
+        _path(run, start, _SPREADS[0], np.random.default_rng(0)), inside=_NEARER, stops=_STOPS
+    )
+    for _ in _STOPS:
+        if run.exhausted:
+            return
+        found = run.solve("path", _frozen(run, start), solver=path)
+        if not found.inner.iterations:  # it was lost at the last place
+            return
+        yield found
+
+
+def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
+    """The first of some places that is proven, or from which K- and S-steps lead to a state."""
+    for found in places:
+        point = found.inner.point
         if point is None or run.free(found) or run.proven(found):
             return found if carries(run, found) else None
         closer = alternate(run, point, "K", 1, lambda _, s, k: (s + k) / 2)
@@ -64,14 +104,20 @@ def along_path(run: Run, start: ProgramState, spread: float, rng: np.random.Gene
         spread: logarithmic, of the powers of the points.
         rng: of these.
     """
-    rows = run.program.contact
-    frozen = reaction_contact(rows, np.maximum(start.normal_reaction, 0.0))
-    shares = np.exp(spread * rng.standard_normal(rows.count))
-    end = _END * run.options.tolerance
-    return run.solve("path", frozen, solver=Path(run.program, start, shares, end, run.time_limit))
+    return run.solve("path", _frozen(run, start), solver=_path(run, start, spread, rng))
 
 
-@dataclass(frozen=True, repr=False)
+def _frozen(run: Run, start: ProgramState) -> FrozenContact:
+    """At the start, for the mismatch of the history: a path freezes nothing."""
+    return reaction_contact(run.program.contact, np.maximum(start.normal_reaction, 0.0))
+
+
+def _path(run: Run, start: ProgramState, spread: float, rng: np.random.Generator) -> "Path":
+    shares = np.exp(spread * rng.standard_normal(run.program.contact.count))
+    return Path(run.program, start, shares, _END * run.options.tolerance, run.time_limit)
+
+
+@dataclass(repr=False)
 class Path(PreparedSolver, Compact):
     """A path as a solve: its answer is its end, whatever the contact.
 
@@ -80,7 +126,10 @@ class Path(PreparedSolver, Compact):
         start: a state of it.
         shares: of the powers of the points, (m,) > 0.
         end: sum of the powers, of that of the load, where the path is at its end.
-        time_limit: s.
+        time_limit: s, of one solve.
+        inside: powers of the start, of the power that its state turns over.
+        stops: one for each solve, from which the next one goes on: sum of the powers, and
+            factorisations from the start, whichever comes first.
     """
 
     program: KinematicProgram
@@ -88,28 +137,46 @@ class Path(PreparedSolver, Compact):
     shares: Floats
     end: float
     time_limit: float
+    inside: float = _INSIDE
+    stops: tuple[tuple[float, int], ...] = field(default_factory=lambda: ((0.0, _MOST),))
+    _solves: int = field(default=0, init=False)
+    _last: Place | None = field(default=None, init=False)
+
+    @cached_property
+    def _problem(self) -> Complementarity:
+        return Complementarity(self.program)
+
+    @cached_property
+    def _places(self) -> Iterator[Place]:
+        power = self.inside * kinematic_power(self.program, self.start) / (3 * self.shares.size)
+        if not (power > 0 and self.start.normal_reaction.max() > 0):
+            return iter(())
+        return followed(self._problem, self._problem.start(self.start, power * self.shares))
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Follow the path; where it is lost, its last place is the point."""
-        begin = perf_counter()
-        problem, count = Complementarity(self.program), self.program.contact.count
-        power = _INSIDE * kinematic_power(self.program, self.start) / (3 * count)
-        if not (power > 0 and self.start.normal_reaction.max() > 0):
-            return InnerSolution(Status.NOT_CONVERGED, "no start", 0, 0.0, None)
-        lost, place, steps = "no progress", problem.start(self.start, power * self.shares), 0
-        for step in followed(problem, place):
-            place, steps = step.z, step.count
-            if problem.power(place) <= self.end:
+        begin, before = perf_counter(), 0 if self._last is None else self._last.count
+        enough, most = self.stops[self._solves]
+        self._solves += 1
+        lost = "no progress"
+        for place in self._places:
+            self._last, power = place, self._problem.power(place.z)
+            if power <= self.end:
                 lost = ""
-            elif steps >= _MOST:
+            elif power <= enough:
+                lost = "on its way"
+            elif place.count >= most:
                 lost = "limit of steps"
             elif perf_counter() - begin >= self.time_limit:
                 lost = "limit of time"
             else:
                 continue
             break
+        if self._last is None:
+            return InnerSolution(Status.NOT_CONVERGED, "no start", 0, 0.0, None)
         status, spent = Status.ALMOST_SOLVED if lost else Status.SOLVED, perf_counter() - begin
-        return InnerSolution(status, lost or "end", steps, spent, problem.state(place))
+        steps, point = self._last.count - before, self._problem.state(self._last.z)
+        return InnerSolution(status, lost or "end", steps, spent, point)
 
     def close(self) -> None:
         """It holds nothing."""

@@ -10,7 +10,7 @@ import pytest
 import lacore as la
 from lacore.backend import find_backend, read_options
 from lacore.coupling.blocks import central_path as of_blocks
-from lacore.coupling.blocks.central_path import Path, along_path, central_path
+from lacore.coupling.blocks.central_path import Path, along_path, by_places, central_path
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.blocks.matrix import _parity
 from lacore.coupling.certified import averaged
@@ -195,6 +195,61 @@ def test_the_path_certifies_a_wall_whose_alternation_stalls():
         assert run.proven(found)
         assert run.iterates[-1].kind == "path"
         assert found.inner.point.load_factor <= start.load_factor * (1 + BAR)
+
+
+def test_steps_from_a_place_certify_a_wall_that_steps_alone_do_not(monkeypatch):
+    """Those from the associated state stall, as `averaged` on the same wall below."""
+    with started(wall(8, 40, 3)) as run:
+        start = run.iterates[0].inner.point
+        assert by_places(run, start) is None  # not of a wall as small as this
+        monkeypatch.setattr(of_blocks, "_LARGE", 0)
+        found = by_places(run, start)
+        assert found is not None
+        assert run.proven(found)
+        first, *others = run.iterates[1:]
+        assert first.kind == "path"
+        assert first.inner.native_status == "on its way"
+        assert not run.proven(first)
+        assert {one.kind for one in others} <= {"K", "S"}
+
+
+def test_the_loop_begins_with_a_place_on_large_walls(monkeypatch):
+    problem = wall(3, 6, 3)
+    usual = la.solve(problem, coupling="certified")
+    monkeypatch.setattr(of_blocks, "_LARGE", 0)
+    large = la.solve(problem, coupling="certified")
+    assert list(usual.history["kind"])[:2] == ["associated", "K"]
+    assert list(large.history["kind"])[:2] == ["associated", "path"]
+    assert large.status is Status.SOLVED
+
+
+def test_walls_in_space_have_no_places(monkeypatch):
+    monkeypatch.setattr(of_blocks, "_LARGE", 0)
+    with started(dome(4, 2)) as run:
+        assert by_places(run, run.iterates[0].inner.point) is None
+        assert len(run.iterates) == 1
+
+
+def test_places_that_lead_nowhere_end(monkeypatch):
+    """Each stop is tried once, then others have their turn."""
+    monkeypatch.setattr(of_blocks, "_LARGE", 0)
+    monkeypatch.setattr(of_blocks, "alternate", lambda *_: None)
+    with started(wall(3, 6, 3)) as run:
+        assert by_places(run, run.iterates[0].inner.point) is None
+        assert [one.kind for one in run.iterates[1:]] == ["path"] * len(of_blocks._STOPS)
+
+
+def test_a_path_goes_on_from_where_it_stopped(run):
+    program, start = run.program, run.iterates[0].inner.point
+    given = program, start, np.ones(program.contact.count), BAR, np.inf
+    contact = associated_contact(program.contact)
+    whole = Path(*given).solve(contact)
+    stopping = Path(*given, stops=((0.1, 1000), (0.0, 1000)))
+    parts = [stopping.solve(contact) for _ in range(2)]
+    assert [part.native_status for part in parts] == ["on its way", "end"]
+    assert [part.status for part in parts] == [Status.ALMOST_SOLVED, Status.SOLVED]
+    assert sum(part.iterations for part in parts) == whole.iterations
+    assert (parts[-1].point.velocity == whole.point.velocity).all()
 
 
 def path(run, end=BAR, time_limit=np.inf):
