@@ -38,6 +38,7 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _LEFT = 100.0  # tolerances that the recomputed residuals may be: their scales are other ones
+_NOWHERE = (Status.ITERATION_LIMIT, Status.STALLED, Status.FAILED)
 _SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 
 STATUS_MAP = {
@@ -119,6 +120,8 @@ def _compiled() -> None:
     loops, points = best_loops(), np.array([[2.0], [1.0]])
     scaling = loops.scaled(points, points)
     loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
+    values, vectors = loops.frames(scaling, np.ones(0), np.ones((1, 1, 1)), 1)
+    loops.framed(values, vectors, points)
 
 
 _Way = tuple[str, int, ProgramState]  # native status, iterations, and where it ended
@@ -140,7 +143,8 @@ class InteriorPointSolver:
     def solve(self, contact: FrozenContact) -> InnerSolution:
         """Solve from a cold start; the pattern is that of the last where rows are the same.
 
-        What ends without an answer begins anew, and is factorised with more unknowns (`Whole`).
+        Where forces are lost to round-off it goes on with more unknowns factorised (`Whole`), and
+        what ends without an answer begins anew with them.
         """
         begin, options = time.perf_counter(), self._options
         goal = Goal(options.tolerance, options.max_iterations, begin + options.time_limit)
@@ -155,27 +159,33 @@ class InteriorPointSolver:
     def _solved(
         self, contact: FrozenContact, own: Translation, stiffness: Stiffness, goal: Goal
     ) -> InnerSolution:
-        """By the first way that is sure of its answer, or else by the last."""
-        iterations = 0
+        """By the first way that is sure of its answer, or else by the last that ends anywhere."""
+        iterations, answer = 0, None
         for native, count, point in self._ways(own, stiffness, goal):
             iterations += count
-            answer = self._answer(native, point, contact)
-            if answer.status in _SURE:
+            found = self._answer(native, point, contact)
+            answer = found if answer is None or found.status not in _NOWHERE else answer
+            if found.status in _SURE:
                 break
+        assert answer is not None  # of one way at least
         return replace(answer, iterations=iterations)
 
     def _ways(self, own: Translation, stiffness: Stiffness, goal: Goal) -> Iterator[_Way]:
         """What comes of one way after the other.
 
         Of velocities alone; without what nothing resists, unstressed where the loads are in balance
-        then; with more unknowns.
+        then; with more unknowns. The first two go on with more from where forces are lost.
         """
         conic, basis = own.conic, None
+
+        def whole() -> Whole:
+            return Whole(conic, stiffness, self._solver, self._indefinite)
+
         system = System(conic, stiffness, self._solver)
         begin = start(conic, system)
         free = unresisted(begin[0])
         if not free:
-            yield self._followed(own, basis, follow(system, goal, *begin))
+            yield self._followed(own, basis, follow(system, goal, *begin, whole))
         loose = loosened(conic, self._solver)  # what no load drives round-off may
         if loose is not None:
             if loose.driven:
@@ -185,9 +195,8 @@ class InteriorPointSolver:
             system = System(conic, stiffness, self._solver)
             begin = start(conic, system)
         if free or loose is not None:
-            yield self._followed(own, basis, follow(system, goal, *begin))
-        whole = Whole(conic, stiffness, self._solver, self._indefinite)
-        yield self._followed(own, basis, follow(whole, goal, *begin))
+            yield self._followed(own, basis, follow(system, goal, *begin, whole))
+        yield self._followed(own, basis, follow(whole(), goal, *begin))
 
     def _followed(self, own: Translation, basis: Sparse | None, found: Found) -> _Way:
         """In the unknowns of the program."""

@@ -14,50 +14,12 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from backends._embedding.loops.best import Loops
-from backends._embedding.pressed import pressed
+from backends._embedding.pressed import Apex, Planes, alone
+from backends._embedding.rows import Rows
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.interleaving import interleaved
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
-
-
-@dataclass(frozen=True)
-class Rows:
-    """Rows of m points of `dim` components each, point by point.
-
-    Attributes:
-        matrix: shape (m dim, n).
-        dim: components of a point.
-        norms: squared norm of the rows of a point, their mean, shape (m,).
-        loops: over points.
-    """
-
-    matrix: Sparse
-    dim: int
-    norms: Floats
-    loops: Loops
-
-    @classmethod
-    def of(cls, matrix: Sparse, dim: int, weights: Floats, loops: Loops) -> "Rows":
-        """Rows times the weights of their points, shape (m,)."""
-        data = matrix.data * np.repeat(np.repeat(weights, dim), np.diff(matrix.indptr))
-        own = csr_matrix((data, matrix.indices, matrix.indptr), matrix.shape)
-        squares = np.asarray(own.multiply(own).sum(axis=1)).reshape(-1, dim).mean(axis=1)
-        largest = float(squares.max(initial=0.0)) or 1.0
-        return cls(own, dim, np.maximum(squares, 1e-12 * largest), loops)
-
-    @property
-    def count(self) -> int:
-        """Points m."""
-        return int(self.norms.size)
-
-    def at(self, velocity: Floats) -> Floats:
-        """Components of all points, shape (dim, m)."""
-        return self.loops.rates(self.matrix, self.dim, velocity)
-
-    def force(self, parts: Floats) -> Floats:
-        """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
-        return self.loops.forces(self.matrix, parts)
 
 
 @dataclass(frozen=True)
@@ -97,8 +59,8 @@ class Conic:
 
     Attributes:
         costly, free: cones, each kind of one dimension.
+        planes: points of several planes, a kind for each group.
         equal: E.
-        given: e, of all rows of E.
         load, dead: F0 and Fd, less what u itself costs, shape (n,).
         weight: sum of the nodal forces of Fd alone.
         typical: a strength.
@@ -107,8 +69,8 @@ class Conic:
 
     costly: tuple[Costly, ...]
     free: tuple[Free, ...]
+    planes: tuple[Planes, ...]
     equal: Rows
-    given: Floats
     load: Floats
     dead: Floats
     weight: float
@@ -117,22 +79,26 @@ class Conic:
 
     @property
     def kinds(self) -> list[Rows]:
-        """All rows: of costly cones, of free ones, and E."""
-        cones: Sequence[Costly | Free] = (*self.costly, *self.free)
-        return [*(kind.rows for kind in cones), self.equal]
+        """All rows: of costly cones, of free ones, of planes, and E."""
+        costly, free = [one.rows for one in self.costly], [one.rows for one in self.free]
+        return [*costly, *free, *(one.rows for one in self.planes), self.equal]
 
     @property
     def degree(self) -> int:
         """Number of cones."""
-        return sum(rows.count for rows in self.kinds[:-1])
+        cones = sum(one.rows.count for one in self.costly) + sum(
+            one.rows.count for one in self.free
+        )
+        return cones + sum(one.strength.size for one in self.planes)
 
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Of a solution: of cones of both kinds without the leads of the costly, and of E and F0."""
+    """Of a solution: of all kinds without the leads of costly cones, and of E and F0."""
 
     costly: tuple[Floats, ...]
     free: tuple[Floats, ...]
+    planes: tuple[Floats, ...]
     equal: Floats
     load: float
 
@@ -156,12 +122,11 @@ class Translation:
             (g.rise > 0) | ((g.bound > 0) & (g.surfaces is None)) for g in program.groups
         ]
         self._changes = [_filled(group.volumetric) for group in plain]
-        self._pressed = [pressed(group) for group in soils]
-        starts = program.n + np.cumsum([0, *(one.sizes.size for one in self._pressed)])
-        columns = int(starts[-1])
+        self._pointed = [alone(group) for group in soils]
+        self._apexes = [Apex(group) for group, own in zip(soils, self._pointed, strict=True) if own]
 
         def rows(matrix: Sparse, dim: int, weights: Floats) -> Rows:
-            return Rows.of(_wide(csr_matrix(matrix), columns), dim, weights, loops)
+            return Rows.of(csr_matrix(matrix), dim, weights, loops)
 
         def slip(mask: Bools) -> Sparse:
             return csr_matrix(points.tangential[np.repeat(mask, dim)])
@@ -193,30 +158,22 @@ class Translation:
             rows(group.volumetric[own], 1, group.volume_weights[own]).matrix
             for group, own in zip(plain, self._changes, strict=True)
         ]
-        given = [np.zeros(part.shape[0]) for part in volumes]
-        dead = np.zeros(columns)
-        dead[: program.n] = program.dead_load
-        for group, one, first in zip(soils, self._pressed, starts, strict=False):
-            lead = _beside(one.lead.velocity, one.lead.own, columns, int(first))
-            both = interleaved(lead, 1, _wide(group.rows, columns), group.dim)
-            offset = _led(group.weights * one.lead.offset, group.dim)
+        dead = program.dead_load.copy()
+        pointed = [group for group, own in zip(soils, self._pointed, strict=True) if own]
+        for group, one in zip(pointed, self._apexes, strict=True):
+            both = interleaved(one.lead, 1, group.rows, group.dim)
+            offset = _led(group.weights * one.offset, group.dim)
             free.append(Free(rows(both, 1 + group.dim, group.weights), offset, True))
-            held = _beside(one.held.velocity, one.held.own, columns, int(first))
-            volumes.append(rows(held, 1, one.held.weights).matrix)
-            given.append(one.held.weights * one.held.given)
-            dead[: program.n] -= one.cost_by_velocity
-            dead[first : first + one.cost.size] -= one.cost
-        sizes = np.concatenate([np.zeros(0), *(one.sizes for one in self._pressed)])
-        own = np.arange(sizes.size)
-        flowing = csr_matrix((sizes, (own, program.n + own)), (sizes.size, columns))
-        of_own = np.concatenate([np.zeros(0), *(one.weights for one in self._pressed)])
-        free.append(Free(rows(flowing, 1, of_own), np.zeros((1, sizes.size))))
+            dead -= one.cost
+        self._planes = [
+            Planes.of(group, loops)
+            for group, own in zip(soils, self._pointed, strict=True)
+            if not own
+        ]
         sticks = self._sticks
         stuck = rows(slip(sticks), dim, weights[sticks]).matrix
         equal = csr_matrix(vstack([*volumes, stuck]))
         self._ends = np.cumsum([part.shape[0] for part in volumes])
-        load = np.zeros(columns)
-        load[: program.n] = program.reference_load
         # What there is none of costs as many calls as what there is much of.
         every = [one.rows for one in costly] + [kind.rows for kind in free]
         self._empty = [rows.count == 0 for rows in every]
@@ -225,9 +182,9 @@ class Translation:
         self.conic = Conic(
             tuple(one for one in costly if one.rows.count),
             tuple(kind for kind in free if kind.rows.count),
+            tuple(self._planes),
             Rows.of(equal, 1, np.ones(equal.shape[0]), loops),
-            np.concatenate([*given, np.zeros(stuck.shape[0])]),
-            load,
+            program.reference_load,
             dead,
             float(np.abs(program.dead_load).sum()),
             _typical([one.cost for one in costly]),
@@ -254,11 +211,12 @@ class Translation:
             for empty, shape in zip(self._empty, self._shapes, strict=True)
         ]
         *strained, rubbed = every[: self._count]
-        lifted, led, *pressing, _ = every[self._count :]
+        lifted, led, *pressing = every[self._count :]
         *volumes, stuck = np.split(found.equal, self._ends)
-        plain, of_soils = volumes[: len(self._changes)], volumes[len(self._changes) :]
-        changing = iter(zip(self._changes, plain, strict=True))
-        soils = iter(zip(self._pressed, pressing, of_soils, strict=True))
+        changing = iter(zip(self._changes, volumes, strict=True))
+        apexes = iter(zip(self._apexes, pressing, strict=True))
+        planes = iter(zip(self._planes, found.planes, strict=True))
+        pointed = iter(self._pointed)
         stresses, means = [], []
         for group, carries, strain in zip(program.groups, self._carries, strained, strict=True):
             stress = np.zeros((group.weights.size, group.dim))
@@ -267,10 +225,14 @@ class Translation:
                 changes, volume = next(changing)
                 mean = np.zeros(group.volumetric.shape[0])
                 mean[changes] = -volume
-            else:
-                one, cone, held = next(soils)
+            elif next(pointed):
+                apex, cone = next(apexes)
                 stress -= cone[1:].T
-                mean = one.mean(cone[0], held)
+                mean = apex.mean(cone[0])
+            else:
+                several, bounded = next(planes)
+                stress -= bounded[: group.dim].T
+                mean = several.mean(bounded)
             stresses.append(stress)
             means.append(mean)
         normal = np.zeros(program.contact.count)
@@ -282,24 +244,13 @@ class Translation:
         tangential[self._rubs] += rubbed.T
         tangential[self._dilates] += (self._contact.dilatancy[self._dilates] * led[1:]).T
         return ProgramState(
-            velocity=velocity[: program.n],
+            velocity=velocity,
             load_factor=found.load,
             stress=tuple(stresses),
             mean_stress=tuple(means),
             normal_reaction=normal,
             tangential_reaction=tangential,
         )
-
-
-def _wide(rows: Sparse, columns: int) -> Sparse:
-    """The rows with empty columns appended."""
-    return csr_matrix((rows.data, rows.indices, rows.indptr), (rows.shape[0], columns))
-
-
-def _beside(rows: Sparse, own: Sparse, columns: int, first: int) -> Sparse:
-    """Rows on velocities, and on unknowns of their own from column `first` on."""
-    shifted = csr_matrix((own.data, own.indices + first, own.indptr), (own.shape[0], columns))
-    return csr_matrix(_wide(rows, columns) + shifted)
 
 
 def _led(lead: Floats, dim: int) -> Floats:

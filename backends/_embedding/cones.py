@@ -8,10 +8,14 @@ scaling of Nesterov and Todd kept as a vector and a number in place of a matrix.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lacore.arrays import Floats
+
+if TYPE_CHECKING:
+    from backends._embedding.rows import Rows
 
 _TINY = np.finfo(float).tiny
 
@@ -146,6 +150,10 @@ class Compliance:
         found[0] += (self.first - 1) * z[0]
         return np.asarray(self.square * found)
 
+    def applied(self, rows: "Rows", u: Floats, z: Floats, force: Floats, found: Floats) -> None:
+        """See `backends._embedding.loops.plain.times`."""
+        rows.loops.times(rows.matrix, u, z, self, force, found)
+
     def inverse(self, delta: Floats) -> "Inverse":
         """``(C + delta)^-1``."""
         return self.through(lambda c: np.asarray(1 / (c + delta)))
@@ -164,6 +172,13 @@ class Compliance:
         size = lengths(w[1:])
         high, low = function(square * (w[0] + size) ** 2), function(square / (w[0] + size) ** 2)
         return Inverse(plain, high, low, w / np.maximum(size, _TINY), self.first)
+
+    def along(self, rows: "Rows", steep: float, rates: Floats, z: Floats) -> None:
+        """Add what makes up for rates along what flows: more than `steep` times across it."""
+        if self.first > 0:
+            rows.loops.along(self, steep, rates, z)
+        else:
+            z += self.at_edge(rates, steep)
 
     def at_edge(self, rates: Floats, steep: float) -> Floats:
         """Of ``W^2`` the z that makes up for rates along an edge, where ``w.w > steep``."""
@@ -210,6 +225,14 @@ class Inverse:
         found[0] = one + two
         found[1:] = self.plain * (a[1:] - along * self.w[1:]) + (one - two) * self.w[1:]
         return found
+
+    def pulled(self, rows: "Rows", a: Floats, force: Floats) -> None:
+        """See `backends._embedding.loops.plain.pulled`."""
+        rows.loops.pulled(rows.matrix, self, a, force)
+
+    def moved(self, rows: "Rows", u: Floats, a: Floats, z: Floats) -> None:
+        """See `backends._embedding.loops.plain.moved`."""
+        rows.loops.moved(rows.matrix, self, u, a, z)
 
     @property
     def blocks(self) -> Floats:

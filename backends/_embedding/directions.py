@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends._embedding.cones import Compliance, inner
-from backends._embedding.place import Place, Step
+from backends._embedding.frames import Frame
+from backends._embedding.place import Place, Step, paired
 from backends._embedding.system import Border, System
 from backends._embedding.vectors import Vector
 from lacore.arrays import Floats
@@ -47,10 +48,12 @@ class Directions:
         self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
         self._twice = [Compliance.twice(scaling) for scaling in self._scalings]
         count = len(conic.costly)
-        self._costly, self._free = self._scalings[:count], self._scalings[count:]
+        self._count, self._first = count, count + len(conic.free)
+        self._costly, self._free = self._scalings[:count], self._scalings[count : self._first]
         # Of the t: 1 + a, what tau does to it, and what stresses do.
         self._raised, self._by_tau, self._across = [], [], []
-        soft, rates, slopes = [], [], []
+        soft: list[Compliance | Frame] = []
+        rates, slopes = [], []
         slope_tau = -place.rising / at.tau**2 - at.kappa / at.tau
         for one, scaling, t in zip(conic.costly, self._costly, at.leads, strict=True):
             first, square = scaling.w[0], scaling.square
@@ -69,9 +72,20 @@ class Directions:
             slopes.append(-slope * across)
             slope_tau += float(slope @ self._by_tau[-1])
             self._slopes.append(slope)
-        soft += self._twice[count:]
-        offsets = [kind.offset for kind in conic.free]
-        border = Border((*rates, *offsets), (*slopes, *offsets), slope_tau)
+        soft += self._twice[count : self._first]
+        rates += [kind.offset for kind in conic.free]
+        slopes += [kind.offset for kind in conic.free]
+        for planes, own in paired(conic.planes, self._scalings[self._first :]):
+            heavy = planes.multipliers(1.0, np.zeros((planes.rows.dim, planes.rows.count)))
+            heavy = [Compliance.twice(one).times(z) for one, z in zip(own, heavy, strict=True)]
+            by_tau = planes.summed(heavy)
+            rates.append(by_tau.copy())
+            rates[-1][planes.sheared :] -= planes.given
+            slopes.append(-by_tau)
+            slopes[-1][planes.sheared :] -= planes.given
+            slope_tau -= planes.cost(heavy)
+            soft.append(Frame.of(planes, own))
+        border = Border(tuple(rates), tuple(slopes), slope_tau)
         heights = [-s for s in place.slacks]
         self._ahead = self._reduced(1.0, heights, -at.tau * at.kappa)
         self._start = system.factorise(soft, self._reference(), border, self._ahead.right)
@@ -89,16 +103,31 @@ class Directions:
             softness += float(np.sum(share * scaling.square / one.rows.norms))
             power += float(share.sum())
         for kind, scaling, s, z in zip(
-            conic.free, self._free, place.slacks[count:], place.multipliers[count:], strict=True
+            conic.free,
+            self._free,
+            place.slacks[count : self._first],
+            place.multipliers[count : self._first],
+            strict=True,
         ):
             if kind.pressed:
                 share = s[0] * z[0]
                 softness += float(np.sum(share * scaling.square / kind.rows.norms))
                 power += float(share.sum())
+        for planes, scalings, s, z in zip(
+            conic.planes,
+            self._scalings[self._first :: 2],
+            place.slacks[self._first :: 2],
+            place.multipliers[self._first :: 2],
+            strict=True,
+        ):
+            share = s[0] * z[0]
+            norms = np.tile(planes.rows.norms, planes.normed)
+            softness += float(np.sum(share * scalings.square / norms))
+            power += float(share.sum())
         if softness > 0:
             return softness / power
         for kind, scaling, own in zip(
-            conic.free, self._free, place.powers[len(conic.costly) :], strict=True
+            conic.free, self._free, place.powers[count : self._first], strict=True
         ):
             softness += float(np.sum(own * scaling.square / kind.rows.norms))
             power += float(own.sum())
@@ -122,14 +151,19 @@ class Directions:
             costly.append(height[1:] - one.rise * height[0] * across - share * missed)
         free = [
             height - share * missed
-            for height, missed in zip(heights[count:], left.free, strict=True)
+            for height, missed in zip(heights[count : self._first], left.free, strict=True)
         ]
+        of_planes = []
+        pairs = paired(conic.planes, heights[self._first :])
+        for (planes, own), missed in zip(pairs, left.planes, strict=True):
+            of_planes.append(planes.summed(own) - share * missed)
         gap = -share * left.gap - kappa / self._place.at.tau
         gap -= sum(float(a @ b) for a, b in zip(self._slopes, leads, strict=True))
+        gap -= sum(planes.cost(own) for planes, own in pairs)
         right = self._system.layout.zeros()
         right.force[:] = -share * left.force
         right.equal[:] = -share * left.equal
-        for part, given in zip((*right.costly, *right.free), (*costly, *free), strict=True):
+        for part, given in zip(right.parts[:-1], (*costly, *free, *of_planes), strict=True):
             part[:] = given
         right.data[-2:] = -share * left.load, gap
         return _Reduced(right, tuple(leads), heights, kappa)
@@ -165,13 +199,37 @@ class Directions:
         slacks = tuple(
             height - own.times(r)
             for own, height, r in zip(
-                self._twice[count:], given.heights[count:], x.free, strict=True
+                self._twice[count : self._first],
+                given.heights[count : self._first],
+                x.free,
+                strict=True,
             )
         )
-        kappa = (given.kappa - at.kappa * x.tau) / at.tau
+        turned = [
+            part
+            for planes, zeta in zip(conic.planes, x.planes, strict=True)
+            for part in planes.multipliers(x.tau, zeta)
+        ]
+        flows = tuple(
+            height - own.times(part)
+            for own, height, part in zip(
+                self._twice[self._first :], given.heights[self._first :], turned, strict=True
+            )
+        )
         return Step(
-            *(conic, x.force, leads, rates, x.costly, x.equal),
-            *(slacks, x.free, x.load, x.tau, kappa),
+            conic=conic,
+            velocity=x.force,
+            leads=leads,
+            rates=rates,
+            stresses=x.costly,
+            equal=x.equal,
+            slacks=slacks,
+            pressures=x.free,
+            flows=flows,
+            bounded=x.planes,
+            load=x.load,
+            tau=x.tau,
+            kappa=(given.kappa - at.kappa * x.tau) / at.tau,
         )
 
     def to_edges(self) -> "Directed":

@@ -1,6 +1,7 @@
 """The way of the embedding from its start to an answer, or to a proof that there is none."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,15 +39,27 @@ class Found:
     multipliers: Multipliers
 
 
-def follow(system: System, goal: Goal, at: Step, power: float) -> Found:
-    """From a start, and the power that its velocity turns over, to the end."""
+def follow(
+    system: System,
+    goal: Goal,
+    at: Step,
+    power: float,
+    other: Callable[[], System] | None = None,
+) -> Found:
+    """From a start, and the power that its velocity turns over, to the end.
+
+    Args:
+        other: solves the same equations, slower, and goes on where forces are lost to round-off.
+    """
     conic = at.conic
+    before, lost = at, np.inf
     native, iteration = "iteration limit", 0
     best, least = Place(conic, at), np.inf
     for iteration in range(goal.max_iterations + 1):
         place = Place(conic, at)
         native = judged(place, goal, power)
-        left = max(residuals(place, power))
+        every = residuals(place, power)
+        left = max(every)
         if native or left < least:
             best, least = place, left
         if native:
@@ -60,6 +73,10 @@ def follow(system: System, goal: Goal, at: Step, power: float) -> Found:
         if time.perf_counter() > goal.deadline:
             native = "time limit"
             break
+        if other is not None and every[1] > lost and max(every[0], every[2]) < _NEAR:
+            system, other, at = other(), None, before
+            continue
+        before, lost = at, max(goal.tolerance, every[1])
         try:
             step, share = chosen(place, Directions(place, system), goal)
         except (SingularError, np.linalg.LinAlgError):
@@ -130,7 +147,9 @@ def _missed(place: Place) -> float:
     sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
     sizes += [
         (np.abs(part) / np.sqrt(rows.norms)).ravel()
-        for rows, part in zip(conic.kinds[:-1], (*left.costly, *left.free), strict=True)
+        for rows, part in zip(
+            conic.kinds[:-1], (*left.costly, *left.free, *left.planes), strict=True
+        )
     ]
     return max(float(part.max(initial=0.0)) for part in sizes)
 

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import csr_matrix, diags_array, vstack
 
-from backends._embedding.arrays import Conic, Rows
+from backends._embedding.arrays import Conic
 from backends._embedding.rigid import without_strain
+from backends._embedding.rows import Rows
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 
@@ -113,6 +114,7 @@ def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints) -> Conic:
         conic,
         costly=tuple(replace(one, rows=cut(one.rows)) for one in conic.costly),
         free=tuple(replace(kind, rows=cut(kind.rows)) for kind in conic.free),
+        planes=tuple(replace(one, rows=cut(one.rows)) for one in conic.planes),
         equal=cut(conic.equal),
         load=np.asarray(basis.T @ conic.load),
         dead=np.asarray(basis.T @ conic.dead),

@@ -1,14 +1,18 @@
 """Where the method is: an iterate of the homogeneous self-dual embedding, and what it leaves."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
 from backends._embedding.arrays import Conic, Multipliers
 from backends._embedding.cones import inner, inside, lengths
+from backends._embedding.pressed import Planes
 from lacore.arrays import Floats
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class Step:
         stresses: z_1 of costly cones, shape (d, m) each.
         equal: p.
         slacks, pressures: x and r of free cones, shape (dim, m) each.
+        flows: x of the cones of planes, two arrays for each of their kinds.
+        bounded: zeta of planes, shape (d + L, m) each.
         load: lambda.
         tau, kappa: of the embedding.
     """
@@ -34,6 +40,8 @@ class Step:
     equal: Floats
     slacks: tuple[Floats, ...]
     pressures: tuple[Floats, ...]
+    flows: tuple[Floats, ...]
+    bounded: tuple[Floats, ...]
     load: float
     tau: float
     kappa: float
@@ -53,6 +61,8 @@ class Step:
             self.equal + share * other.equal,
             sums(self.slacks, other.slacks),
             sums(self.pressures, other.pressures),
+            sums(self.flows, other.flows),
+            sums(self.bounded, other.bounded),
             self.load + share * other.load,
             self.tau + share * other.tau,
             self.kappa + share * other.kappa,
@@ -62,7 +72,8 @@ class Step:
     def cones(self) -> tuple[list[Floats], list[Floats]]:
         """Slacks and multipliers of all cones, costly ones first, each of shape (1 + d, m).
 
-        Of costly cones ``z_0 = c tau + h t`` holds whatever the step is.
+        Of costly cones ``z_0 = c tau + h t`` holds whatever the step is, and ``z_i = c_i tau + B_i
+        zeta`` of planes.
         """
         slacks, multipliers = [], []
         for one, lead, rate, stress in zip(
@@ -70,7 +81,25 @@ class Step:
         ):
             slacks.append(np.vstack([lead, rate]))
             multipliers.append(np.vstack([one.cost * self.tau + one.rise * lead, stress]))
-        return [*slacks, *self.slacks], [*multipliers, *self.pressures]
+        of_planes = [
+            part
+            for one, bounded in zip(self.conic.planes, self.bounded, strict=True)
+            for part in one.multipliers(self.tau, bounded)
+        ]
+        return (
+            [*slacks, *self.slacks, *self.flows],
+            [*multipliers, *self.pressures, *of_planes],
+        )
+
+    @property
+    def flowing(self) -> list[tuple[Planes, Sequence[Floats]]]:
+        """Planes of each kind, and their flows."""
+        return paired(self.conic.planes, self.flows)
+
+
+def paired(planes: Sequence[Planes], parts: Sequence[T]) -> list[tuple[Planes, Sequence[T]]]:
+    """Planes of each kind, and what there is of both of their kinds of cones."""
+    return [(one, parts[2 * at : 2 * at + 2]) for at, one in enumerate(planes)]
 
 
 @dataclass(frozen=True)
@@ -79,8 +108,9 @@ class Left:
 
     Attributes:
         force: of equilibrium, shape (n,).
-        equal: ``E u - e tau``.
+        equal: ``E u``.
         costly, free: ``D u - y`` and ``G u + g tau - x``.
+        planes: ``R u - e tau - sum B_i^T x_i``.
         load: ``F0.u - tau``.
         gap: ``kappa + c.t - Fd.u - ...``.
     """
@@ -89,6 +119,7 @@ class Left:
     equal: Floats
     costly: tuple[Floats, ...]
     free: tuple[Floats, ...]
+    planes: tuple[Floats, ...]
     load: float
     gap: float
 
@@ -131,23 +162,30 @@ class Place:
         """``c.t + h t^2/(2 tau) - Fd.u``: tau times what is minimised."""
         pairs = zip(self.conic.costly, self.at.leads, strict=True)
         plastic = sum(float(one.cost @ t) for one, t in pairs)
+        plastic += sum(one.cost(flows) for one, flows in self.at.flowing)
         return plastic + self.rising / (2 * self.at.tau) - float(self.conic.dead @ self.at.velocity)
 
     @property
     def dissipating(self) -> float:
-        """As `cost`, of what the velocity itself strains, whatever the rates of cones are."""
+        """As `cost`, of what the velocity itself strains, whatever the rates of cones are.
+
+        Of planes that of their flows, as many of which strain alike.
+        """
         conic, u = self.conic, self.at.velocity
         plastic = sum(float(one.cost @ lengths(one.rows.at(u))) for one in conic.costly)
+        plastic += sum(one.cost(flows) for one, flows in self.at.flowing)
         return plastic - float(conic.dead @ u)
 
     @cached_property
     def bound(self) -> float:
-        """``lambda - g.r + e.p - h t^2/(2 tau)``: tau times what is maximised."""
+        """``lambda - g.r + e.zeta - h t^2/(2 tau)``: tau times what is maximised."""
         conic, at = self.conic, self.at
         shifted = sum(
             float(np.sum(kind.offset * r)) for kind, r in zip(conic.free, at.pressures, strict=True)
         )
-        return at.load - shifted + float(conic.given @ at.equal) - self.rising / (2 * at.tau)
+        for one, zeta in zip(conic.planes, at.bounded, strict=True):
+            shifted -= float(np.sum(one.given * zeta[one.sheared :]))
+        return at.load - shifted - self.rising / (2 * at.tau)
 
     @cached_property
     def force(self) -> Floats:
@@ -158,6 +196,8 @@ class Place:
             force = force + one.rows.force(z)
         for kind, r in zip(conic.free, at.pressures, strict=True):
             force = force + kind.rows.force(r)
+        for planes, zeta in zip(conic.planes, at.bounded, strict=True):
+            force = force + planes.rows.force(zeta)
         return np.asarray(force)
 
     @cached_property
@@ -166,7 +206,7 @@ class Place:
         conic, at = self.conic, self.at
         return Left(
             self.force + at.load * conic.load + at.tau * conic.dead,
-            conic.equal.at(at.velocity)[0] - at.tau * conic.given,
+            conic.equal.at(at.velocity)[0],
             tuple(
                 one.rows.at(at.velocity) - y for one, y in zip(conic.costly, at.rates, strict=True)
             ),
@@ -174,6 +214,7 @@ class Place:
                 kind.rows.at(at.velocity) + at.tau * kind.offset - x
                 for kind, x in zip(conic.free, at.slacks, strict=True)
             ),
+            tuple(one.missed(at.velocity, at.tau, flows) for one, flows in at.flowing),
             float(conic.load @ at.velocity) - at.tau,
             at.kappa + self.cost - self.bound,
         )
@@ -201,6 +242,7 @@ class Place:
         return at.velocity / at.tau, Multipliers(
             tuple(z / at.tau for z in at.stresses),
             tuple(r / at.tau for r in at.pressures),
+            tuple(zeta / at.tau for zeta in at.bounded),
             at.equal / at.tau,
             at.load / at.tau,
         )

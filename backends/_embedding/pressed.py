@@ -1,151 +1,198 @@
-"""Groups whose strength depends on pressure as cones and rows of the embedding (T39).
+"""Groups whose strength depends on pressure (T39).
 
-    ||d|| <= sum_i n_i lam_i,  v - e = sum_i a_i lam_i,  lam >= 0,  at the cost of sum_i b_i lam_i
+    D u = sum_i n_i d_i,  V u - e = sum_i a_i lam_i,  ||d_i|| <= lam_i,  cost sum_i b_i lam_i
 
-The multipliers lam are unknowns beside the velocities, as speeds: times a length of their point, so
-that they are of the size of what moves it. A single plane with an apex needs none of them:
-``lam = (v - e)/a`` is a lead itself, and its cost a dead load (T38).
+n_i is 1, or 0 of a plane in p alone, whose ``lam_i >= 0``. Of the rows at a point the multipliers
+are ``zeta = (s, p)``, and those of its cones are affine in them,
+
+    z_i = tau c_i + B_i zeta,  c_i = (b_i, 0),  B_i zeta = (a_i.p, n_i s)
+
+so that a step of ``dz_i`` is one of zeta, and all flows ``x_i = (lam_i, d_i)`` are eliminated at
+their point, however many planes there are: what velocities feel is ``C = sum B_i^T W_i^2 B_i``.
+With one d bounded by ``sum n_i lam_i``, and signs of lam, the same takes a third more steps.
+
+A single plane with an apex is one cone of ``(theta/a, d)``, and its cost a dead load (T38).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from lacore.arrays import Floats, Sparse
+from backends._embedding.loops.best import Loops
+from backends._embedding.rows import Rows
+from lacore.arrays import Floats
+from lacore.numerics.interleaving import interleaved
 from lacore.program import DissipationGroup
 
-
-@dataclass(frozen=True)
-class Lead:
-    """What bounds ``||d||`` of the m points of a group, without their weights.
-
-    Attributes:
-        velocity: rows of the lead on velocities, shape (m, n).
-        own: on unknowns of the group, shape (m, k).
-        offset: what is added, shape (m,).
-    """
-
-    velocity: Sparse
-    own: Sparse
-    offset: Floats
+_INSIDE = 0.01  # of the strengths of a point: what all planes must leave stress zero
+_SHARPER = (4.0, 16.0, 64.0, 256.0, 1024.0)  # per strength: as sharp as corners get
+_FAR = 4.0  # strengths: from where on a pressure counts as much as a plane that is near
+_STEPS = 20
 
 
-@dataclass(frozen=True)
-class Held:
-    """Rows that hold exactly, without weights: ``velocity u + own y = given``, of r rows.
-
-    Attributes:
-        velocity, own: shape (r, n) and (r, k).
-        given: shape (r,).
-        gain: what they were multiplied by, shape (r,).
-        weights: of their points, shape (r,).
-    """
-
-    velocity: Sparse
-    own: Sparse
-    given: Floats
-    gain: Floats
-    weights: Floats
-
-
-class Pressed(Protocol):
-    """A group in such unknowns.
-
-    Attributes:
-        lead, held: rows.
-        sizes: lam per unknown, all of them >= 0, shape (k,).
-        weights: of their points, shape (k,).
-        cost_by_velocity, cost: of velocities and of the unknowns, shape (n,) and (k,).
-    """
-
-    @property
-    def lead(self) -> Lead: ...
-
-    @property
-    def held(self) -> Held: ...
-
-    @property
-    def sizes(self) -> Floats: ...
-
-    @property
-    def weights(self) -> Floats: ...
-
-    @property
-    def cost_by_velocity(self) -> Floats: ...
-
-    @property
-    def cost(self) -> Floats: ...
-
-    def mean(self, lead: Floats, held: Floats) -> Floats:
-        """Mean stresses of multipliers of lead and rows, shape (m L,)."""
-
-
-def pressed(group: DissipationGroup) -> Pressed:
-    """Whichever of both a group can be."""
+def alone(group: DissipationGroup) -> bool:
+    """Whether there is a single plane with an apex at each point."""
     surfaces = group.surfaces
     assert surfaces is not None
-    alone = surfaces.count == 1 and surfaces.volumes == 1 and bool(surfaces.normed[0] > 0)
-    return Apex(group) if alone and bool(np.all(surfaces.slope > 0)) else Planes(group)
+    single = surfaces.count == 1 and surfaces.volumes == 1 and bool(surfaces.normed[0] > 0)
+    return single and bool(np.all(surfaces.slope > 0))
 
 
 class Apex:
-    """One plane with an apex at each point."""
+    """One plane with an apex at each of m points.
+
+    Attributes:
+        lead: rows of what bounds ``||d||``, without weights, shape (m, n).
+        offset: what is added to it, shape (m,).
+        cost: of velocities, shape (n,).
+    """
 
     def __init__(self, group: DissipationGroup) -> None:
         surfaces = group.surfaces
         assert surfaces is not None
-        n, count = int(group.rows.shape[1]), group.weights.size
         slope = surfaces.slope[:, 0, 0]
         self._slope, self._strength = slope, surfaces.strength[:, 0]
-        share = surfaces.normed[0] / slope
-        rows = csr_matrix(group.volumetric.multiply(share[:, None]))
-        none = csr_matrix((count, 0))
-        self.lead = Lead(rows, none, -share * surfaces.besides)
-        self.held = Held(csr_matrix((0, n)), csr_matrix((0, 0)), *np.zeros((3, 0)))
-        self.sizes = self.weights = self.cost = np.zeros(0)
-        per = group.weights * self._strength / slope
-        self.cost_by_velocity = np.asarray(group.volumetric.T @ per)
-        self._share = share
+        self._share = surfaces.normed[0] / slope
+        self.lead = csr_matrix(group.volumetric.multiply(self._share[:, None]))
+        self.offset = -self._share * surfaces.besides
+        self.cost = np.asarray(group.volumetric.T @ (group.weights * self._strength / slope))
 
-    def mean(self, lead: Floats, held: Floats) -> Floats:
-        """See `Pressed`."""
+    def mean(self, lead: Floats) -> Floats:
+        """Mean stresses of multipliers of the lead, shape (m,)."""
         return np.asarray(self._strength / self._slope - self._share * lead)
 
 
+@dataclass(frozen=True)
 class Planes:
-    """Several planes, whose multipliers are unknowns, point after point."""
+    """k planes at each of m points with d rows of D and L of V; those with a norm come first.
 
-    def __init__(self, group: DissipationGroup) -> None:
+    Their cones are two arrays: of planes with a norm shape (1 + d, k_1 m), the others (1, k_2 m).
+
+    Attributes:
+        rows: of D and V, times what their multipliers are to be.
+        slope: a, shape (k, L, m).
+        strength: b, shape (k, m).
+        normed: number k_1.
+        given: e, shape (L, m).
+        gain: of multipliers of V, per mean stress, shape (L, m).
+    """
+
+    rows: Rows
+    slope: Floats
+    strength: Floats
+    normed: int
+    given: Floats
+    gain: Floats
+
+    @classmethod
+    def of(cls, group: DissipationGroup, loops: Loops) -> "Planes":
+        """Those of a group."""
         surfaces = group.surfaces
         assert surfaces is not None
-        m, k, volumes = surfaces.slope.shape
-        n, own = int(group.rows.shape[1]), np.arange(m * k)
-        squares = np.asarray(group.rows.multiply(group.rows).sum(axis=1)).ravel()
-        per_length = np.sqrt(squares.reshape(m, -1).mean(axis=1))
-        per_length[per_length == 0] = 1.0
-        self.sizes = np.repeat(per_length, k)
-        self.weights = np.repeat(group.weights, k)
-        normed = (np.tile(surfaces.normed, m) * self.sizes, (own // k, own))
-        self.lead = Lead(csr_matrix((m, n)), csr_matrix(normed, (m, own.size)), np.zeros(m))
-        steepest = np.abs(surfaces.slope).max(axis=1).ravel()
+        m, _, volumes = surfaces.slope.shape
+        order = np.argsort(-surfaces.normed, kind="stable")
+        steepest = np.abs(surfaces.slope).max(axis=1)
         gain = 1 / np.where(steepest > 0, steepest, 1.0)
-        slope = surfaces.slope * gain.reshape(m, 1, volumes) * per_length[:, None, None]
-        at = np.broadcast_to(own.reshape(m, k, 1), slope.shape)
-        row = np.broadcast_to(np.arange(m * volumes).reshape(m, 1, volumes), slope.shape)
-        rows = csr_matrix((-slope.ravel(), (row.ravel(), at.ravel())), (m * volumes, own.size))
-        rows.eliminate_zeros()
-        self.held = Held(
-            csr_matrix(group.volumetric.multiply(gain[:, None])),
-            rows,
-            gain * surfaces.besides,
-            gain,
-            group.volume_weights,
+        by = gain * group.volume_weights.reshape(m, volumes) / group.weights[:, None]
+        changes = csr_matrix(group.volumetric.multiply(by.reshape(-1, 1)))
+        both = interleaved(group.rows, group.dim, changes, volumes)
+        given = group.weights[:, None] * by * surfaces.besides.reshape(m, volumes)
+        return cls(
+            rows=Rows.of(both, group.dim + volumes, group.weights, loops),
+            slope=np.ascontiguousarray((surfaces.slope[:, order] * by[:, None]).transpose(1, 2, 0)),
+            strength=np.ascontiguousarray(surfaces.strength[:, order].T),
+            normed=int((surfaces.normed > 0).sum()),
+            given=np.ascontiguousarray(given.T),
+            gain=np.ascontiguousarray(gain.T),
         )
-        self.cost_by_velocity = np.zeros(n)
-        self.cost = self.weights * surfaces.strength.ravel() * self.sizes
 
-    def mean(self, lead: Floats, held: Floats) -> Floats:
-        """See `Pressed`."""
-        return np.asarray(-self.held.gain * held)
+    @property
+    def sheared(self) -> int:
+        """Rows d of a point."""
+        return self.rows.dim - int(self.slope.shape[1])
+
+    def cones(self, leads: Floats, sides: Floats) -> list[Floats]:
+        """Of leads of shape (k, m), and what is beside those with a norm, (d, k_1 or 1, m)."""
+        first = np.empty((1 + self.sheared, self.normed, self.rows.count))
+        first[0], first[1:] = leads[: self.normed], sides
+        return [first.reshape(1 + self.sheared, -1), leads[self.normed :].reshape(1, -1)]
+
+    def leads(self, cones: Sequence[Floats]) -> Floats:
+        """First components of all cones, shape (k, m)."""
+        return np.concatenate([part[0] for part in cones]).reshape(self.strength.shape)
+
+    def multipliers(self, tau: float, bounded: Floats) -> list[Floats]:
+        """The z of all cones, of zeta of shape (d + L, m)."""
+        d = self.sheared
+        leads = tau * self.strength + np.einsum("klm,lm->km", self.slope, bounded[d:])
+        return self.cones(leads, bounded[:d, None])
+
+    def summed(self, cones: Sequence[Floats]) -> Floats:
+        """``sum B_i^T x_i``, shape (d + L, m)."""
+        d = self.sheared
+        found = np.empty((self.rows.dim, self.rows.count))
+        found[:d] = cones[0][1:].reshape(d, self.normed, -1).sum(axis=1)
+        np.einsum("klm,km->lm", self.slope, self.leads(cones), out=found[d:])
+        return found
+
+    def cost(self, cones: Sequence[Floats]) -> float:
+        """``sum c_i.x_i``."""
+        return float(np.sum(self.strength * self.leads(cones)))
+
+    def missed(self, velocity: Floats, tau: float, cones: Sequence[Floats]) -> Floats:
+        """``R u - e tau - sum B_i^T x_i``, shape (d + L, m)."""
+        found = self.rows.at(velocity) - self.summed(cones)
+        found[self.sheared :] -= tau * self.given
+        return found
+
+    def inside(self) -> Floats:
+        """Multipliers zeta inside of all planes, shape (d + L, m): none where that is inside.
+
+        Without strength stress zero is at an edge. There p minimises a smooth maximum of what is
+        used of planes, sharper and sharper until it is inside.
+        """
+        found = np.zeros((self.rows.dim, self.rows.count))
+        size = np.median(np.abs(self.strength), axis=0)
+        size = np.where(size > 0, size, np.abs(self.strength).max(axis=0))
+        size = np.where(size > 0, size, 1.0)
+        strength = self.strength / size
+        apart = np.flatnonzero(strength.min(axis=0) < _INSIDE)
+        slope, strength = self.slope[:, :, apart], strength[:, apart]
+        p = np.zeros((apart.size, slope.shape[1]))
+        for sharp in _SHARPER:
+            out = _least(slope, strength, p) < _INSIDE
+            if not out.any():
+                break
+            p[out] = _pushed(slope[:, :, out], strength[:, out], p[out], sharp)
+        found[self.sheared :, apart] = p.T * size[apart]
+        return found
+
+    def mean(self, bounded: Floats) -> Floats:
+        """Mean stresses, point by point, shape (m L,)."""
+        return np.asarray(-(self.gain * bounded[self.sheared :]).T.ravel())
+
+
+def _least(slope: Floats, strength: Floats, p: Floats) -> Floats:
+    """What the nearest plane leaves, shape (m,)."""
+    left = strength + np.einsum("klm,ml->km", slope, p)
+    return np.asarray(left.min(axis=0))
+
+
+def _pushed(slope: Floats, strength: Floats, p: Floats, sharp: float) -> Floats:
+    """Newton's method for the log of ``sum exp(-sharp left_i)``, and little of ``|p|^2``."""
+    own = np.eye(p.shape[1]) / _FAR**2
+    for _ in range(_STEPS):
+        left = strength + np.einsum("klm,ml->km", slope, p)
+        share = np.exp(-sharp * (left - left.min(axis=0)))
+        share /= share.sum(axis=0)
+        mean = np.einsum("klm,km->ml", slope, share)
+        spread = np.einsum("kim,kjm,km->mij", slope, slope, share)
+        spread -= mean[:, :, None] * mean[:, None]
+        slopes = p / _FAR**2 - mean
+        step = np.linalg.solve(sharp * spread + own, slopes[:, :, None])[:, :, 0]
+        # No longer than what all planes change little in: the curvature is that of this place.
+        longest = np.abs(np.einsum("klm,ml->km", slope, step)).max(axis=0)
+        p = p - step / np.maximum(1.0, sharp * longest / 2)[:, None]
+    return p

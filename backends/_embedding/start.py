@@ -21,6 +21,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     typical = conic.typical
     costly = [one.cost / one.weights for one in conic.costly]
     free = [typical / np.sqrt(kind.rows.norms) for kind in conic.free]
+    free += [typical / np.sqrt(one.rows.norms) for one in conic.planes]
     equal = _BULK * typical / np.sqrt(conic.equal.norms)
     velocity = system.elastic(costly, equal, free)
     work = float(conic.load @ velocity)
@@ -43,6 +44,14 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
         x[0] = np.maximum(x[0], _AWAY * lengths(x[1:])) + mu / typical
         slacks.append(x)
         pressures.append(r)
+    flows, bounded = [], []
+    for planes in conic.planes:
+        zeta = planes.inside()
+        rate = planes.rows.at(velocity)[: planes.sheared] / max(planes.normed, 1)
+        lead = 2 * mu / planes.leads(planes.multipliers(1.0, zeta))
+        lead[: planes.normed] += _AWAY * lengths(rate)
+        flows += planes.cones(lead, rate[:, None])
+        bounded.append(zeta)
     step = Step(
         conic,
         velocity,
@@ -52,6 +61,8 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
         np.zeros(conic.equal.count),
         tuple(slacks),
         tuple(pressures),
+        tuple(flows),
+        tuple(bounded),
         0.0,
         1.0,
         mu,
@@ -73,7 +84,9 @@ def _moving(conic: Conic) -> float:
     An elastic body that is free to move hardly strains. Where it begins so, all cones are at their
     edges before anything is known of the load.
     """
-    strengths = [one.cost for one in conic.costly] + [conic.typical] * len(conic.free)
+    strengths = [one.cost for one in conic.costly] + [conic.typical] * (
+        len(conic.free) + len(conic.planes)
+    )
     pairs = zip(strengths, conic.kinds[:-1], strict=True)
     power = sum(float(np.sum(strength * np.sqrt(rows.norms))) for strength, rows in pairs)
     load = float(np.abs(conic.load).sum()) or 1.0

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from backends._embedding.arrays import Rows
 from backends._embedding.loops.best import Loops
+from backends._embedding.rows import Rows
 from lacore.arrays import Floats, Ints, Sparse
 
 

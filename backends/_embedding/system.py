@@ -1,11 +1,11 @@
 """The linear equations of a step: factorised on velocities, refined in all unknowns.
 
-    D^T z + E^T p + G^T r = f        with C and W^2 the scalings of the cones,
-    D u + C z = a,  E u = b,  G u + W^2 r = g
+    D^T z + E^T p + G^T r + R^T zeta = f    with C and W^2 the scalings of the cones,
+    D u + C z = a,  E u = b,  G u + W^2 r = g,  R u + C zeta = d
 
-z, p and r are eliminated point by point, with small compliances added where there is next to none:
-``K = D^T (C + delta)^-1 D + G^T (W^2 + delta)^-1 G + E^T delta^-1 E``. Refinement, of the equations
-without them, takes back what they change.
+z, zeta, p and r are eliminated point by point, with small compliances added where there is next to
+none: ``K = D^T (C + delta)^-1 D + G^T (W^2 + delta)^-1 G + E^T delta^-1 E``, and of R as of D.
+Refinement, of the equations without them, takes back what they change.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ import numpy as np
 
 from backends._embedding.arrays import Conic
 from backends._embedding.cones import Compliance, Inverse
+from backends._embedding.frames import Frame
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.vectors import Layout, Vector
 from lacore.arrays import Floats, Sparse
@@ -78,7 +79,7 @@ class System:
         return matrix, np.asarray(np.maximum(diagonal, floor))
 
     def factorise(
-        self, soft: Sequence[Compliance], reference: float, border: Border, right: Vector
+        self, soft: Sequence[Compliance | Frame], reference: float, border: Border, right: Vector
     ) -> Vector:
         """Take the compliances of all cones; `reference` is one of those that flow, per norm.
 
@@ -89,7 +90,7 @@ class System:
             SingularError: the matrix is not definite.
         """
         conic = self._conic
-        self._soft = [*soft, Compliance.none(conic.equal.count)]
+        self._soft: list[Compliance | Frame] = [*soft, Compliance.none(conic.equal.count)]
         least = reference / _CAP
         held = _VOLUME / (reference * conic.equal.norms)
         self._stiff = [
@@ -108,7 +109,6 @@ class System:
         pairs = zip(rate.parts, slope.parts, border.rates, border.slopes, strict=False)
         for part, other, given, its_slope in pairs:
             part[:], other[:] = given, its_slope
-        rate.equal[:] = slope.equal[:] = -conic.given
         rate.data[-2:], slope.data[-2:] = (-1.0, border.tau), (-1.0, border.tau)
         self._rate, self._slope = rate.data, slope.data
         by_load = self.layout.zeros()
@@ -159,7 +159,7 @@ class System:
         for force, right in zip(forces, rights, strict=True):
             np.negative(right.force, out=force)
             for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
-                rows.loops.pulled(rows.matrix, stiff, part, force)
+                stiff.pulled(rows, part, force)
         forces[:, self._conic.loose] = 0.0
         found = self._solver.solve(forces.T)
         return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
@@ -171,7 +171,7 @@ class System:
         x.data[-2:] = 0.0
         pairs = zip(self._conic.kinds, self._stiff, right.parts, x.parts, strict=True)
         for rows, stiff, a, z in pairs:
-            rows.loops.moved(rows.matrix, stiff, u, a, z)
+            stiff.moved(rows, u, a, z)
         return x
 
     def times(self, x: Vector) -> Vector:
@@ -182,7 +182,7 @@ class System:
         for rows, own, z, part in zip(
             self._conic.kinds, self._soft, x.parts, out.parts, strict=True
         ):
-            rows.loops.times(rows.matrix, u, z, own, force, part)
+            own.applied(rows, u, z, force, part)
         out.data[-2:] = load @ u - x.tau, self._slope @ x.data
         return out
 
@@ -234,10 +234,8 @@ class System:
         A flowing cone is as near to its edge as mu is to zero, and what is left of its rate along
         the flow moves it by as much. Stresses that take it up are too small for equilibrium.
         """
-        loops, moved = self._conic.equal.loops, Vector(self.layout, x.data.copy())
-        for own, rates, z in zip(self._soft, left.costly, moved.costly, strict=False):
-            loops.along(own, _FLOWING, rates, z)
-        edges = self._soft[self.layout.costly : -1]
-        for own, rates, z in zip(edges, left.free, moved.free, strict=True):
-            z += own.at_edge(rates, _FLOWING)
+        moved = Vector(self.layout, x.data.copy())
+        pairs = zip(self._conic.kinds[:-1], self._soft, left.parts, moved.parts, strict=False)
+        for rows, own, rates, z in pairs:
+            own.along(rows, _FLOWING, rates, z)
         return moved

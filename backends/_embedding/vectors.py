@@ -21,6 +21,7 @@ class Layout:
             for a, b, shape in zip(ends[:-1], ends[1:], shapes, strict=True)
         ]
         self.costly = len(conic.costly)
+        self.free = self.costly + len(conic.free)
         self.size = int(ends[-1]) + 2  # and lambda and tau
 
     def zeros(self) -> "Vector":
@@ -30,7 +31,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Vector:
-    """u, z of costly cones, r of free cones, p, lambda and tau; or forces, rates, and so on.
+    """u, z, r and zeta of costly and free cones and planes, p, lambda, tau; or forces, and so on.
 
     Attributes:
         layout: of the array.
@@ -58,7 +59,12 @@ class Vector:
     @property
     def free(self) -> tuple[Floats, ...]:
         """Pressures of free cones."""
-        return self.parts[self.layout.costly : -1]
+        return self.parts[self.layout.costly : self.layout.free]
+
+    @property
+    def planes(self) -> tuple[Floats, ...]:
+        """Stresses of planes."""
+        return self.parts[self.layout.free : -1]
 
     @property
     def equal(self) -> Floats:

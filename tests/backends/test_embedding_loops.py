@@ -5,6 +5,7 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from backends._embedding.cones import Compliance, Scaling, product
+from backends._embedding.frames import Frame
 from backends._embedding.loops import plain
 
 compiled = pytest.importorskip("backends._embedding.loops.compiled")
@@ -169,6 +170,42 @@ def test_ways_to_the_edge_are_the_same(rng, dim):
     there = x + share * change
     left = there[0] - np.linalg.norm(there[1:], axis=0)
     assert left.min() == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("sheared", "volumes", "normed", "others"), [(2, 1, 2, 0), (2, 2, 3, 1)])
+def test_planes_have_the_same_frames(rng, sheared, volumes, normed, others):
+    m, dim, count = 9, sheared + volumes, normed + others
+    scaling = Scaling.between(*insides(rng, 1 + sheared, normed * m))
+    squares, slope = rng.uniform(0.1, 2, others * m), rng.normal(size=(count, volumes, m))
+    each = dense(Compliance.twice(scaling)).reshape(normed, m, 1 + sheared, 1 + sheared)
+    whole = np.zeros((m, dim, dim))
+    for k in range(count):
+        by = np.zeros((m, 1 + sheared, dim))
+        by[:, 0, sheared:] = slope[k].T
+        square = np.zeros((m, 1 + sheared, 1 + sheared))
+        if k < normed:
+            by[:, 1:, :sheared], square = np.eye(sheared), each[k]
+        else:
+            square[:, 0, 0] = squares.reshape(others, m)[k - normed]
+        whole += np.einsum("mai,mab,mbj->mij", by, square, by)
+    a = rng.normal(size=(dim, m))
+    for loops in (plain, compiled):
+        frame = Frame(*loops.frames(scaling, squares, slope, sheared), np.ones(m))
+        size = float(np.abs(whole).max())
+        near(frame.blocks / size, whole.transpose(1, 2, 0) / size)
+        found = loops.framed(frame.values, frame.vectors, a)
+        near(found / size, np.einsum("mij,jm->im", whole, a) / size)
+        stiff = frame.inverse(np.full(m, 0.5)).blocks.transpose(2, 0, 1)
+        near(stiff @ (whole + 0.5 * np.eye(dim)), np.eye(dim) * np.ones((m, 1, 1)))
+
+
+def test_a_plane_without_strength_has_a_frame(rng):
+    """Where nothing is felt there is no direction, and both find zero."""
+    scaling = Scaling.between(np.ones((3, 0)), np.ones((3, 0)))
+    for loops in (plain, compiled):
+        values, vectors = loops.frames(scaling, np.ones(4), np.zeros((1, 1, 4)), 2)
+        near(values, 0.0)
+        near(np.einsum("mij,mik->mjk", vectors, vectors), np.eye(3) * np.ones((4, 1, 1)))
 
 
 def test_nan_is_no_way_to_go(rng):

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 
 from backends._embedding.cones import Compliance, Inverse, Scaling
-from backends._embedding.loops import cones, matrices, products
+from backends._embedding.loops import cones, matrices, principal, products
 from backends._embedding.loops.plain import Indices
 from lacore.arrays import Floats, Ints, Sparse
 
@@ -74,6 +74,21 @@ def times(
     """See `plain.times`."""
     own = matrix.indptr, matrix.indices, matrix.data
     products.times(*own, u, z, soft.square, soft.rank, soft.first, soft.w, force, found)
+
+
+def framed(values: Floats, vectors: Floats, a: Floats) -> Floats:
+    """See `plain.framed`."""
+    found = np.empty(a.shape)
+    products.framed(values, vectors, a, found)
+    return found
+
+
+def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple[Floats, Floats]:
+    """See `plain.frames`."""
+    dim, count = sheared + slope.shape[1], slope.shape[2]
+    values, vectors = np.empty((dim, count)), np.empty((count, dim, dim))
+    principal.frames(first.square, first.w, others, slope, values, vectors)
+    return values, vectors
 
 
 def along(soft: Compliance, free: float, rates: Floats, z: Floats) -> None:

@@ -109,6 +109,42 @@ def times(
     force += forces(matrix, z)
 
 
+def framed(values: Floats, vectors: Floats, a: Floats) -> Floats:
+    """``V values V^T a`` of values of shape (dim, m) and directions of shape (m, dim, dim)."""
+    along = values * np.einsum("mij,im->jm", vectors, a)
+    return np.asarray(np.einsum("mij,jm->im", vectors, along))
+
+
+def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple[Floats, Floats]:
+    """Values and directions of ``sum B_i^T W_i^2 B_i`` of k planes at each of m points.
+
+    Of its factor ``W_i B_i``: small values are as exact as the root of the largest allows.
+
+    Args:
+        first: of planes with a norm, (1 + d, k_1 m).
+        others: ``W^2`` of the others, shape (k_2 m,).
+        slope: of B, shape (k, L, m).
+        sheared: d.
+
+    Returns:
+        Shape (d + L, m) and (m, d + L, d + L), a direction a column.
+    """
+    k, volumes, m = slope.shape
+    normed, dim = first.square.size // m, sheared + volumes
+    unit = np.zeros((normed, dim, 1 + sheared, m))
+    unit[:, np.arange(sheared), 1 + np.arange(sheared)] = 1.0
+    unit[:, sheared:, 0] = slope[:normed]
+    columns = unit.transpose(1, 2, 0, 3).reshape(dim, 1 + sheared, -1)
+    rows = np.stack([first.times(column) for column in columns])
+    rows = rows.reshape(dim, 1 + sheared, normed, m).transpose(3, 2, 1, 0).reshape(m, -1, dim)
+    sides = np.zeros((m, k - normed, dim))
+    sides[:, :, sheared:] = slope[normed:].transpose(2, 0, 1)
+    sides *= np.sqrt(others).reshape(k - normed, m).T[:, :, None]
+    none = np.zeros((m, dim, dim))  # so that there are as many rows as columns
+    _, values, turned = np.linalg.svd(np.concatenate([rows, sides, none], axis=1))
+    return np.ascontiguousarray(values.T**2), np.ascontiguousarray(turned.transpose(0, 2, 1))
+
+
 def along(soft: Compliance, free: float, rates: Floats, z: Floats) -> None:
     """Add what makes up for rates along w, of points where ``w.w`` is more than `free`."""
     size = inner(soft.w, soft.w)

@@ -71,6 +71,21 @@ def moved(starts, columns, data, plain, one, two, w, first, u, a, z):  # type: i
 
 
 @njit(cache=True)
+def framed(values, vectors, a, found):  # type: ignore[no-untyped-def]
+    dim, count = a.shape
+    for m in range(count):
+        for i in range(dim):
+            found[i, m] = 0.0
+        for j in range(dim):
+            along = 0.0
+            for i in range(dim):
+                along += vectors[m, i, j] * a[i, m]
+            along *= values[j, m]
+            for i in range(dim):
+                found[i, m] += vectors[m, i, j] * along
+
+
+@njit(cache=True)
 def times(starts, columns, data, u, z, square, rank, first, w, force, found):  # type: ignore[no-untyped-def]
     dim, count = z.shape
     for m in range(count):
