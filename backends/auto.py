@@ -17,7 +17,7 @@ from lacore.backend import (
 )
 from lacore.errors import require_count, require_positive
 from lacore.numerics.symmetric import fast_solver
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
 
 _FIRST, _OTHER = "interior_point", "clarabel"
@@ -100,9 +100,8 @@ class AutoSolver:
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
         self._names = [_OTHER]
-        # Of soils lower bounds take three times as long, though upper ones do not; of blocks alone
-        # vertices are degenerate, and one in four ends without progress.
-        fits = bool(program.groups) and not program.presses
+        # Of blocks alone vertices are degenerate, and one in four ends without progress.
+        fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
         if _size(program) >= least and fits and fast_solver() is not None:
             self._names = [_FIRST, _OTHER]
 
@@ -153,6 +152,12 @@ class AutoSolver:
         for solver in self._solvers.values():
             solver.close()
         self._solvers.clear()
+
+
+def _smooth(group: DissipationGroup) -> bool:
+    """Whether points have one surface at most: with several steps are twice as many, and dearer."""
+    surfaces = group.surfaces
+    return surfaces is None or (surfaces.count == 1 and surfaces.dilation is None)
 
 
 def _size(program: KinematicProgram) -> float:

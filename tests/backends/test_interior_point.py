@@ -304,7 +304,7 @@ def test_what_ends_at_round_off_is_solved_if_ten_tolerances_are_left(smooth, mon
     assert words <= {"iteration limit", "solved to round-off", "almost solved"}
 
 
-def test_auto_takes_clarabel_for_little_for_soils_and_for_blocks(smooth):
+def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smooth):
     soil = random_soil(1)
     blocks = replace(random_program(1), groups=(), dead_load=np.zeros(9))
     cases = ((*smooth, 10**6), (soil, frozen(1.0), 0), (blocks, frozen(1.0), 0))
@@ -314,11 +314,25 @@ def test_auto_takes_clarabel_for_little_for_soils_and_for_blocks(smooth):
         solver.close()
 
 
+def test_auto_takes_the_interior_point_for_soil_of_one_surface(fast):
+    """Pressed between smooth platens."""
+    problem = la.Problem(
+        bodies={"soil": replace(square(2), criterion=la.MohrCoulomb(1.0, 20.0))},
+        supports=[la.Fix("soil", "bottom", "y"), la.Fix("soil", "left", "x")],
+        reference_loads=[la.Traction("soil", "top", (0, -1))],
+    )
+    program = discretise(problem).program
+    solver = AutoSolver(program, AutoOptions(), 0)
+    native = solver.solve(associated_contact(program.contact)).native_status
+    solver.close()
+    assert native.startswith("interior_point: solved")
+
+
 def test_all_loops_are_compiled_before_a_solve():
     """Within one they counted to its time limit: on a busy machine the first solve ended there."""
     compiled = pytest.importorskip("backends._embedding.loops.compiled")
     InteriorPoint().prepare(*least_program()[:1], InteriorPoint.Options()).close()
-    files = compiled.cones, compiled.matrices, compiled.products
+    files = compiled.cones, compiled.matrices, compiled.principal, compiled.products
     every = [(name, own) for file in files for name, own in vars(file).items()]
     # Those that others call alone are kept with them.
     public = [own for name, own in every if not name.startswith("_")]
@@ -328,6 +342,7 @@ def test_all_loops_are_compiled_before_a_solve():
     known = [own.signatures for own in loops]
     program, contact = random_program(1), frozen(1.0, 0.5, 0.1)
     answer("interior_point", program, contact)
+    answer("interior_point", random_soil(1), frozen(1.0))
     assert [own.signatures for own in loops] == known
 
 
