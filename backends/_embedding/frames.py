@@ -67,4 +67,5 @@ class Frame:
     @property
     def blocks(self) -> Floats:
         """Shape (dim, dim, m)."""
-        return np.asarray(np.einsum("mik,km,mjk->ijm", self.vectors, self.values, self.vectors))
+        found = np.einsum("mik,km,mjk->ijm", self.vectors, self.values, self.vectors)
+        return np.ascontiguousarray(found)
