@@ -1,10 +1,11 @@
 """The kinematic program as the arrays of the embedding, and the way back.
 
     minimise   sum c t + h t^2/2 - Fd.u
-    subject to s = (t, D u) in cones,  x = G u + g in cones,  E u = e,  F0.u = 1
+    subject to s = (t, D u) in cones,  x = G u + g in cones,  E u = 0,  F0.u = 1
 
 Rows carry their weights, so that multipliers are stresses. The c of a friction cone is its bound;
-dilatant contact points are cones of G, the others half-lines.
+dilatant contact points are cones of G, the others half-lines. What has several planes at a point
+has cones of its own (`backends._embedding.pressed`).
 """
 
 from collections.abc import Sequence

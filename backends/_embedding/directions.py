@@ -48,7 +48,7 @@ class Directions:
         self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
         self._twice = [Compliance.twice(scaling) for scaling in self._scalings]
         count = len(conic.costly)
-        self._count, self._first = count, count + len(conic.free)
+        self._first = count + len(conic.free)  # of the cones of planes
         self._costly, self._free = self._scalings[:count], self._scalings[count : self._first]
         # Of the t: 1 + a, what tau does to it, and what stresses do.
         self._raised, self._by_tau, self._across = [], [], []

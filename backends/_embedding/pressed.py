@@ -9,7 +9,6 @@ are ``zeta = (s, p)``, and those of its cones are affine in them,
 
 so that a step of ``dz_i`` is one of zeta, and all flows ``x_i = (lam_i, d_i)`` are eliminated at
 their point, however many planes there are: what velocities feel is ``C = sum B_i^T W_i^2 B_i``.
-With one d bounded by ``sum n_i lam_i``, and signs of lam, the same takes a third more steps.
 
 A single plane with an apex is one cone of ``(theta/a, d)``, and its cost a dead load (T38).
 """
