@@ -73,7 +73,7 @@ class System:
         """The upper triangle of K, and its diagonal."""
         matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
-        diagonal[self._conic.loose] = diagonal.mean()  # one as good as another: no force gets there
+        diagonal[self._conic.loose] = diagonal.mean()  # one as good as another: `_bordered`
         floor = np.finfo(float).tiny + _LEAST * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
         return matrix, np.asarray(np.maximum(diagonal, floor))
@@ -149,7 +149,7 @@ class System:
         load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
         x.data[:] += load * by_load.data
         x.data[:] += tau * by_tau.data
-        x.force[loose] = own
+        x.force[loose] += own  # without them nothing is left there by the load and tau found
         x.data[-2:] = load, tau
         return x
 
@@ -160,7 +160,6 @@ class System:
             np.negative(right.force, out=force)
             for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
                 stiff.pulled(rows, part, force)
-        forces[:, self._conic.loose] = 0.0
         found = self._solver.solve(forces.T)
         return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
 

@@ -71,7 +71,6 @@ class Whole(System):
         every = np.column_stack([right.data[:-2] for right in rights])
         force, a = every[:n], every[n:]
         force = self._unit[:, None] * (force - self._rows.T @ (self._moderate @ a))
-        force[self._conic.loose] = 0.0
         found = self._indefinite.solve(np.vstack([force, self._rest.T @ a]))
         u, q = self._unit[:, None] * found[:n], found[n:]
         z = self._moderate @ (a - self._rows @ u) + self._rest @ q
