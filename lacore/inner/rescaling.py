@@ -224,10 +224,14 @@ class RescalingSolver:
         thousands of blocks are solved best as they are, though none of them is to a digit more.
         """
         best = self._asked(contact)
-        if self._units is not None and best.point is None and best.status not in _CLAIMS:
-            self._renew(None)
-            best = self._asked(contact)
         residual = largest_residual(self._program, best, contact)
+        ended = best.status in (Status.SOLVED, *_CLAIMS)
+        if self._units is not None and not ended and residual > self._good:
+            self._renew(None)  # units of loads may be worse than none
+            plain = self._asked(contact)
+            found = largest_residual(self._program, plain, contact)
+            if found <= residual or (plain.status in _CLAIMS and residual > _BAR):
+                best, residual = plain, found
         for _ in range(_TRIES):
             if best.point is None or residual <= self._good:
                 break

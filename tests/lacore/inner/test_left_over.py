@@ -98,3 +98,13 @@ def test_a_light_block_out_of_balance_is_solved_again_or_not_called_solved():
     assert again.status is Status.SOLVED
     stubborn = RescalingSolver(drawn.program, lambda _: Stubborn(alone), good_for(BAR))
     assert stubborn.solve(drawn.contact).status is Status.ALMOST_SOLVED
+
+
+def test_what_units_of_loads_do_not_solve_is_asked_as_it_is():
+    """Weights decades apart: in units of them it stalled at 0.16, and as it is it is solved."""
+    drawn = draw_program("weights", 12, 0, 18)
+    backend = find_backend("clarabel")
+    with preparing(backend, read_options(backend, {}), good=good_for(BAR)) as prepare:
+        found = prepare(drawn.program).solve(drawn.contact)
+    assert found.status is Status.SOLVED
+    assert certify(drawn.program, found.point, drawn.contact).holds(BAR)
