@@ -176,7 +176,7 @@ class LowerBound(Shown):
 
 def lower_bound(
     problem: Problem | StaticModel,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     options: Mapping[str, Any] | None = None,
     throw: bool = False,

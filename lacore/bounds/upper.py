@@ -121,7 +121,7 @@ class UpperBound(Shown):
 
 def upper_bound(
     problem: Problem | Discretisation | LimitState,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     options: Mapping[str, Any] | None = None,
     throw: bool = False,

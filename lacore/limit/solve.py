@@ -79,7 +79,7 @@ _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
 def solve(
     problem: Problem | Discretisation,
-    backend: str = "clarabel",
+    backend: str = "auto",
     coupling: str | None = None,
     *,
     start: str = "associated",

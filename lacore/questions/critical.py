@@ -185,7 +185,7 @@ def critical(
     target: float = 1.0,
     tolerance: float = 1e-7,
     scan: int = 0,
-    backend: str = "clarabel",
+    backend: str = "auto",
     coupling: str | None = None,
     options: Mapping[str, Any] | None = None,
     workers: int = 1,

@@ -115,7 +115,7 @@ class LoadCases(Shown):
 def load_cases(
     problem: Problem,
     cases: Mapping[str, Sequence[Load] | Problem],
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     coupling: str | None = None,
     target_width: float | None = None,

@@ -96,7 +96,7 @@ def worst_position(
     *,
     scan: int = 25,
     tolerance: float = 1e-3,
-    backend: str = "clarabel",
+    backend: str = "auto",
     coupling: str | None = None,
     options: Mapping[str, Any] | None = None,
     workers: int = 1,

@@ -72,7 +72,7 @@ class Stable(Shown):
 
 def stable(
     problem: Problem,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     tolerance: float = 1e-6,
     options: Mapping[str, Any] | None = None,

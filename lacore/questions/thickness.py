@@ -28,7 +28,7 @@ def limit_thickness(
     *,
     tolerance: float = 1e-7,
     scan: int = 0,
-    backend: str = "clarabel",
+    backend: str = "auto",
     options: Mapping[str, Any] | None = None,
     workers: int = 1,
     folder: str | Path | None = None,

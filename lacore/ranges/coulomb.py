@@ -174,7 +174,7 @@ class CoulombRange(Shown):
 
 def coulomb_range(
     problem: Problem | Discretisation,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     seed: int = 0,
     restarts: int = 8,

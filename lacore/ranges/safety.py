@@ -90,7 +90,7 @@ def safety_factor(
     *,
     interfaces: bool = False,
     tolerance: float = 1e-3,
-    backend: str = "clarabel",
+    backend: str = "auto",
 ) -> SafetyFactor:
     """Factor by which strengths may be divided until the given loads collapse the structure.
 

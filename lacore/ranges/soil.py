@@ -117,7 +117,7 @@ class SoilRange(Shown):
 
 def soil_range(
     problem: Problem | Discretisation,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     shares: tuple[float, ...] = SHARES,
     tolerance: float = 5e-5,

@@ -47,7 +47,7 @@ _STOPPED = 130
 )
 @click.option("--limit", is_flag=True, help="Search along it where the dead loads just stand.")
 @click.option("--worst", is_flag=True, help="Search along it where the load factor is least.")
-@click.option("--backend", metavar="NAME", help="In place of that of the file, or clarabel.")
+@click.option("--backend", metavar="NAME", help="In place of that of the file, or auto.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),

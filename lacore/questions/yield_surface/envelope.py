@@ -140,7 +140,7 @@ def envelope(
     problem: Problem,
     loads: Mapping[str, Sequence[Load]],
     n: int = 24,
-    backend: str = "clarabel",
+    backend: str = "auto",
     *,
     target_width: float | None = None,
     options: Mapping[str, Any] | None = None,

@@ -33,7 +33,7 @@ class Told(Entry):
 class Asked(Entry):
     """What is asked for, and how it is solved; the command line has the last word."""
 
-    backend: str = "clarabel"
+    backend: str = "auto"
     coupling: str | None = None
     units: Told = Told()
     bracket: Number | None = None
