@@ -3,6 +3,7 @@
 For the factor F every cohesion and every ``tan(phi)`` is divided by F, and the load factor of all
 given loads together falls with it. Where a strict lower bound of that is still 1 or more the
 structure stands, where a strict upper bound is below 1 it does not: the two ends are proven.
+Where flow is not associated no bound theorem holds, and certified states take their place.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ import pandas as pd
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.lending import largest_strength
-from lacore.bounds.enclosing import named_criterion, require_associated_flow
+from lacore.bounds.enclosing import has_coulomb, named_criterion
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError, require_positive
+from lacore.limit.solve import solve
+from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
@@ -35,16 +38,23 @@ _MOST = 25  # solves of one end: 4^25 is more than any strength
 
 @dataclass(frozen=True, repr=False)
 class SafetyFactor(Shown):
-    """A factor of safety between two proven ends.
+    """A factor of safety between two ends: proven, or of certified states.
 
     Attributes:
-        lower: the structure stands with strengths divided by this factor; nan where not proven.
-        upper: with strengths divided by this one it collapses; nan where not proven.
+        lower: the structure stands with strengths divided by this factor; nan where not proven. Of
+            certified states: the largest factor with one whose load factor is 1 or more.
+        upper: with strengths divided by this one it collapses; nan where not proven. Of certified
+            states: the least factor with one whose load factor is below 1.
         history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
-            bound that failed), ``proves``.
+            bound that failed), ``proves``; or a row a state.
         problem: as stated.
         note: which sides of soils the mechanism at the upper end comes to: in a larger body both
             ends may be less; empty where it comes to none.
+        states: those at both ends that were found, where flow is not associated: they prove no
+            end, as others may have other load factors (`lacore.soil_range`, `lacore.coulomb_range`
+            look for them). With associated flow the factor is no less: its `upper`, of the problem
+            with ``Coulomb(mu, associated=True)`` and no dilation angles, is proven for this one
+            too (T14, T54). Empty where ends are proven.
     """
 
     lower: float
@@ -52,6 +62,7 @@ class SafetyFactor(Shown):
     history: pd.DataFrame
     problem: Problem
     note: str = ""
+    states: tuple[LimitState, ...] = ()
 
     @property
     def width(self) -> float:
@@ -61,24 +72,28 @@ class SafetyFactor(Shown):
     @property
     def stands(self) -> bool | None:
         """Whether the structure as it is carries the given loads; None where neither is proven."""
+        if self.states:
+            return None
         if self.lower >= 1:
             return True
         return False if self.upper <= 1 else None
 
     @property
     def _failed(self) -> str:
-        """How many bounds there were none of, for its text."""
+        """How many there were none of, for its text."""
         number = int(self.history["load_factor"].isna().sum())
         return f", of which {number} failed and prove{'s' * (number == 1)} nothing" * bool(number)
 
     def facts(self) -> Facts:
         """Both ends, and what they took."""
         missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
-        proven = "both ends by strict bounds of the continuum problem"
+        proven, kind = "both ends by strict bounds of the continuum problem", "bound"
+        if self.states:
+            proven, kind = "not proven: certified states, beside which there may be others", "state"
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
             "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
-            "solved by": f"{len(self.history)} bounds" + self._failed,
+            "solved by": counted(len(self.history), kind) + self._failed,
         }
         told |= {"note": self.note} if self.note else {}
         return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
@@ -95,7 +110,9 @@ def safety_factor(
     """Factor by which strengths may be divided until the given loads collapse the structure.
 
     On the mesh of the problem: how far its ends are apart is what its bounds are. Refine it, or
-    take the space ``p2-disc`` and a fan at its toe, for closer ones.
+    take the space ``p2-disc`` and a fan at its toe, for closer ones. With Coulomb friction, or soil
+    that dilates less than it rubs, ends are factors of certified states (`SafetyFactor.states`) and
+    as close as `tolerance`.
 
     Args:
         problem: its reference and dead loads count alike, at their full size (load factor 1).
@@ -106,8 +123,8 @@ def safety_factor(
         backend: name of an exact backend.
 
     Raises:
-        InputError: Coulomb friction that is not associated; a criterion that cannot be weakened;
-            a body without any cohesion, whose factor no load factor tells; what bounds refuse.
+        InputError: a criterion that cannot be weakened; a body without any cohesion, or no body
+            at all, whose factor no load factor tells; what bounds refuse.
         CapabilityError: the backend cannot take the problem.
 
     Example:
@@ -121,9 +138,15 @@ def safety_factor(
     given = replace(
         problem, reference_loads=[*problem.reference_loads, *problem.dead_loads], dead_loads=[]
     )
-    require_associated_flow(of_kind(given.bodies, Body))
-    for name, body in of_kind(given.bodies, Body).items():
+    bodies = of_kind(given.bodies, Body)
+    if not bodies:
+        why = "without cohesion all loads together have no size: the load factor is 0 or endless"
+        mend = "give a body with a criterion; `lacore.critical` finds friction at which it falls"
+        raise InputError("Problem.bodies", list(given.bodies), why, mend)
+    for name, body in bodies.items():
         _check(name, body)
+    if has_coulomb(given) or any(own.form.frictional for b in bodies.values() for own in b.regions):
+        return _of_states(problem, given, interfaces, tolerance, backend)
     rows: list[dict[str, object]] = []
     notes: dict[float, str] = {}
 
@@ -144,33 +167,66 @@ def safety_factor(
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
-    lower = _end("lower", below, 1.0, tolerance, rows)
-    upper = _end("upper", above, lower if lower > 0 else 1.0, tolerance, rows)
+    lower = _end("lower", True, below, 1.0, tolerance, rows)
+    upper = _end("upper", False, above, lower if lower > 0 else 1.0, tolerance, rows)
     return SafetyFactor(lower, upper, pd.DataFrame(rows), problem, notes.get(upper, ""))
+
+
+def _of_states(
+    problem: Problem, given: Problem, interfaces: bool, tolerance: float, backend: str
+) -> SafetyFactor:
+    """Between factors of certified states on either side of a load factor of 1."""
+    rows: list[dict[str, object]] = []
+    states: dict[float, LimitState] = {}
+
+    def certified(factor: float) -> float | None:
+        weaker = _weakened(given, factor, interfaces)
+        if weaker is None:
+            return None
+        state = solve(weaker, backend)
+        if state.status in (Status.SOLVED, Status.LOCKED):
+            states[factor] = state
+        return 0.0 if state.status is Status.FREE else state.load_factor
+
+    lower = _end("state", True, certified, 1.0, tolerance, rows)
+    history = pd.DataFrame(rows).drop(columns="proves")
+    falls = history["factor"][history["load_factor"] < 1]
+    upper = float(falls.min()) if falls.size else nan
+    ends = tuple(states[factor] for factor in (lower, upper) if factor in states)
+    if not ends:
+        why = f"none of {len(rows)} states of weakened strengths is certified"
+        mend = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
+        if (history["load_factor"] == 0).all():
+            why = "the loads move it without dissipation, however strong its bodies are"
+            mend = "`interfaces=True` divides friction as well"
+        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
+    note = ends[-1].status.added(ends[-1].message) if ends[-1].status is Status.SOLVED else ""
+    return SafetyFactor(lower, upper, history, problem, note, ends)
 
 
 def _end(
     end: str,
+    stands: bool,
     load_factor: Callable[[float], float | None],
     start: float,
     tolerance: float,
     rows: list[dict[str, object]],
 ) -> float:
-    """The last factor that is proven of one end; nan where none is.
+    """The last factor with a load factor of 1 or more, or below 1; nan where there is none.
 
-    A bound that failed (nan) says nothing of either side: it is looked for beside it.
+    What failed (nan) says nothing of either side: it is looked for beside it.
     """
-    stands, falls = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
+    above, below = (0.0, inf), (inf, -inf)  # logarithms: of the factor, of the load factor
     low, high = -inf, inf
     failed: list[float] = []
     factor, best, least = start, nan, log(1 + tolerance)
     for _ in range(_MOST):
         value, here = load_factor(factor), log(factor)
         known = nan if value is None else value
-        proves = known >= 1 if end == "lower" else known < 1
+        proves = known >= 1 if stands else known < 1
         rows.append({"end": end, "factor": factor, "load_factor": known, "proves": proves})
         if proves and not isnan(best):
-            best = max(best, factor) if end == "lower" else min(best, factor)
+            best = max(best, factor) if stands else min(best, factor)
         elif proves:
             best = factor
         size = log(known) if known > 0 else -inf
@@ -179,14 +235,14 @@ def _end(
         elif isnan(known):
             failed.append(here)
         elif known >= 1:
-            low, stands = here, (here, size)
+            low, above = here, (here, size)
         else:
-            high, falls = here, (here, size)
+            high, below = here, (here, size)
         if high - low <= least:
             break
         bounded = low > -inf or high < inf
-        wanted = _next(low, high, stands, falls, size) if bounded else failed[-1]
-        clear = _clear(wanted, low, high, failed, end == "lower", least)
+        wanted = _next(low, high, above, below, size) if bounded else failed[-1]
+        clear = _clear(wanted, low, high, failed, stands, least)
         if clear is None:
             break
         factor = exp(clear)

@@ -316,7 +316,7 @@ def test_what_these_soils_cannot_be_asked():
     around = sample(la.MohrCoulomb(1.0, PHI, dilation_angle=0), "axisymmetric")
     cut = sample(la.MohrCoulomb(1.0, PHI, 0.1, dilation_angle=0), "plane_strain")
     for problem in (cut, sample(la.MohrCoulomb(1.0, PHI, dilation_angle=0), "plane_stress")):
-        for ask in (la.lower_bound, la.upper_bound, la.bracket, la.safety_factor):
+        for ask in (la.lower_bound, la.upper_bound, la.bracket):
             with pytest.raises(la.InputError, match=r"bound theorems do not hold.*T54"):
                 ask(problem)
     with pytest.raises(la.InputError, match="hoop stress"):

@@ -264,7 +264,7 @@ def test_backends_agree_on_a_flow_that_is_frozen():
 
 def test_what_a_bound_or_another_loop_needs_is_refused():
     problem = sheared(0.0)
-    for ask in (la.lower_bound, la.upper_bound, la.bracket, la.safety_factor):
+    for ask in (la.lower_bound, la.upper_bound, la.bracket):
         with pytest.raises(la.InputError, match=r"bound theorems do not hold.*T54"):
             ask(problem)
     with pytest.raises(la.InputError, match="bound theorems do not hold"):

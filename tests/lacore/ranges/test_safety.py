@@ -1,9 +1,10 @@
 """Factors of safety by strength reduction, against load factors and rotational mechanisms."""
 
 from dataclasses import replace
-from math import isnan, nan, radians, tan
+from math import atan, isnan, nan, pi, radians, tan
 
 import pytest
+from scipy.optimize import brentq
 
 import lacore as la
 from lacore.ranges import safety
@@ -128,6 +129,49 @@ def test_interfaces_are_weakened_where_asked():
     )
     assert la.safety_factor(problem, interfaces=True).lower == pytest.approx(4.0, rel=2e-3)
     assert not la.safety_factor(problem).lower < 25  # its own strength alone
+
+
+@pytest.mark.parametrize("dilation", [0.0, 10.0])
+def test_a_uniform_state_has_one_factor_whatever_the_dilation(dilation):
+    """Pressed by p, ``2 c/F tan(45 + phi_F/2) = p`` with ``tan(phi_F) = tan(phi)/F``."""
+    mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
+    problem = la.Problem(
+        {"sample": la.Body(mesh, la.MohrCoulomb(1.0, 30, dilation_angle=dilation))},
+        [la.Pressure("sample", "top", 2.0)],
+        supports=[la.Fix("sample", "bottom", "y")],
+    )
+    found = la.safety_factor(problem, tolerance=1e-3)
+
+    def carried(factor):
+        angle = atan(tan(radians(30)) / factor)
+        return 2 / factor * tan(pi / 4 + angle / 2)
+
+    exact = brentq(lambda factor: carried(factor) - 2, 1, 3)
+    assert found.lower <= exact * (1 + 1e-6)  # certified at 1e-6 of the load
+    assert found.upper >= exact * (1 - 1e-6)
+    assert found.width <= 1.1e-3  # tolerance, in logarithms
+    assert [state.certify().holds(1e-6) for state in found.states] == [True, True]
+    assert found.stands is None  # other states may carry less
+    assert "not proven" in repr(found)
+
+
+@pytest.mark.parametrize(("pressure", "exact"), [(0.75, 0.9), (3.0, 3.6)])
+def test_a_block_slides_where_friction_is_that_of_the_load(pressure, exact):
+    """Over 2 m, mu p against 1 Pa over 1 m: ``F = 2 mu p``, and load factors fall to 0 there."""
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(100.0))},
+        [la.Traction("block", "left", (1, 0))],
+        interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle((0, 0), (0, 1)), 0.6)],
+        dead_loads=[la.Pressure("block", "top", pressure)],
+    )
+    found = la.safety_factor(problem, interfaces=True, tolerance=0.02)
+    assert found.lower <= exact * (1 + 1e-6)
+    assert found.upper >= exact * (1 - 1e-6)
+    assert found.width <= 0.022
+    if exact < 1:
+        with pytest.raises(la.InputError, match=r"without dissipation.*interfaces=True"):
+            la.safety_factor(problem)
 
 
 def test_an_end_that_is_not_proven_says_so():
