@@ -24,7 +24,7 @@ from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 _SOUGHT = 7  # motions, those of both loads among them
 _SHIFT = 1e-10  # of the diagonal: next to the least stiffness, nothing
 _TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
-_WORKS = 1e-9  # of the nodal forces of a load, times the fastest: less is in balance
+_WORKS = 1e-6  # of the nodal forces of a load, times the fastest: less is in balance
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,9 @@ def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
     turn, works, _ = np.linalg.svd(modes.T @ (loads / np.where(sums > 0, sums, 1.0)))
     known = int(np.sum(works > _WORKS))
     moving = modes @ turn[:, :known]
+    # Motions that dead loads alone drive are unsafe, or round-off: as stated, what resists decides.
+    if known == 2 or np.any(np.abs(conic.load @ moving) <= _WORKS * sums[0]):
+        return None
     moving = moving / np.abs(moving).max(axis=0, initial=0.0)
     kept = np.ones(n)
     kept[own] = 0.0
