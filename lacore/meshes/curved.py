@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
+from skfem.mapping import MappingIsoparametric
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
@@ -173,3 +174,28 @@ def subdivided(mesh: Mesh) -> MeshTri:
         ring = [0, 4, 1, 5, 2, 6, 3, 7]
         parts = [(8, a, b) for a, b in zip(ring, [*ring[1:], 0], strict=True)]
     return MeshTri(mesh.p, np.concatenate([nodes[list(part)] for part in parts], axis=1))
+
+
+class OnFacets(MappingIsoparametric):  # type: ignore[misc]
+    """Of facets alone, whose reference coordinates are known.
+
+    scikit-fem iterates for them, to another place or to none where an element is much distorted.
+
+    Args:
+        mesh: of triangles or quadrilaterals.
+        facets: numbers, (f,).
+        along: parameters along them, from the first vertex to the second, (1, q).
+    """
+
+    def __init__(self, mesh: Mesh, facets: Ints, along: Floats) -> None:
+        super().__init__(mesh, mesh.elem(), mesh.bndelem)
+        own = mesh.t[:, mesh.f2t[0, facets]]
+        begin, end = (
+            mesh.elem.refdom.p[:, np.argmax(own == vertex, axis=0), None]
+            for vertex in mesh.facets[:, facets]
+        )
+        self._places: Floats = begin + (end - begin) * along
+
+    def invF(self, x: Floats, tind: Ints | None = None) -> Floats:  # noqa: N802, their name
+        """Reference coordinates of points of the facets, (2, f, q)."""
+        return self._places

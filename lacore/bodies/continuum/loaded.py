@@ -1,6 +1,5 @@
 """Loads on a continuum: checked where a problem is stated, and as forces on its unknowns."""
 
-from dataclasses import replace
 from functools import singledispatch
 from typing import TYPE_CHECKING
 
@@ -8,6 +7,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementTetP1, ElementTriP1, FacetBasis, LinearForm
 from skfem.assembly.basis import AbstractBasis
 from skfem.mesh import MeshTet1, MeshTri1
+from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTet, RefTri
 
 from lacore.arrays import Floats, Ints
@@ -19,7 +19,7 @@ from lacore.conditions.footings import Footing, RigidFooting, Twist
 from lacore.conditions.loads import Fix, Load, PointForce, Pressure, Traction
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.errors import InputError
-from lacore.meshes.curved import is_curved
+from lacore.meshes.curved import OnFacets, is_curved
 
 if TYPE_CHECKING:
     from lacore.bodies.continuum.body import Body
@@ -90,8 +90,8 @@ def force(load: Load, dofs: "BodyDofs") -> Floats:
 @force.register(Traction)
 @force.register(Pressure)
 def _on_boundary(load: Traction | Pressure, dofs: "BodyDofs") -> Floats:
-    basis, centre = _facet_basis(dofs, facets_of(load, dofs.body))
-    return _power(dofs, basis, centre, load.on(np.asarray(basis.normals)))
+    basis = _facet_basis(dofs, facets_of(load, dofs.body))
+    return _power(dofs, basis, load.on(np.asarray(basis.normals)))
 
 
 @force.register(BodyForce)
@@ -104,7 +104,7 @@ def _of_volume(load: BodyForce, dofs: "BodyDofs") -> Floats:
     places = np.asarray(basis.global_coordinates())  # (d, elements, points)
     numbers = np.repeat(elements, places.shape[2])
     vector = load.at(places.reshape(len(places), -1), numbers, body.mesh.nelements, field)
-    return _power(dofs, basis, np.zeros(len(places)), vector.reshape(places.shape))
+    return _power(dofs, basis, vector.reshape(places.shape))
 
 
 @force.register(PointForce)
@@ -123,20 +123,18 @@ def _of_pores(load: PorePressure, dofs: "BodyDofs") -> Floats:
     mesh, u = dofs.body.mesh, in_pores(load, dofs.body, "PorePressure")
     inside = Basis(mesh, dofs.basis.elem, intorder=_load_order(dofs))
     slope = np.asarray(_linear(inside).interpolate(u).grad)
-    outline, centre = _facet_basis(dofs, mesh.boundary_facets())
+    outline = _facet_basis(dofs, mesh.boundary_facets())
     pushed = np.asarray(_linear(outline).interpolate(u)) * np.asarray(outline.normals)
-    return _power(dofs, inside, np.zeros(len(slope)), -slope) + _power(
-        dofs, outline, centre, pushed
-    )
+    return _power(dofs, inside, -slope) + _power(dofs, outline, pushed)
 
 
 @force.register(StandingWater)
 def _standing(load: StandingWater, dofs: "BodyDofs") -> Floats:
     facets = facets_of(load, dofs.body)
-    basis, centre = _facet_basis(dofs, facets)
+    basis = _facet_basis(dofs, facets)
     pressure = on_facets(load, dofs.body, facets, "StandingWater")
     along = np.asarray(_linear(basis).interpolate(pressure))
-    return _power(dofs, basis, centre, -along * np.asarray(basis.normals))
+    return _power(dofs, basis, -along * np.asarray(basis.normals))
 
 
 def _linear(basis: AbstractBasis) -> AbstractBasis:
@@ -145,9 +143,9 @@ def _linear(basis: AbstractBasis) -> AbstractBasis:
     return basis.with_element(known[basis.mesh.refdom])
 
 
-def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Floats:
+def _power(dofs: "BodyDofs", basis: Basis, vector: Floats) -> Floats:
     """Of forces per area or volume at the points of a basis, on the shape functions."""
-    thickness = dofs.body.thickness(_places(basis, centre))
+    thickness = dofs.body.thickness(_places(basis))
 
     @LinearForm
     def power(v, w):  # type: ignore[no-untyped-def]
@@ -157,9 +155,9 @@ def _power(dofs: "BodyDofs", basis: Basis, centre: Floats, vector: Floats) -> Fl
     return np.asarray(power.assemble(basis))
 
 
-def _places(basis: Basis, centre: Floats) -> Floats:
-    """The points of a basis in coordinates from a centre, m, shape (d, ...)."""
-    return np.asarray(basis.global_coordinates()) + centre[:, None, None]
+def _places(basis: Basis) -> Floats:
+    """The points of a basis, m, shape (d, ...)."""
+    return np.asarray(basis.global_coordinates())
 
 
 Part = Traction | Pressure | Footing | StandingWater | Fix
@@ -172,8 +170,8 @@ def facets_of(part: Part, body: "Body") -> Ints:
 
 def area(dofs: "BodyDofs", facets: Ints) -> float:
     """Of a part of the boundary, m^2; m per unit thickness."""
-    basis, centre = _facet_basis(dofs, facets)
-    return float(np.sum(basis.dx * dofs.body.thickness(_places(basis, centre))))
+    basis = _facet_basis(dofs, facets)
+    return float(np.sum(basis.dx * dofs.body.thickness(_places(basis))))
 
 
 def _load_order(dofs: "BodyDofs") -> int:
@@ -181,15 +179,9 @@ def _load_order(dofs: "BodyDofs") -> int:
     return _CURVED_ORDER if curved else _LOAD_ORDER
 
 
-def _facet_basis(dofs: "BodyDofs", facets: Ints) -> tuple[FacetBasis, Floats]:
-    """Of a part of the boundary, in coordinates from a centre, and that centre.
-
-    Maps that are not affine are inverted to a fixed 1e-12, which far from the origin is below the
-    round-off of coordinates.
-    """
-    mesh, centre = dofs.body.mesh, np.zeros(dofs.body.dimension)
+def _facet_basis(dofs: "BodyDofs", facets: Ints) -> FacetBasis:
+    """Of a part of the boundary."""
+    mesh, order, mapping = dofs.body.mesh, _load_order(dofs), None
     if is_curved(mesh) or not isinstance(mesh, MeshTri1 | MeshTet1):
-        centre = mesh.doflocs.mean(axis=1)
-        mesh = replace(mesh, doflocs=mesh.doflocs - centre[:, None])
-    order = _load_order(dofs)
-    return FacetBasis(mesh, dofs.basis.elem, facets=facets, intorder=order), centre
+        mapping = OnFacets(mesh, facets, get_quadrature(mesh.brefdom, order)[0])
+    return FacetBasis(mesh, dofs.basis.elem, mapping, facets=facets, intorder=order)

@@ -14,6 +14,7 @@ from skfem.mesh import MeshQuad2, MeshTri2
 import lacore as la
 from lacore.meshes.curved import (
     EdgeCurves,
+    OnFacets,
     edge_curves,
     edge_lines,
     jacobians,
@@ -394,3 +395,21 @@ def test_outlines_follow_curves():
     straight = la.meshes.quadrilaterals((0, 1), (0, 1), 2, 1)
     assert outlines(straight).shape == (2, 4, 2)
     assert shapely.area(shapely.polygons(outlines(straight))) == pytest.approx([0.5, 0.5])
+
+
+def test_places_on_facets_of_distorted_elements_are_known():
+    """A triangle that is drawn out, a ring, and quadrilaterals: as the map of elements has them."""
+    corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.4]]
+    middles = [[0.5, -0.3], [0.6, 0.3], [0.4, 0.3]]
+    sag = MeshTri2(np.array([*corners, *middles]).T, np.array([[0], [1], [2]]))
+    along = np.linspace(0, 1, 7)[None]
+    for mesh in (sag, round_ring(2), la.meshes.quadrilaterals((0, 1), (0, 1), 2, 1)):
+        facets = mesh.boundary_facets()
+        mapping = OnFacets(mesh, facets, along)
+        element, wanted = mesh.f2t[0, facets], mapping.G(along, find=facets)
+        found = mapping.invF(wanted, tind=element)
+        np.testing.assert_allclose(
+            mapping.F(found, element), wanted, atol=1e-14
+        )  # round-off of lengths of 1
+        assert found.min() == 0
+        assert found.max() == 1
