@@ -27,6 +27,8 @@ from .bounds.lower import lower_bound as lower_bound
 from .bounds.upper import UpperBound as UpperBound
 from .bounds.upper import upper_bound as upper_bound
 from .certificate import Certificate as Certificate
+from .claims.dead_collapse import DeadCollapse as DeadCollapse
+from .claims.locking_ray import LockingRay as LockingRay
 from .conditions.body_forces import BodyForce as BodyForce
 from .conditions.footings import RigidFooting as RigidFooting
 from .conditions.footings import Twist as Twist

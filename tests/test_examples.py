@@ -12,8 +12,9 @@ import lacore as la
 
 MADE = {
     *("Bracket", "Certificate", "CoulombRange", "Critical", "Crossing"),
-    *("CrushingBracket", "Discretisation"),
-    *("Envelope", "GapIdentity", "Interval", "LimitState", "LoadCases", "LowerBound", "Path"),
+    *("CrushingBracket", "DeadCollapse", "Discretisation"),
+    *("Envelope", "GapIdentity", "Interval", "LimitState", "LoadCases", "LockingRay"),
+    *("LowerBound", "Path"),
     *("SafetyFactor", "Sensitivity", "SoilRange", "Stability", "Stable", "UpperBound"),
     *("WorstPosition", "masonry.DrawnBlocks"),
 }

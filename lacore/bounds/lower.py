@@ -26,10 +26,10 @@ from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
 from lacore.certificate import Certificate
-from lacore.claims.judged import judged_claim
+from lacore.claims.judged import Ray, judged_claim
 from lacore.errors import CapabilityError, SolveError
 from lacore.inner.preparing import preparing
-from lacore.limit.conversion import in_si
+from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
 from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
@@ -75,6 +75,7 @@ class LowerBound(Shown):
         model: the assembled problem.
         point: multipliers of the free unknowns (m/s at ``F0.U = 1``), stresses and reactions (Pa);
             None where there is no state.
+        ray: what proves LOCKED or UNSAFE, SI units, with its residuals, recomputed; None else.
     """
 
     status: Status
@@ -89,6 +90,7 @@ class LowerBound(Shown):
     message: str
     model: StaticModel
     point: ProgramState | None
+    ray: Ray | None = None
 
     @property
     def lost(self) -> float:
@@ -115,6 +117,8 @@ class LowerBound(Shown):
                 f" {self.certificate.yield_violation:.1e}, cone {self.certificate.cone:.1e};"
                 f" gap {self.certificate.gap:.1e}"
             )
+        elif self.ray is not None:
+            told["proof"] = str(self.ray)
         solves = counted(len(self.history), "solve")
         told["solved by"] = (
             f"{self.backend}: {solves} in {self.solve_time:.3g} s,"
@@ -251,7 +255,7 @@ def _found(
     built = time.perf_counter()
     check_capable(engine, program)
     exact = exactness(dofs.body for dofs in model.bodies.values())
-    attempts, status = list[Attempt](), Status.NOT_CERTIFIED
+    attempts, status, ray = list[Attempt](), Status.NOT_CERTIFIED, None
     tolerance = nominal_tolerance(engine, engine_options)
     good = max(_GOOD, _LEFT * tolerance)
     with preparing(engine, engine_options, good=good) as prepare:
@@ -275,8 +279,11 @@ def _found(
         if attempts[-1].state is None:
             status = inner.status
             laws = associated_contact(program.contact)
-            status, _ = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
-    return _bound(model, program, status, attempts, backend, options, built - begin, built)
+            status, _, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
+    bound = _bound(model, program, status, attempts, backend, options, built - begin, built)
+    if ray is None:
+        return bound
+    return replace(bound, ray=ray_in_si(program.scales, ray, in_si(program.scales, ray.point)))
 
 
 def _bound(

@@ -30,6 +30,7 @@ from lacore.bounds.possible import possible_velocity
 from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
+from lacore.claims.judged import Ray
 from lacore.errors import InputError, SolveError
 from lacore.inner.preparing import preparing
 from lacore.inner.rigid_motions import motions_without_strain
@@ -92,6 +93,11 @@ class UpperBound(Shown):
     def discretisation(self) -> Discretisation:
         """The assembled problem."""
         return self.state.discretisation
+
+    @property
+    def ray(self) -> Ray | None:
+        """What proves that the problem of `state` is LOCKED or UNSAFE: see `LimitState`."""
+        return self.state.ray
 
     @property
     def lost(self) -> float:

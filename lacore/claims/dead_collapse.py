@@ -19,20 +19,39 @@ from lacore.inner.rigid_cleaning import cleaned
 from lacore.numerics.linear_program import least
 from lacore.part_forces import own_loads
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.showing import Compact
 from lacore.state import ProgramState
 
 
-@dataclass(frozen=True)
-class DeadCollapse:
-    """A mechanism by which the dead load falls.
+@dataclass(frozen=True, repr=False)
+class DeadCollapse(Compact):
+    """Why a structure is unsafe: a mechanism by which the dead load falls, whatever is added (T13).
 
     Attributes:
-        velocity: ``F0.u = 0`` and ``Fd.u = 1``, shape (n,).
+        power: of the dead loads, ``Fd.u``, what holds contact shut among them: 1 but for round-off.
         carried: ``D(u)``, the share of the dead load that this mechanism could carry, below 1.
+        felt: ``|F0.u|`` per sum of the sizes of F0 and largest velocity: 0 but for round-off.
+        impossible: the larger of penetration and divergence, as in `Certificate`.
+        point: its velocity, all unknowns, m/s, and no stresses or reactions.
+            ``dataclasses.replace(state, point=state.ray.point).velocity`` shows it by body.
     """
 
-    velocity: Floats
+    power: float
     carried: float
+    felt: float
+    impossible: float
+    point: ProgramState
+
+    def proves(self, tolerance: float) -> bool:
+        """Whether nothing can carry the dead loads, by a bar for the residuals; false for NaN."""
+        residuals = (abs(self.power - 1), self.felt, self.impossible)
+        return all(value <= tolerance for value in residuals) and self.carried < 1 - tolerance
+
+    def __str__(self) -> str:
+        return (
+            f"dissipated {self.carried:.3g} of the power of the dead loads, power of the reference"
+            f" load {self.felt:.1e}, not possible {self.impossible:.1e}: a mechanism falls"
+        )
 
 
 def dead_collapse(
@@ -57,24 +76,32 @@ def dead_collapse(
         found.insert(0, _by_lines(driven, frozen))
     for velocity in found:
         if velocity is not None:
-            collapse = _proven(driven, frozen, velocity, tolerance)
-            if collapse is not None:
+            collapse = _judged(program, driven, frozen, velocity, tolerance)
+            if collapse.proves(tolerance):
                 return collapse
     return None
 
 
-def _proven(
-    driven: KinematicProgram, frozen: FrozenContact, velocity: Floats, tolerance: float
-) -> DeadCollapse | None:
-    """The collapse that a velocity is, once cleaned of what penetrates; None where it is none."""
+def _judged(
+    program: KinematicProgram,
+    driven: KinematicProgram,
+    frozen: FrozenContact,
+    velocity: Floats,
+    tolerance: float,
+) -> DeadCollapse:
+    """The collapse by a velocity, cleaned of what penetrates, with its residuals, recomputed."""
     moving = _moving(driven, velocity)
     if not certify(driven, moving, frozen).penetration <= tolerance:
         moving = cleaned(driven, moving, frozen)
     u, seen = moving.velocity, certify(driven, moving, frozen)
-    if not all(v <= tolerance for v in (seen.penetration, seen.divergence, seen.normalisation)):
-        return None
-    dissipated = driven.plastic_dissipation(u) + driven.friction_dissipation(u, frozen.bound)
-    return DeadCollapse(u, dissipated) if dissipated < 1 - tolerance else None
+    load, fastest = np.abs(program.reference_load).sum(), np.abs(u).max() or 1.0
+    return DeadCollapse(
+        power=float(program.dead_load @ u),
+        carried=driven.plastic_dissipation(u) + driven.friction_dissipation(u, frozen.bound),
+        felt=float(abs(program.reference_load @ u) / (load * fastest)),
+        impossible=float(np.max([seen.penetration, seen.divergence])),
+        point=replace(_moving(program, u), load_factor=0.0),
+    )
 
 
 def _driven(

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 
+import numpy as np
+
 from lacore.backend import PreparedSolver
-from lacore.claims.dead_collapse import dead_collapse
-from lacore.claims.locking_ray import locking_ray
+from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
+from lacore.claims.locking_ray import LockingRay, locking_ray
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
+Ray = LockingRay | DeadCollapse
 CLAIMED = (Status.LOCKED, Status.UNSAFE, Status.JAM)
 
 
@@ -19,8 +22,8 @@ def judged_claim(
     carrying: FrozenContact,
     prepare: Prepare,
     tolerance: float,
-) -> tuple[Status, str]:
-    """What a claim is worth, and in words why another status takes its place; else no words.
+) -> tuple[Status, str, Ray | None]:
+    """What a claim is worth, in words why another status takes its place, and what proves it.
 
     A structure is UNSAFE by a mechanism of its dead load, also where it was called locked or
     jammed: what the load cannot move may stand beside what falls. It is LOCKED by reactions that
@@ -36,19 +39,21 @@ def judged_claim(
         tolerance: bar for the residuals of a velocity.
     """
     if status not in CLAIMED:
-        return status, ""
-    if dead_collapse(program.associated(), carrying, prepare, tolerance) is not None:
-        return Status.UNSAFE, ""
+        return status, "", None
+    collapse = dead_collapse(program.associated(), carrying, prepare, tolerance)
+    if collapse is not None:
+        return Status.UNSAFE, "", collapse
     if status is Status.JAM:
-        return status, ""
+        return status, "", None
     if status is Status.UNSAFE:
-        return Status.NOT_CERTIFIED, (
-            "the solver calls the structure unsafe, and no mechanism of the dead load proves it"
-        )
+        why = "the solver calls the structure unsafe, and no mechanism of the dead load proves it"
+        return Status.NOT_CERTIFIED, why, None
     ray = locking_ray(program.at_friction(0.0), admitting)
-    if ray.proves:
-        return status, ""
-    return Status.NOT_CERTIFIED, (
+    if ray is not None and ray.proves:
+        return status, "", ray
+    left = np.nan if ray is None else ray.residual
+    why = (
         "the solver calls the load locked, and no reactions carry it alone: the closest leave"
-        f" {ray.residual:.1e} of the forces"
+        f" {left:.1e} of the forces"
     )
+    return Status.NOT_CERTIFIED, why, None

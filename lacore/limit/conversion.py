@@ -7,6 +7,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from lacore.assembly.discretisation import Discretisation
+from lacore.claims.judged import Ray
 from lacore.program import Scales
 from lacore.state import ProgramState
 
@@ -21,6 +22,20 @@ def in_si(scales: Scales, point: ProgramState) -> ProgramState:
         normal_reaction=point.normal_reaction * scales.stress,
         tangential_reaction=point.tangential_reaction * scales.stress,
     )
+
+
+def ray_in_si(scales: Scales, ray: Ray, point: ProgramState) -> Ray:
+    """A ray per unit of load factor or of power in SI units; its point is in SI units already."""
+    unit = 1 / scales.load_factor
+    point = ProgramState(
+        velocity=unit * point.velocity,
+        load_factor=unit * point.load_factor,
+        stress=tuple(unit * stress for stress in point.stress),
+        mean_stress=tuple(unit * mean for mean in point.mean_stress),
+        normal_reaction=unit * point.normal_reaction,
+        tangential_reaction=unit * point.tangential_reaction,
+    )
+    return replace(ray, point=point)
 
 
 def point_in_si(discretisation: Discretisation, point: ProgramState) -> ProgramState:

@@ -39,7 +39,7 @@ from lacore.coupling.run import Coupled, CouplingOptions, Iterate
 from lacore.errors import SolveError
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
-from lacore.limit.conversion import point_in_si
+from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.engines import engine_for, stated
 from lacore.limit.hinging import ROUNDS, excess, hinged
@@ -221,12 +221,12 @@ def _solved(
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
-    tolerance = coupled.tolerance
+    tolerance, ray = coupled.tolerance, None
     if coupled.status in CLAIMED:
         judge = find_backend(JUDGE) if regularised else engine
         settings = read_options(judge, {}) if regularised else engine_options
         with preparing(judge, settings) as prepare:
-            status, why = judged_claim(
+            status, why, ray = judged_claim(
                 coupled.status,
                 program,
                 coupled.laws or frictionless_contact(program.contact),
@@ -248,6 +248,9 @@ def _solved(
     )
     if state.status is Status.UNSAFE and program.homogeneous:
         state = _falling(state)
+    if ray is not None and state.status is coupled.status:
+        ray = ray_in_si(program.scales, ray, point_in_si(problem, ray.point))
+        state = replace(state, ray=ray)
     return replace(state, solve_time=time.perf_counter() - built)
 
 

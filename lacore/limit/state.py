@@ -20,6 +20,7 @@ from lacore.bodies.continuum.nodal import point_values
 from lacore.bodies.continuum.regions import gathering
 from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
+from lacore.claims.judged import Ray
 from lacore.coupling.interval import Interval
 from lacore.limit.checking import checked, program_of
 from lacore.limit.interval import interval_of_state
@@ -67,6 +68,7 @@ class LimitState(Shown):
             `ContactRows.tension`); None where there is no state. For a status other than SOLVED it
             is the last iterate, for inspection only; for UNSAFE the mechanism by which the dead
             loads fall, at ``Fd.u = 1``, with what carries the largest share of them.
+        ray: what proves LOCKED or UNSAFE, SI units, with its residuals, recomputed; None else.
     """
 
     status: Status
@@ -86,6 +88,7 @@ class LimitState(Shown):
     message: str
     discretisation: Discretisation
     point: ProgramState | None
+    ray: Ray | None = None
 
     def _point(self) -> ProgramState:
         if self.point is None:
@@ -293,6 +296,8 @@ class LimitState(Shown):
         told = {"status": self.status.said(self.message)}
         if self.certificate is not None:
             told["residual"] = self.certificate.summary
+        elif self.ray is not None:
+            told["proof"] = str(self.ray)
         if self.bracket is not None:
             lower, upper = self.bracket
             of = self.discretisation.scope.phrase
@@ -327,6 +332,8 @@ class LimitState(Shown):
             lines.append(self.message)
         elif note := self.status.added(self.message):
             lines.append(note)
+        if self.ray is not None:
+            lines.append(f"proof: {self.ray}")
         if self.discretisation.program.homogeneous:
             lines.append(str(self.stability))
         return "\n".join(lines)

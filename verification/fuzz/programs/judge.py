@@ -119,5 +119,5 @@ def proven(word: Status, drawn: Drawn) -> bool:
     judge = find_backend(JUDGE)
     with preparing(judge, read_options(judge, {})) as prepare:
         laws = drawn.contact, drawn.contact
-        status, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
+        status, _, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
     return status is word
