@@ -114,21 +114,35 @@ def test_bounds_keep_their_rays():
     assert by[:, 0, 3] + by[:, 1, 1] == pytest.approx(3.0, abs=1e-9)
 
 
-def test_reactions_of_a_block_that_is_pushed_down():
-    """By the normal forces of its floor alone."""
-    block = la.RigidBlock([(0, 0), (2, 0), (2, 1), (0, 1)])
-    floor = la.RigidObstacle((0, 0), (0, 1))
+@pytest.mark.parametrize("coupling", ["associated", "stick"])
+def test_reactions_of_a_block_that_is_pressed_on_an_incline(coupling):
+    """By normal forces, and friction within its cone: the normal and tangential part of 10."""
+    angle, friction = 0.2, 0.3
+    along = np.array([np.cos(angle), np.sin(angle)])
+    out = np.array([-np.sin(angle), np.cos(angle)])
+    block = la.RigidBlock([0 * along, 2 * along, 2 * along + out, out])
     problem = la.Problem(
         {"b": block},
         [la.BodyForce("b", (0, -5.0))],
-        interfaces=[la.Interface(("b", lambda x: x[1] == 0), floor, la.Tresca(1.0))],
+        interfaces=[
+            la.Interface(
+                ("b", lambda x: np.abs(out @ x) < 1e-9),
+                la.RigidObstacle((0, 0), tuple(out)),
+                friction,
+            )
+        ],
+        dead_loads=[la.BodyForce("b", (0, -1.0))],
     )
-    state = la.solve(problem)
+    state = la.solve(problem, coupling=coupling)
     assert state.status is Status.LOCKED
     table = replace(state, point=state.ray.point).reactions
+    assert table["t_n"] @ table["length"] == pytest.approx(10 * np.cos(angle), rel=1e-12)
+    # The tangent is the normal turned by +90 degrees: down the incline.
+    assert table["t_t"] @ table["length"] == pytest.approx(-10 * np.sin(angle), rel=1e-12)
     assert table["t_n"].min() >= 0
-    assert table["t_t"].abs().max() == 0
-    assert table["t_n"] @ table["length"] == pytest.approx(10.0, rel=1e-12)
+    if coupling == "associated":
+        most = friction * table["t_n"] + ROUND_OFF * table["t_n"].max()
+        assert np.all(table["t_t"].abs() <= most)
 
 
 def test_a_slope_that_is_too_steep_keeps_its_mechanism():
