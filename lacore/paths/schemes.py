@@ -321,15 +321,17 @@ def _settled(walk: Walk, here: Here, distance: float, share: float) -> tuple[Flo
         strains = {n: p / size for n, p in zip(names, parts[len(names) :], strict=True)}
         return begin.moved(moves, strains)
 
-    speed, changes = here.speed, [np.inf]
+    speed, changes, closest = here.speed, [np.inf], None
     values = packed(here.velocity, here.strain_rate, distance / speed)
     for _ in range(_ITERATIONS):
         found, speed = walk.flow(Moment(begin, unpacked(values), distance / speed, share))
         image = packed(found.velocity, found.strain_rate, distance / speed)
         changes.append(float(np.abs(image - values).max()) / size)
+        if closest is None or changes[-1] <= min(changes):
+            closest = found, speed
         stalled = len(changes) > _PATIENCE and min(changes[-_PATIENCE:]) > min(changes)
-        if changes[-1] <= _CLOSE or (stalled and changes[-1] <= _NOISE):
-            return found, speed
+        if changes[-1] <= _CLOSE or (stalled and min(changes) <= _NOISE):
+            return closest
         values = mixing.step(values, image)
     raise PathEndError(Ending.NOT_ITERATED, Ending.NOT_ITERATED.value)
 

@@ -35,7 +35,7 @@ def sequential(
     *,
     approaching: Sequence[Interface] = (),
     selection: LeastNorm | None = None,
-    backend: str = "auto",
+    backend: str = "clarabel",
     coupling: str | None = None,
     tolerance: float | None = None,
     options: Mapping[str, Any] | None = None,

@@ -74,7 +74,7 @@ def test_what_is_said_is_true():
         f"load factor {state.load_factor:.7g}",
         "strict upper bound",
         f"largest {size:.1e} ({name})",
-        "clarabel, certified coupling",
+        "auto, certified coupling",
         f"{state.discretisation.n_elements} elements, {state.discretisation.program.n} unknowns",
     ):
         assert part in text

@@ -101,7 +101,7 @@ def test_where_rough_solves_fail_it_begins_as_ever(step, cold, monkeypatch):
         return Fails() if options.tolerance == ROUGH else prepare(self, program, options)
 
     monkeypatch.setattr(Clarabel, "prepare", failing)
-    state = la.solve(step)
+    state = la.solve(step, "clarabel")
     same(state, cold)
     assert kinds(state)[:2] == ["rough associated", "associated"]
 
@@ -119,7 +119,7 @@ def test_what_is_judged_is_solved_as_tightly_as_asked_for(step, monkeypatch):
         return solver
 
     monkeypatch.setattr(Clarabel, "prepare", spying)
-    state = la.solve(step, options={"tolerance": 1e-9})
+    state = la.solve(step, "clarabel", options={"tolerance": 1e-9})
     loose = [kind.startswith("rough") for kind in kinds(state)]
     assert asked == [ROUGH if rough else 1e-9 for rough in loose]
 

@@ -241,8 +241,8 @@ def test_footing_that_a_support_holds():
         ({"tolerance": -1e-6}, ("tolerance = -1e-06", "> 0")),
         ({"tolerance": np.nan}, ("tolerance = nan",)),
         ({"max_iterations": 0}, ("max_iterations = 0", "> 0")),
-        ({"options": {"tolerence": 1e-9}}, ("'clarabel'", "did you mean 'tolerance'?")),
-        ({"options": {"tolerance": -1.0}}, ("clarabel.tolerance = -1.0",)),
+        ({"options": {"tolerence": 1e-9}}, ("'auto'", "did you mean 'tolerance'?")),
+        ({"options": {"tolerance": -1.0}}, ("auto.tolerance = -1.0",)),
     ],
 )
 def test_solve_refuses_before_any_solve(given, parts):
