@@ -25,6 +25,7 @@ _LEAST, _COMPILED = 60_000, 8_000  # unknowns from which the first is faster: do
 # Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
 # bounds, less is eliminated, and the first is faster from more unknowns up.
 _PER_POINT = 4 / 3
+_MORE = 1.5  # times that: of lower bounds, which have about twice as many
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
 _INSTANT = 1e-9  # s: the least time limit there is
 _SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
@@ -100,8 +101,10 @@ class AutoSolver:
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
         self._names = [_OTHER]
-        # Of blocks alone vertices are degenerate, and one in four ends without progress.
+        # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
+        # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
+        fits &= not (program.presses and _above(program))
         if _size(program) >= least and fits and fast_solver() is not None:
             self._names = [_FIRST, _OTHER]
 
@@ -162,5 +165,13 @@ def _smooth(group: DissipationGroup) -> bool:
 
 def _size(program: KinematicProgram) -> float:
     """Unknowns, or where they are more per point, a mean of them and of those points."""
-    points = program.contact.count + sum(group.weights.size for group in program.groups)
-    return float(np.sqrt(program.n * min(_PER_POINT * points, program.n)))
+    return float(np.sqrt(program.n * min(_PER_POINT * _points(program), program.n)))
+
+
+def _above(program: KinematicProgram) -> bool:
+    """Whether there are more unknowns per point than of velocities: those of lower bounds."""
+    return program.n > _MORE * _PER_POINT * _points(program)
+
+
+def _points(program: KinematicProgram) -> int:
+    return program.contact.count + sum(group.weights.size for group in program.groups)

@@ -314,18 +314,19 @@ def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smoo
         solver.close()
 
 
-def test_auto_takes_the_interior_point_for_soil_of_one_surface(fast):
-    """Pressed between smooth platens."""
+def test_auto_takes_the_interior_point_for_upper_bounds_of_soil_of_one_surface(fast):
+    """Pressed between smooth platens; lower ones lose too much of little cohesion."""
     problem = la.Problem(
         bodies={"soil": replace(square(2), criterion=la.MohrCoulomb(1.0, 20.0))},
         supports=[la.Fix("soil", "bottom", "y"), la.Fix("soil", "left", "x")],
         reference_loads=[la.Traction("soil", "top", (0, -1))],
     )
-    program = discretise(problem).program
-    solver = AutoSolver(program, AutoOptions(), 0)
-    native = solver.solve(associated_contact(program.contact)).native_status
-    solver.close()
-    assert native.startswith("interior_point: solved")
+    asked = (discretise(problem), "interior_point: solved"), (static_model(problem), "clarabel: ")
+    for stated, first in asked:
+        solver = AutoSolver(stated.program, AutoOptions(), 0)
+        native = solver.solve(associated_contact(stated.program.contact)).native_status
+        solver.close()
+        assert native.startswith(first)
 
 
 def test_all_loops_are_compiled_before_a_solve():
