@@ -21,7 +21,7 @@ from lacore.errors import CapabilityError, InputError, require_known
 from lacore.program import FrozenContact, KinematicProgram, require_finite
 from lacore.regularization import RegularisedValues
 from lacore.showing import Compact
-from lacore.state import ProgramState
+from lacore.state import ProgramState, misfit, shapes
 from lacore.status import Status
 from lacore_start import hidden
 
@@ -306,27 +306,16 @@ def checked_answer(program: KinematicProgram, regularised: bool, answer: object)
 
 def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) -> str:
     """What is wrong with an answer; empty where nothing is."""
-    point, groups, contact = answer.point, program.groups, program.contact
+    point = answer.point
     if point is None:
         claims = answer.status in (Status.SOLVED, Status.ALMOST_SOLVED)
         return f"no point with status {answer.status.name}" if claims else ""
     if regularised and answer.regularised is None:
         return "no regularised values (T19)"
-    if not len(point.stress) == len(point.mean_stress) == len(groups):
-        return f"stresses for {len(point.stress)} of {len(groups)} groups"
-    parts: list[tuple[str, object, tuple[int, ...]]] = [
-        ("velocity", point.velocity, (program.n,)),
-        ("load_factor", point.load_factor, ()),
-        ("normal_reaction", point.normal_reaction, (contact.count,)),
-        ("tangential_reaction", point.tangential_reaction, (contact.count, contact.tangent_dim)),
-    ]
-    for group, stress, mean in zip(groups, point.stress, point.mean_stress, strict=True):
-        parts.append((f"stress of {group.name!r}", stress, (group.weights.size, group.dim)))
-        parts.append((f"mean_stress of {group.name!r}", mean, (group.volumetric.shape[0],)))
-    for name, values, shape in parts:
+    if fault := misfit(program, point):
+        return fault
+    for name, values, _ in shapes(program, point):
         array = np.asarray(values)
-        if array.shape != shape:
-            return f"a {name} of shape {array.shape} instead of {shape}"
         if array.dtype.kind not in "fiu" or not np.isfinite(array).all():
             return f"a {name} with NaN, infinity or no numbers at all"
     return ""

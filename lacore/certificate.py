@@ -11,10 +11,11 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lacore.arrays import Floats
+from lacore.errors import InputError, typed
 from lacore.part_forces import forces_at_points, part_forces
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.showing import Facts, Shown
-from lacore.state import ProgramState, out_of_balance
+from lacore.state import ProgramState, misfit, out_of_balance
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,6 +103,7 @@ class Certificate(Shown):
         return all(value <= tolerance for value in asdict(self).values())
 
 
+@typed(state="give the point of an answer; one without has a status that says why")
 def certify(
     program: KinematicProgram, state: ProgramState, contact: FrozenContact | None = None
 ) -> Certificate:
@@ -112,7 +114,15 @@ def certify(
         state: in the same units.
         contact: judge against these frozen bounds and dilatancies instead of the laws: the
             certificate of one inner solve.
+
+    Raises:
+        InputError: no state, one of another program, or contact of another one.
     """
+    if fault := misfit(program, state):
+        raise InputError("state", None, f"has {fault}", "give a state of this program")
+    if contact is not None and contact.bound.shape != (program.contact.count,):
+        points = f"of {contact.bound.size} points instead of {program.contact.count}"
+        raise InputError("contact", None, points, "freeze that of this program")
     program, rows = program.at_state(state.velocity, state.mean_stress), program.contact
     t_n, t_t, u = state.normal_reaction, state.tangential_reaction, state.velocity
     opening, slip = rows.opening(u), rows.slip(u)

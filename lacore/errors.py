@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import cache, wraps
+from inspect import signature
 from math import isfinite
 from numbers import Integral, Real
+from os import PathLike
+from types import NoneType, UnionType
+from typing import Any, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+Given = ParamSpec("Given")
+Answer = TypeVar("Answer")
 _MOST = 2**31 - 1
 _LONGEST = 300  # characters of a value in a message
 _RANGE = (1e-60, 1e60)  # products of five such numbers, areas times strengths, are still finite
@@ -54,6 +61,69 @@ class SolveError(LacoreError):
         super().__init__(message)
 
 
+_KINDS: dict[Any, tuple[str, str]] = {
+    Callable: ("cannot be called", "give a function"),
+    Mapping: ("no mapping", "give {'name': ...}"),
+    PathLike: ("no path", "give a path"),
+}
+"""Kinds that are not ours and are judged, with what to say where something else is given."""
+
+
+def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
+    """A function that first raises `InputError` where an argument is not of its annotation's kind.
+
+    Judged are kinds of things: classes of lacore, functions, mappings and paths, and None beside
+    them. Numbers, names and arrays are judged by their values, where they are read.
+
+    Args:
+        mends: what to give, for arguments of which more can be said than their kinds.
+    """
+
+    def asking(asked: Callable[Given, Answer]) -> Callable[Given, Answer]:
+        names = list(signature(asked).parameters)
+
+        @cache
+        def judged() -> dict[str, tuple[type, ...]]:  # names of annotations are all known by now
+            return {name: kinds_of(hint) for name, hint in get_type_hints(asked).items()}
+
+        @wraps(asked)
+        def answer(*args: Given.args, **kwargs: Given.kwargs) -> Answer:
+            kinds = judged()
+            for name, value in (dict(zip(names, args, strict=False)) | kwargs).items():
+                if kinds.get(name) and not isinstance(value, kinds[name]):
+                    raise _wrong_kind(name, value, kinds[name], mends.get(name))
+            return asked(*args, **kwargs)
+
+        return answer
+
+    return asking
+
+
+def kinds_of(hint: object) -> tuple[type, ...]:
+    """Classes of what an annotation lets pass; none where it is not to be judged by them."""
+    options = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+    kinds = tuple(get_origin(option) or option for option in options)
+    classes = tuple(kind for kind in kinds if isinstance(kind, type))
+    judged = [kind for kind in classes if kind not in (str, NoneType)]
+    return classes if judged and len(classes) == len(kinds) and all(map(_tells, judged)) else ()
+
+
+def _tells(kind: type) -> bool:
+    """Whether what is no instance of a class cannot be meant: others take numbers and arrays."""
+    ours = kind.__module__.startswith("lacore.") and not getattr(kind, "_is_protocol", False)
+    return ours or issubclass(kind, tuple(_KINDS))
+
+
+def _wrong_kind(field: str, value: object, kinds: Sequence[type], mend: str | None) -> InputError:
+    asked = [kind for kind in kinds if kind not in (str, NoneType)]
+    own = " or ".join(kind.__name__ for kind in asked)
+    why, give = f"no {own}", f"give a lacore.{asked[0].__name__}"
+    why, give = next((_KINDS[kind] for kind in _KINDS if issubclass(asked[0], kind)), (why, give))
+    why = f"None: {why}" if value is None else why
+    give = f"{give}, or leave it out" if NoneType in kinds else give
+    return InputError(field, value, why, mend or give)
+
+
 def suggest(name: str, known: Iterable[str]) -> str:
     """What to try instead of an unknown name: "did you mean ..." or the list of known names."""
     names = sorted(known)
@@ -74,7 +144,7 @@ def suggest_all(name: str, known: Iterable[str]) -> str:
 def require_known(field: str, name: str, known: Iterable[str]) -> None:
     """Raise `InputError` unless `name` is one of `known`."""
     names = list(known)
-    if name not in names:
+    if not isinstance(name, str) or name not in names:
         raise InputError(field, name, "unknown name", suggest(str(name), names))
 
 

@@ -1,5 +1,6 @@
 """Primal and dual variables of a kinematic program (T7), in the units of the program."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,35 @@ class ProgramState(Compact):
     mean_stress: tuple[Floats, ...]
     normal_reaction: Floats
     tangential_reaction: Floats
+
+
+def shapes(
+    program: KinematicProgram, state: ProgramState
+) -> Iterator[tuple[str, object, tuple[int, ...]]]:
+    """Name, numbers, and the shape that a program gives them, of all parts of a state.
+
+    It has as many groups of stresses as the program.
+    """
+    contact = program.contact
+    yield "velocity", state.velocity, (program.n,)
+    yield "load_factor", state.load_factor, ()
+    yield "normal_reaction", state.normal_reaction, (contact.count,)
+    yield "tangential_reaction", state.tangential_reaction, (contact.count, contact.tangent_dim)
+    for group, stress, mean in zip(program.groups, state.stress, state.mean_stress, strict=True):
+        yield f"stress of {group.name!r}", stress, (group.weights.size, group.dim)
+        yield f"mean_stress of {group.name!r}", mean, (group.volumetric.shape[0],)
+
+
+def misfit(program: KinematicProgram, state: ProgramState) -> str:
+    """What of a state has other shapes than those of a program; empty where nothing has."""
+    groups = len(program.groups)
+    if not len(state.stress) == len(state.mean_stress) == groups:
+        return f"stresses for {len(state.stress)} of {groups} groups"
+    for name, values, shape in shapes(program, state):
+        own = np.asarray(values).shape
+        if own != shape:
+            return f"a {name} of shape {own} instead of {shape}"
+    return ""
 
 
 def internal_force(program: KinematicProgram, state: ProgramState) -> Floats:

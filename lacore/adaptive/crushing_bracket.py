@@ -15,7 +15,7 @@ from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.crushing import Cells, Crushing, crushing_of
 from lacore.bodies.blocks3d.surface import axes_of
-from lacore.errors import InputError, require_count, require_width
+from lacore.errors import InputError, require_count, require_width, typed
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -70,6 +70,7 @@ class CrushingBracket(Shown):
         return self.upper.picture()
 
 
+@typed()
 def crushing_bracket(
     problem: Problem, backend: str = "auto", *, target_width: float = 5e-3, rounds: int = 12
 ) -> CrushingBracket:

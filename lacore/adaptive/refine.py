@@ -26,7 +26,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bounds.enclosing import has_coulomb, require_associated_flow
 from lacore.bounds.lower import LowerBound, lower_bound
 from lacore.bounds.upper import UpperBound
-from lacore.errors import InputError, require_count, require_positive, require_width
+from lacore.errors import require_count, require_positive, require_width, typed
 from lacore.limit.solve import solve
 from lacore.meshes.checks import quality
 from lacore.meshes.refinement import grown
@@ -44,6 +44,7 @@ _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
 
 
+@typed()
 def bracket(
     problem: Problem,
     target_width: float = 0.01,
@@ -109,8 +110,6 @@ def bracket(
     require_positive("time_limit", time_limit)
     jobs = processors() if jobs is None else jobs
     require_count("jobs", jobs)
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     require_associated_flow(of_kind(problem.bodies, Body))
     read_options(find_backend(backend), options or {})
     bodies = continua(problem)

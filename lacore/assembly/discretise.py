@@ -30,7 +30,7 @@ from lacore.bodies.continuum.solid.memory import require_memory, velocity_memory
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, contact_rows
 from lacore.contact.touching import Touching
-from lacore.errors import InputError
+from lacore.errors import typed
 from lacore.problem.problem import Problem
 from lacore.problem.wet import acting
 from lacore.program import ContactRows, KinematicProgram
@@ -68,6 +68,7 @@ def _jumps(problem: Problem, unknowns: Unknowns, name: str, slip: Slip | None) -
     return face_jumps(name, own, held, unknowns.speeds, unknowns.n)
 
 
+@typed()
 def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisation:
     """Assemble a problem, its contact by `contact_of`.
 
@@ -82,8 +83,6 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         >>> [round(la.solve(discrete, name).load_factor, 2) for name in backends]
         [5.93, 5.93]
     """
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     problem = spanned(problem)
     solid = of_kind(problem.bodies, Body)
     require_memory(velocity_memory(solid), solid)

@@ -22,7 +22,7 @@ from lacore.bounds.lower import LowerBound
 from lacore.bounds.quadratic.bubbles import bubble_power
 from lacore.bounds.solid.restriction import solid_restriction
 from lacore.bounds.upper import UpperBound, plastic_power
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.limit.state import LimitState
 from lacore.program import require_homogeneous
 from lacore.showing import Facts, Picture, Shown, counted
@@ -30,6 +30,8 @@ from lacore.status import Status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_ORDER = "give what lacore.upper_bound returns, and then what lacore.lower_bound does"
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,6 +94,7 @@ class GapIdentity(Shown):
         )
 
 
+@typed(**dict.fromkeys(("upper", "lower"), _ORDER))
 def gap_identity(upper: UpperBound | LimitState, lower: LowerBound) -> GapIdentity:
     """Element gaps ``D_e - int_e sigma : eps`` of two bounds on the same meshes.
 
@@ -203,19 +206,7 @@ def restriction(
 
 
 def _check(upper: UpperBound | LimitState, lower: LowerBound) -> None:
-    for field, bound, kinds, named in (
-        ("upper", upper, UpperBound | LimitState, "upper_bound"),
-        ("lower", lower, LowerBound, "lower_bound"),
-    ):
-        if not isinstance(bound, kinds):
-            swapped = isinstance(bound, LowerBound | UpperBound | LimitState)
-            order = ", in this order: gap_identity(upper, lower)" if swapped else ""
-            raise InputError(
-                field,
-                type(bound).__name__,
-                f"not a bound from {'above' if field == 'upper' else 'below'}",
-                f"give what lacore.{named} returns{order}",
-            )
+    for field, bound in {"upper": upper, "lower": lower}.items():
         if bound.status is not Status.SOLVED:
             raise InputError(
                 field, bound.status.label, "there is no bound", "look at its message for the reason"

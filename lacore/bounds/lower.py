@@ -27,7 +27,7 @@ from lacore.bounds.stresses.admissible import margins, weaker
 from lacore.bounds.stresses.attempt import Attempt, attempt
 from lacore.certificate import Certificate
 from lacore.claims.judged import Ray, judged_claim
-from lacore.errors import CapabilityError, SolveError
+from lacore.errors import CapabilityError, SolveError, typed
 from lacore.inner.preparing import preparing
 from lacore.limit.conversion import in_si, ray_in_si
 from lacore.limit.tables.contact_table import traction_table
@@ -178,6 +178,7 @@ class LowerBound(Shown):
         return traction_table(self.model.program.contact, self.model.points, self._point())
 
 
+@typed(problem="give a lacore.Problem; that of a state is state.discretisation.problem")
 def lower_bound(
     problem: Problem | StaticModel,
     backend: str = "auto",

@@ -122,13 +122,6 @@ def static_model(problem: Problem) -> StaticModel:
             loads that ask for two shear stresses at a corner of one element), a reference load
             that does no power.
     """
-    if not isinstance(problem, Problem):
-        raise InputError(
-            "problem",
-            type(problem).__name__,
-            "not a problem",
-            "give a lacore.Problem; that of a state is state.discretisation.problem",
-        )
     continua = _continua(problem)
     solid = any(body.dimension == 3 for body in continua.values())
     require_memory(stress_memory(continua), continua)

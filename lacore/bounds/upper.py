@@ -31,7 +31,7 @@ from lacore.bounds.precision import exactness
 from lacore.bounds.velocity_projection import admissible_velocity
 from lacore.certificate import certify
 from lacore.claims.judged import Ray
-from lacore.errors import InputError, SolveError
+from lacore.errors import InputError, SolveError, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rigid_motions import motions_without_strain
 from lacore.limit.conversion import point_in_program
@@ -125,6 +125,7 @@ class UpperBound(Shown):
         return Picture(drawn.figure, drawn.caption or "the solve that the bound was made of")
 
 
+@typed()
 def upper_bound(
     problem: Problem | Discretisation | LimitState,
     backend: str = "auto",

@@ -36,7 +36,7 @@ from lacore.program import (
     frictionless_contact,
     stick_contact,
 )
-from lacore.state import ProgramState
+from lacore.state import ProgramState, misfit
 
 _LAWS: Mapping[str, Callable[[ContactRows], FrozenContact]] = {
     "associated": associated_contact,
@@ -97,7 +97,9 @@ def checked(
     Raises:
         InputError: a name, a shape or a table that is not one of this state.
     """
-    check_shapes(discretisation, point)
+    if fault := misfit(discretisation.full, point):
+        mend = "change the parts of `state.point` with dataclasses.replace"
+        raise InputError("point", None, f"has {fault}", mend)
     unlike = 0.0
     if stress is not None:
         point, unlike = _with_stress(discretisation, point, stress)
@@ -114,34 +116,6 @@ def checked(
         point = _with_moments(discretisation, point, hinges)
     found = recomputed(discretisation, point, coupling)
     return replace(found, flow=float(np.maximum(found.flow, unlike)))
-
-
-def check_shapes(discretisation: Discretisation, point: ProgramState) -> None:
-    """Raise `InputError` unless a point has the shapes of all unknowns of a problem."""
-    program = discretisation.full
-    contact, groups = program.contact, program.groups
-    if not len(point.stress) == len(point.mean_stress) == len(groups):
-        raise InputError(
-            "point.stress",
-            len(point.stress),
-            f"the state has {len(groups)} groups of stresses",
-            "change the parts of `state.point` with dataclasses.replace",
-        )
-    shapes = {
-        "velocity": (point.velocity, (program.n,)),
-        "normal_reaction": (point.normal_reaction, (contact.count,)),
-        "tangential_reaction": (
-            point.tangential_reaction,
-            (contact.count, contact.tangent_dim),
-        ),
-    }
-    for number, (group, own, mean) in enumerate(
-        zip(groups, point.stress, point.mean_stress, strict=True)
-    ):
-        shapes[f"stress[{number}]"] = own, (group.weights.size, group.dim)
-        shapes[f"mean_stress[{number}]"] = mean, (group.volumetric.shape[0],)
-    for name, (values, shape) in shapes.items():
-        numbers(f"point.{name}", values, shape)
 
 
 def _velocity(d: Discretisation, stored: Floats, given: Mapping[str, ArrayLike]) -> Floats:

@@ -36,7 +36,7 @@ from lacore.coupling.fixed_point import (
 from lacore.coupling.names import COUPLINGS
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate
-from lacore.errors import SolveError
+from lacore.errors import SolveError, typed
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_si, ray_in_si
@@ -77,6 +77,7 @@ _HINGED = 1e-3  # excess of moments in regularised states, whose hinges are no s
 _MOVING = (Status.SOLVED, Status.FREE)  # claims that a mechanism makes
 
 
+@typed()
 def solve(
     problem: Problem | Discretisation,
     backend: str = "auto",
@@ -138,7 +139,7 @@ def solve(
     tolerance = TOLERANCE if tolerance is None else tolerance
     given = problem.problem if isinstance(problem, Discretisation) else problem
     if max_iterations is None:
-        in_space = isinstance(given, Problem) and given.dimension == 3
+        in_space = given.dimension == 3
         max_iterations = SOLVES_IN_SPACE if in_space else CouplingOptions.max_iterations
     coupling_options = CouplingOptions(
         start, damping, anderson, tolerance, max_iterations, kappa, accepted

@@ -22,6 +22,7 @@ from lacore.bodies.continuum.volume import judged_means
 from lacore.certificate import Certificate
 from lacore.claims.judged import Ray
 from lacore.coupling.interval import Interval
+from lacore.errors import typed
 from lacore.limit.checking import checked, program_of
 from lacore.limit.interval import interval_of_state
 from lacore.limit.stability import Stability, stability_of
@@ -224,6 +225,7 @@ class LimitState(Shown):
         """
         return contact_table(self.discretisation, self._point())
 
+    @typed()
     def certify(
         self,
         *,

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Any
 
 from lacore.contact.interfaces import Interface
-from lacore.errors import InputError, require_count, require_known, require_positive
+from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
 from lacore.paths.control import Control, FootingTravel, gauge_of
@@ -26,6 +26,7 @@ from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.problem.problem import Problem
 
 
+@typed()
 def sequential(
     problem: Problem,
     travel: float,
@@ -100,14 +101,9 @@ def sequential(
     """
     require_positive("travel", travel)
     require_known("scheme", scheme, SCHEMES)
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     if not isinstance(steps, AdaptiveSteps):
         require_count("steps", steps)
     require_count("keep_every", keep_every)
-    for name, call in {"on_step": on_step, "remesh": remesh}.items():
-        if not (call is None or callable(call)):
-            raise InputError(name, call, "cannot be called", "give a function, or leave it out")
     if tolerance is not None:
         require_positive("tolerance", tolerance)
     engine, _, _ = engine_for(backend, coupling, options or {})

@@ -17,7 +17,7 @@ from lacore.conditions.loads import Load
 from lacore.contact.interfaces import Interface
 from lacore.contact.segments import Segments
 from lacore.contact.touching import in_plane
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.meshes.hanging import with_vertices
 from lacore.meshes.joined import Glued
 from lacore.problem.problem import Problem
@@ -25,6 +25,7 @@ from lacore.problem.problem import Problem
 _ROUNDS = 3  # a vertex that is added lies on an edge of the other side: the second has none to add
 
 
+@typed()
 def matching(problem: Problem) -> Problem:
     """The problem on meshes that have the same vertices wherever two bodies touch.
 

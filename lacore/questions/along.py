@@ -24,6 +24,7 @@ from lacore.status import Status
 ProblemAt = Callable[[float], Problem]
 _HELD = Found(inf, 0.0, Status.LOCKED.label, nan, 0.0)  # whatever the load, supports take it
 COLUMNS = ["parameter", "load_factor", "error", "status", "residual", "seconds", "kept"]
+PROBLEM_AT = "give a function of a value that returns the problem at it"
 
 
 @dataclass
@@ -49,11 +50,6 @@ class Along:
     on_value: Callable[[float, float], None] | None = None
     rows: dict[float, dict[str, Any]] = field(default_factory=dict)
     states: dict[float, LimitState] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        if not callable(self.problem_at):
-            mend = "give a function of a value that returns the problem at it"
-            raise InputError("problem_at", self.problem_at, "no function", mend)
 
     def ask(self, values: Sequence[float]) -> list[float]:
         """Load factors at values, NaN where none is certified; those that are new are solved."""

@@ -16,10 +16,10 @@ import pandas as pd
 from scipy.optimize import toms748
 
 from lacore import views
-from lacore.errors import InputError, is_number, require_positive, require_whole
+from lacore.errors import InputError, is_number, require_positive, require_whole, typed
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.along import Along, read_range, solved_by
+from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
 from lacore.questions.kept import folder_of
 from lacore.showing import Compact, Facts, Picture, Shown, listed
 
@@ -178,6 +178,7 @@ class Critical(Shown):
         return views.picture(self)
 
 
+@typed(problem_at=PROBLEM_AT)
 def critical(
     problem_at: Callable[[float], Problem],
     within: tuple[float, float],

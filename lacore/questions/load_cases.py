@@ -17,7 +17,7 @@ from lacore.arrays import Bools
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.conditions.loads import Load
-from lacore.errors import InputError, require_count, require_width
+from lacore.errors import InputError, require_count, require_width, typed
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.sharing import solved
@@ -112,6 +112,7 @@ class LoadCases(Shown):
         return views.picture(self)
 
 
+@typed(cases="give loads by name, {'wind': [lacore.Traction(...)]}")
 def load_cases(
     problem: Problem,
     cases: Mapping[str, Sequence[Load] | Problem],
@@ -189,9 +190,7 @@ def _stated(
     problem: Problem, cases: Mapping[str, Sequence[Load] | Problem]
 ) -> dict[str, Discretisation]:
     """All cases, assembled."""
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
-    if not isinstance(cases, Mapping) or not cases:
+    if not cases:
         raise InputError(
             "cases", cases, "no load case", "give loads by name, {'wind': [lacore.Traction(...)]}"
         )

@@ -15,10 +15,10 @@ from scipy.optimize import minimize_scalar
 
 from lacore import views
 from lacore.arrays import Floats
-from lacore.errors import InputError, require_count, require_positive
+from lacore.errors import InputError, require_count, require_positive, typed
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
-from lacore.questions.along import Along, read_range, solved_by
+from lacore.questions.along import PROBLEM_AT, Along, read_range, solved_by
 from lacore.questions.kept import folder_of
 from lacore.showing import Facts, Picture, Shown, listed
 
@@ -90,6 +90,7 @@ class WorstPosition(Shown):
         return views.picture(self)
 
 
+@typed(problem_at=PROBLEM_AT)
 def worst_position(
     problem_at: Callable[[float], Problem],
     within: tuple[float, float],

@@ -13,7 +13,7 @@ import pandas as pd
 
 from lacore import views
 from lacore.arrays import Floats
-from lacore.errors import InputError, is_number
+from lacore.errors import InputError, is_number, typed
 from lacore.limit.checking import laws_of
 from lacore.limit.solve import TOLERANCE, solve
 from lacore.limit.state import LimitState
@@ -113,6 +113,7 @@ class Sensitivity(Shown):
         return views.picture(self)
 
 
+@typed(state="give what lacore.solve returns")
 def sensitivity(
     state: LimitState,
     own: Mapping[str, tuple[Callable[[float], Problem], float]] | None = None,
@@ -339,8 +340,6 @@ def _given(
 
 
 def _check(state: LimitState) -> None:
-    if not isinstance(state, LimitState):
-        raise InputError("state", state, "not a limit state", "give what lacore.solve returns")
     if state.status is not Status.SOLVED or state.point is None:
         raise InputError(
             "state",

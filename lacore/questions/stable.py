@@ -12,7 +12,7 @@ import pandas as pd
 
 from lacore import views
 from lacore.assembly.discretise import discretise
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError, require_positive, typed
 from lacore.limit.stability import Stability, Standing, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -70,6 +70,7 @@ class Stable(Shown):
         return views.picture(self)
 
 
+@typed()
 def stable(
     problem: Problem,
     backend: str = "auto",
@@ -126,10 +127,9 @@ def stable(
     return Stable(answer[found.standing], found, state)
 
 
+@typed()
 def require_dead_loads(problem: Problem) -> None:
     """Raise `InputError` where nothing acts but what a load factor multiplies."""
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     if not problem.dead_loads:
         raise InputError(
             "Problem.dead_loads",

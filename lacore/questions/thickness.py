@@ -11,9 +11,10 @@ import numpy as np
 
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
+from lacore.errors import typed
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram
-from lacore.questions.along import Along, read_range
+from lacore.questions.along import PROBLEM_AT, Along, read_range
 from lacore.questions.critical import Critical, crossing
 from lacore.questions.kept import folder_of
 from lacore.questions.stable import require_dead_loads
@@ -22,6 +23,7 @@ OPENING = "pressure that opens all joints, per the one that closes them"
 DEAD = "factor of the dead loads"
 
 
+@typed(problem_at=PROBLEM_AT)
 def limit_thickness(
     problem_at: Callable[[float], Problem],
     within: tuple[float, float],

@@ -17,7 +17,7 @@ from lacore.backend import find_backend, read_options
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
-from lacore.errors import InputError, require_positive, require_whole
+from lacore.errors import InputError, require_positive, require_whole, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
 from lacore.limit.conversion import point_in_program
@@ -172,6 +172,7 @@ class CoulombRange(Shown):
         return self.summary()
 
 
+@typed()
 def coulomb_range(
     problem: Problem | Discretisation,
     backend: str = "auto",
@@ -212,6 +213,7 @@ def coulomb_range(
     """
     require_whole("seed", seed)
     require_whole("restarts", restarts)
+    require_positive("tolerance", tolerance)
     require_positive("time_limit", time_limit)
     engine = find_backend(backend)
     if engine.capabilities.regularised:

@@ -22,7 +22,7 @@ from lacore.bodies.continuum.regions.lending import largest_strength
 from lacore.bounds.enclosing import has_coulomb, named_criterion
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError, require_positive, typed
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
@@ -99,6 +99,7 @@ class SafetyFactor(Shown):
         return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
 
 
+@typed()
 def safety_factor(
     problem: Problem,
     of: str = "strength",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +17,7 @@ from lacore.backend import check_capable, find_backend, read_options
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled, CouplingOptions, Run
 from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
-from lacore.errors import InputError, is_number, require_positive
+from lacore.errors import InputError, is_number, require_positive, typed
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import good_for
 from lacore.limit.solve import limit_state, solve
@@ -115,6 +115,7 @@ class SoilRange(Shown):
         return Picture(self.lowest.plot(), "the mechanism with the lowest load factor")
 
 
+@typed()
 def soil_range(
     problem: Problem | Discretisation,
     backend: str = "auto",
@@ -161,7 +162,8 @@ def soil_range(
     """
     require_positive("tolerance", tolerance)
     require_positive("time_limit", time_limit)
-    if not shares or not all(is_number(share) and 0 < share <= 1 for share in shares):
+    listed = isinstance(shares, Sequence) and len(shares) > 0
+    if not listed or not all(is_number(share) and 0 < share <= 1 for share in shares):
         raise InputError("shares", shares, "not numbers in (0, 1]", "give (1.0, 0.6, 0.3)")
     engine = find_backend(backend)
     if engine.capabilities.regularised:

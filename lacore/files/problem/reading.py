@@ -10,7 +10,7 @@ from os import PathLike, fspath
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
 from lacore.files.problem.places import Path, lines
 from lacore.files.problem.units import chosen
@@ -67,6 +67,7 @@ class Stated:
         return (*parts(kind[0])[1:], *path[1:]) if len(kind) == 1 else ()
 
 
+@typed()
 def read_problem(path: str | PathLike[str]) -> Problem:
     """The problem that a TOML file states.
 

@@ -10,7 +10,7 @@ from typing import Any
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.frames.frame import Frame
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.files.problem import statements
 from lacore.files.problem.recipes import recipe
 from lacore.files.problem.statements import Table
@@ -18,6 +18,7 @@ from lacore.meshes.archive import save
 from lacore.problem.problem import Problem
 
 
+@typed()
 def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") -> None:
     """Write a problem as TOML, in SI units: `read_problem` gives the same one.
 
@@ -43,8 +44,6 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
     place = Path(fspath(path))
     if place.suffix.lower() != ".toml":
         raise InputError("path", str(place), "not the name of a TOML file", "let it end in .toml")
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     document: Table = {"title": title} if title else {}
     meshes: dict[Path, Any] = {}
     document["bodies"] = {

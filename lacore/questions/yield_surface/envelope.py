@@ -16,7 +16,7 @@ from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.conditions.loads import Load
-from lacore.errors import InputError, require_count, require_width
+from lacore.errors import InputError, require_count, require_width, typed
 from lacore.problem.problem import Problem
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.hulls import gauge, parts_of_width
@@ -136,6 +136,7 @@ class Envelope(Shown):
         return views.picture(self)
 
 
+@typed()
 def envelope(
     problem: Problem,
     loads: Mapping[str, Sequence[Load]],
@@ -190,8 +191,6 @@ def envelope(
     require_count("jobs", jobs)
     if target_width is not None:
         require_width("target_width", target_width)
-    if not isinstance(problem, Problem):
-        raise InputError("problem", problem, "not a problem", "give a lacore.Problem")
     components = Components(problem, loads)
     k = len(components.names)
     if n < 2 * k + 1:

@@ -141,10 +141,14 @@ def test_what_does_not_fit_is_refused(upper, words):
 @pytest.mark.parametrize(
     ("arguments", "field", "words"),
     [
-        (lambda upper, lower, _: (lower, upper), "upper", "'LowerBound': .* in this order"),
-        (lambda upper, lower, state: (upper, state), "lower", "'LimitState': .* in this order"),
-        (lambda upper, lower, _: (upper.load_factor, lower), "upper", "'float': not a bound"),
-        (lambda upper, lower, _: (upper, lower.load_factor), "lower", "'float': not a bound"),
+        (lambda upper, lower, _: (lower, upper), "upper", "<LowerBound>: .* and then"),
+        (lambda upper, lower, state: (upper, state), "lower", "<LimitState>: .* and then"),
+        (
+            lambda upper, lower, _: (upper.load_factor, lower),
+            "upper",
+            "no UpperBound or L",
+        ),
+        (lambda upper, lower, _: (upper, lower.load_factor), "lower", "no LowerBound"),
     ],
 )
 def test_what_is_no_bound_is_named(arguments, field, words):
@@ -158,7 +162,7 @@ def test_what_is_no_bound_is_named(arguments, field, words):
 
 
 def test_a_lower_bound_takes_problems_not_states():
-    with pytest.raises(la.InputError, match=r"problem = 'LimitState': .*discretisation\.problem"):
+    with pytest.raises(la.InputError, match=r"problem = <LimitState>: .*discretisation\.problem"):
         la.lower_bound(la.solve(cantilever()))
 
 

@@ -311,7 +311,7 @@ def test_history_and_options():
             ),
             "no power",
         ),
-        ("a problem", "not a problem"),
+        ("a problem", "no Problem"),
     ],
     ids=["coulomb", "point", "rigid", "held", "text"],
 )

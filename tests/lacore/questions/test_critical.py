@@ -143,7 +143,7 @@ def test_what_was_found_is_kept(tmp_path):
 def test_a_problem_that_cannot_be_is_named_with_its_value():
     with pytest.raises(la.InputError, match=r"problem_at\(-1\): .*thickness"):
         la.critical(arch, (-1, 1))
-    with pytest.raises(la.InputError, match=r"problem_at = .*: no function"):
+    with pytest.raises(la.InputError, match=r"problem_at = .*: .* give a function of a value"):
         la.critical(la.examples.column(friction=0.9), (0.1, 1))
     with pytest.raises(la.InputError, match="within"):
         la.critical(arch, (1, 0.5))

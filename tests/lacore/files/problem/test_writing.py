@@ -110,7 +110,7 @@ def test_curves_names_and_order_are_kept(tmp_path):
             square(dead_loads=[la.PorePressure("soil", lambda x: 0 * x[0])]),
             r"dead_loads\[0\].pressure.*WaterTable",
         ),
-        (3, "problem = 3: not a problem"),
+        (3, "problem = 3: no Problem"),
     ],
 )
 def test_what_no_file_can_state_is_refused(problem, said, tmp_path):
