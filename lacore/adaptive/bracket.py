@@ -45,6 +45,10 @@ class Ending(Enum):
         " quarter of the target; Coulomb friction keeps them apart, between no friction and"
         " associated friction"
     )
+    ZERO = (
+        "the load factor is zero as far as can be told: both bounds are, per strength over load,"
+        " within a thousandth of the target width, and a width per load factor never closes there"
+    )
     NO_BOUND = "not reached: a bound could not be proven; see `failure`"
     CROSSED = "the bounds cross, so that one of them is no bound: see `failure`, and report it"
 
@@ -246,7 +250,11 @@ def crossing(lower: LowerBound, upper: UpperBound) -> str:
     if not below > above:
         return ""
     power = sum(float(part.sum()) for part in upper.dissipation.values())
-    size = max(abs(below), abs(above), power)  # of the sums: dead loads may cancel most of it
+    # Of the sums: dead loads may cancel most of it; strains of what moves as rigid are round-off of
+    # its speed.
+    natural = upper.discretisation.natural
+    moving = natural.load_factor * float(np.abs(upper.velocity).max()) / natural.velocity
+    size = max(abs(below), abs(above), power, moving)
     exact = exactness(dofs.body for dofs in upper.discretisation.bodies.values())
     if below - above <= _SUMMED * exact * size:
         return ""

@@ -42,6 +42,7 @@ _LOST = 0.25  # of the next width, what a bound may lose of what its solver foun
 _SETTLED = 0.25  # of the target width, what both ends may have left to gain
 _PATIENCE = 4  # refinements in a row that gain nothing
 _NOTHING = 1e-3  # gain, per target width
+_ZERO = 1e-3  # of the target width, per natural load factor: what is no load any more
 
 
 @typed()
@@ -162,7 +163,7 @@ def bracket(
         history=pd.DataFrame(run.rows),
         failure="; ".join(failed),
         coulomb=run.coulomb,
-        stopped="" if run.width <= target_width else run.stopped(tracks),
+        stopped="" if ending is Ending.REACHED else run.stopped(tracks),
     )
 
 
@@ -201,6 +202,23 @@ class _Run:
     def size(self) -> float:
         """Of load factors; inf while none is proven."""
         return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b)), default=np.inf)
+
+    @property
+    def natural(self) -> float:
+        """Load factor by which strength is measured, and with it what solvers leave."""
+        upper = self.best.get("upper")
+        return upper.discretisation.natural.load_factor if isinstance(upper, UpperBound) else 1.0
+
+    @property
+    def nothing(self) -> float:
+        """Load factor that counts as zero where its sign is not known."""
+        return _ZERO * self.target * self.natural
+
+    @property
+    def unsigned(self) -> bool:
+        """Whether zero lies between the bounds, as it does about a load factor of zero."""
+        round_off = _NOTHING * self.nothing
+        return -np.inf < self.lower <= round_off and np.inf > self.upper >= -round_off
 
     @property
     def crossed(self) -> bool:
@@ -246,8 +264,10 @@ class _Run:
     def _asked(self, kind: str, problem: Problem, ahead: float) -> Asked:
         """By the width that it will about prove, which decides how close the solver comes."""
         width = max(ahead, self.target)
-        affordable = _LOST * width * self.size
+        close = self.nothing if self.unsigned else width * self.size
+        affordable = _LOST * close
         width = self.target if self.coulomb else width  # which may stay wide
+        width = min(width, close / self.natural)  # dead loads cancel most of what solvers measure
         loose = width * (_PRESSED[kind] if self.pressed else _LOOSE) * self.sharper.get(kind, 1.0)
         tolerance = float(np.clip(loose, TIGHTEST, _LOOSEST))
         return Asked(kind, problem, tolerance, affordable)
@@ -302,6 +322,8 @@ class _Run:
         """Why it ends, if it does."""
         if self.crossed:
             return Ending.CROSSED
+        if self.unsigned and self.size <= self.nothing:
+            return Ending.ZERO
         if self.width <= self.target:
             return Ending.REACHED
         if any(

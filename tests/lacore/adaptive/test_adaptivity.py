@@ -445,3 +445,40 @@ def _areas(mesh):
 def _length(mesh, facets):
     ends = mesh.p[:, mesh.facets[:, facets]]
     return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum())
+
+
+def hung(share, sides=("bottom", "left")):
+    """A square pulled by so much of 2 k, its strength in plane strain, and up by the load."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    return la.Problem(
+        bodies={"square": la.Body(mesh, la.VonMises(1.0))},
+        supports=[la.Fix("square", side, axis) for side, axis in zip(sides, "yx", strict=False)],
+        reference_loads=[la.Traction("square", "top", (0, 1))],
+        dead_loads=[la.Traction("square", "top", (0, 2 * share))],
+    )
+
+
+def test_a_load_of_zero_ends_as_such_and_soon():
+    """Dead loads take all the strength: no width per load factor is ever reached."""
+    found = la.bracket(hung(1.0), 0.01)
+    assert found.status is la.Ending.ZERO
+    # A thousandth of 1 % of the natural load factor, strength sqrt(3) k over a load of 1.
+    assert max(abs(found.lower), abs(found.upper)) <= 1e-5 * np.sqrt(3)
+    assert found.lower < found.upper
+    assert found.strict
+    assert "zero" in found.message
+
+
+def test_a_body_that_slides_under_its_load_ends_as_zero():
+    """Its strains are round-off, and bounds that differ by that do not cross."""
+    pushed = replace(
+        hung(-0.5, sides=("bottom",)), reference_loads=[la.Traction("square", "top", (1, 0))]
+    )
+    assert la.bracket(pushed).status is la.Ending.ZERO
+
+
+def test_what_dead_loads_leave_is_enclosed_as_any_load_is():
+    """Solvers are asked for digits of what is left, a thousandth of what they measure by."""
+    found = la.bracket(hung(0.999), 0.02)
+    assert found.status is la.Ending.REACHED
+    assert found.lower <= 0.002 <= found.upper
