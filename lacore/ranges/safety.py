@@ -10,19 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from math import exp, inf, isnan, log, nan
 
 import numpy as np
 import pandas as pd
 
+from lacore.backend import find_backend
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.regions.lending import largest_strength
 from lacore.bounds.enclosing import has_coulomb, named_criterion
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
-from lacore.errors import InputError, require_positive, typed
+from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
@@ -31,9 +33,12 @@ from lacore.problem.problem import Problem
 from lacore.showing import Facts, Shown, counted
 from lacore.status import Rigor, Status
 
+Weakened = Callable[[float], Problem | None]
+
 _FARTHEST = 4.0  # times the last factor, where nothing brackets the next
 _INSIDE = 0.1  # share of a bracket, in logarithms, that the next factor keeps from its ends
 _MOST = 25  # solves of one end: 4^25 is more than any strength
+_STRONGEST = 1e-3  # factor: what falls with strengths divided by it falls however strong it is
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,7 +51,8 @@ class SafetyFactor(Shown):
         upper: with strengths divided by this one it collapses; nan where not proven. Of certified
             states: the least factor with one whose load factor is below 1.
         history: a row a bound: ``end``, ``factor``, ``load_factor`` of all given loads (nan of a
-            bound that failed), ``proves``; or a row a state.
+            bound that failed), ``proves``; or a row a state, with that of the reference loads
+            beside the dead ones, or of all where the dead loads alone are not carried.
         problem: as stated.
         note: which sides of soils the mechanism at the upper end comes to: in a larger body both
             ends may be less; empty where it comes to none.
@@ -55,6 +61,7 @@ class SafetyFactor(Shown):
             look for them). With associated flow the factor is no less: its `upper`, of the problem
             with ``Coulomb(mu, associated=True)`` and no dilation angles, is proven for this one
             too (T14, T54). Empty where ends are proven.
+        interfaces: whether friction of interfaces is divided as well.
     """
 
     lower: float
@@ -63,11 +70,17 @@ class SafetyFactor(Shown):
     problem: Problem
     note: str = ""
     states: tuple[LimitState, ...] = ()
+    interfaces: bool = False
 
     @property
     def width(self) -> float:
         """``(upper - lower)/mean``."""
         return 2 * (self.upper - self.lower) / (self.upper + self.lower)
+
+    @property
+    def proven(self) -> bool:
+        """Whether both ends are, by strict bounds of the continuum problem."""
+        return not self.states and not isnan(self.width)
 
     @property
     def stands(self) -> bool | None:
@@ -84,19 +97,28 @@ class SafetyFactor(Shown):
         number = int(self.history["load_factor"].isna().sum())
         return f", of which {number} failed and prove{'s' * (number == 1)} nothing" * bool(number)
 
+    @property
+    def _beside(self) -> str:
+        """What becomes of friction of interfaces, for its text."""
+        if not self.problem.interfaces:
+            return ""
+        return f", friction of interfaces {'as well' if self.interfaces else 'as it is'}"
+
     def facts(self) -> Facts:
         """Both ends, and what they took."""
         missing = [end for end in ("lower", "upper") if isnan(getattr(self, end))]
-        proven, kind = "both ends by strict bounds of the continuum problem", "bound"
+        proven, kind, ends = "both ends by strict bounds of the continuum problem", "bound", ""
         if self.states:
             proven, kind = "not proven: certified states, beside which there may be others", "state"
+            ends = " of certified states, not proven"
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
             "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
+            "divided": "strength of all bodies" + self._beside,
             "solved by": counted(len(self.history), kind) + self._failed,
         }
         told |= {"note": self.note} if self.note else {}
-        return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}", told)
+        return Facts(f"SafetyFactor: {self.lower:.6g} <= F <= {self.upper:.6g}{ends}", told)
 
 
 @typed()
@@ -126,7 +148,7 @@ def safety_factor(
     Raises:
         InputError: a criterion that cannot be weakened; a body without any cohesion, or no body
             at all, whose factor no load factor tells; what bounds refuse.
-        CapabilityError: the backend cannot take the problem.
+        CapabilityError: the backend is regularised, or cannot take the problem.
 
     Example:
         >>> found = la.safety_factor(la.examples.footing(strength=0.25), tolerance=0.05)
@@ -136,79 +158,87 @@ def safety_factor(
     if of != "strength":
         raise InputError("of", of, "nothing that can be divided", "give 'strength'")
     require_positive("tolerance", tolerance)
-    given = replace(
-        problem, reference_loads=[*problem.reference_loads, *problem.dead_loads], dead_loads=[]
-    )
-    bodies = of_kind(given.bodies, Body)
+    bodies = of_kind(problem.bodies, Body)
     if not bodies:
         why = "without cohesion all loads together have no size: the load factor is 0 or endless"
         mend = "give a body with a criterion; `lacore.critical` finds friction at which it falls"
-        raise InputError("Problem.bodies", list(given.bodies), why, mend)
+        raise InputError("Problem.bodies", list(problem.bodies), why, mend)
     for name, body in bodies.items():
         _check(name, body)
-    if has_coulomb(given) or any(own.form.frictional for b in bodies.values() for own in b.regions):
-        return _of_states(problem, given, interfaces, tolerance, backend)
+    if find_backend(backend).capabilities.regularised:
+        why = "is regularised: it proves and certifies no load factor: take 'clarabel'"
+        raise CapabilityError(f"backend {backend!r} {why}")
+    frictional = any(own.form.frictional for body in bodies.values() for own in body.regions)
+    if has_coulomb(problem) or frictional:
+        return _of_states(problem, interfaces, tolerance, backend)
+    weakened = partial(_weakened, _together(problem), interfaces=interfaces)
     rows: list[dict[str, object]] = []
     notes: dict[float, str] = {}
 
-    def below(factor: float) -> float | None:
-        weaker = _weakened(given, factor, interfaces)
-        if weaker is None:
-            return None
+    def below(weaker: Problem, factor: float) -> float:
         bound = lower_bound(weaker, backend)
         value = bound.load_factor if bound.rigor is Rigor.LOWER else nan
         return inf if bound.status is Status.LOCKED else value
 
-    def above(factor: float) -> float | None:
-        weaker = _weakened(given, factor, interfaces)
-        if weaker is None:
-            return None
+    def above(weaker: Problem, factor: float) -> float:
         bound = upper_bound(weaker, backend)
         notes[factor] = bound.status.added(bound.message)
         value = bound.load_factor if bound.rigor is Rigor.UPPER else nan
         return inf if bound.status is Status.LOCKED else value
 
-    lower = _end("lower", True, below, 1.0, tolerance, rows)
-    upper = _end("upper", False, above, lower if lower > 0 else 1.0, tolerance, rows)
-    return SafetyFactor(lower, upper, pd.DataFrame(rows), problem, notes.get(upper, ""))
+    lower = _end("lower", True, weakened, below, 1.0, tolerance, rows)
+    upper = _end("upper", False, weakened, above, lower if lower > 0 else 1.0, tolerance, rows)
+    return SafetyFactor(
+        lower, upper, pd.DataFrame(rows), problem, notes.get(upper, ""), interfaces=interfaces
+    )
 
 
-def _of_states(
-    problem: Problem, given: Problem, interfaces: bool, tolerance: float, backend: str
-) -> SafetyFactor:
-    """Between factors of certified states on either side of a load factor of 1."""
+def _together(problem: Problem) -> Problem:
+    """All loads as reference loads: at a load factor of 1 they are as given."""
+    loads = [*problem.reference_loads, *problem.dead_loads]
+    return replace(problem, reference_loads=loads, dead_loads=[])
+
+
+def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: str) -> SafetyFactor:
+    """Between factors of certified states on either side of a load factor of 1.
+
+    Of the reference loads beside the dead ones: weights that grow with the load press contact
+    together, which then jams. Where the dead loads alone are not carried, all loads grow.
+    """
     rows: list[dict[str, object]] = []
     states: dict[float, LimitState] = {}
 
-    def certified(factor: float) -> float | None:
-        weaker = _weakened(given, factor, interfaces)
-        if weaker is None:
-            return None
+    def certified(weaker: Problem, factor: float) -> float:
         state = solve(weaker, backend)
+        if state.status is Status.UNSAFE:
+            state = solve(_together(weaker), backend)
         if state.status in (Status.SOLVED, Status.LOCKED):
             states[factor] = state
         return 0.0 if state.status is Status.FREE else state.load_factor
 
-    lower = _end("state", True, certified, 1.0, tolerance, rows)
+    weakened = partial(_weakened, problem, interfaces=interfaces)
+    lower = _end("state", True, weakened, certified, 1.0, tolerance, rows)
     history = pd.DataFrame(rows).drop(columns="proves")
     falls = history["factor"][history["load_factor"] < 1]
     upper = float(falls.min()) if falls.size else nan
+    if isnan(lower) and upper <= _STRONGEST:
+        mend = "add supports, or less load" + ", or take `interfaces=True`" * (not interfaces)
+        why = f"it is not carried with strengths {1 / upper:.0f} times as large: friction decides"
+        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
     ends = tuple(states[factor] for factor in (lower, upper) if factor in states)
     if not ends:
         why = f"none of {len(rows)} states of weakened strengths is certified"
         mend = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
-        if (history["load_factor"] == 0).all():
-            why = "the loads move it without dissipation, however strong its bodies are"
-            mend = "`interfaces=True` divides friction as well"
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
     note = ends[-1].status.added(ends[-1].message) if ends[-1].status is Status.SOLVED else ""
-    return SafetyFactor(lower, upper, history, problem, note, ends)
+    return SafetyFactor(lower, upper, history, problem, note, ends, interfaces)
 
 
 def _end(
     end: str,
     stands: bool,
-    load_factor: Callable[[float], float | None],
+    weakened: Weakened,
+    load_factor: Callable[[Problem, float], float],
     start: float,
     tolerance: float,
     rows: list[dict[str, object]],
@@ -221,9 +251,9 @@ def _end(
     low, high = -inf, inf
     failed: list[float] = []
     factor, best, least = start, nan, log(1 + tolerance)
-    for _ in range(_MOST):
-        value, here = load_factor(factor), log(factor)
-        known = nan if value is None else value
+    for tries in range(_MOST):
+        weaker, here = weakened(factor), log(factor)
+        known = nan if weaker is None else load_factor(weaker, factor)
         proves = known >= 1 if stands else known < 1
         rows.append({"end": end, "factor": factor, "load_factor": known, "proves": proves})
         if proves and not isnan(best):
@@ -231,7 +261,7 @@ def _end(
         elif proves:
             best = factor
         size = log(known) if known > 0 else -inf
-        if value is None:  # nothing is as weak, or as strong, and the problem itself is neither
+        if weaker is None:  # nothing is as weak, or as strong, and the problem itself is neither
             low, high = (low, here) if here > 0 else (here, high)
         elif isnan(known):
             failed.append(here)
@@ -242,7 +272,8 @@ def _end(
         if high - low <= least:
             break
         bounded = low > -inf or high < inf
-        wanted = _next(low, high, above, below, size) if bounded else failed[-1]
+        reach = 2**tries * size  # where strength says little of the load factor, soon far
+        wanted = _next(low, high, above, below, reach) if bounded else failed[-1]
         clear = _clear(wanted, low, high, failed, stands, least)
         if clear is None:
             break
@@ -274,12 +305,16 @@ def _next(
     high: float,
     stands: tuple[float, float],
     falls: tuple[float, float],
-    size: float,
+    reach: float,
 ) -> float:
-    """Logarithm of the next factor: where the load factor is about 1."""
+    """Logarithm of the next factor: where the load factor is about 1.
+
+    Where only one side is known, at most `reach` away, which is about the load factor's own
+    logarithm.
+    """
     if low == -inf or high == inf:
         here = high if low == -inf else low
-        known = size if np.isfinite(size) else (log(_FARTHEST) if low > -inf else -log(_FARTHEST))
+        known = reach if np.isfinite(reach) else (log(_FARTHEST) if low > -inf else -log(_FARTHEST))
         step = float(np.clip(known, -log(_FARTHEST), log(_FARTHEST)))
         least = 1e-3 if low > -inf else -1e-3
         return here + (step if abs(step) > abs(least) else least)

@@ -27,7 +27,12 @@ _STOPPED = 130
     help="Search for the lowest and the highest load factor, where friction leaves a choice; for"
     " ten minutes at most.",
 )
-@click.option("--safety", is_flag=True, help="Prove the factor of safety on strength.")
+@click.option(
+    "--safety",
+    is_flag=True,
+    help="Prove the factor of safety on strength; with Coulomb friction, between certified states.",
+)
+@click.option("--interfaces", is_flag=True, help="With --safety, divide friction of contact, too.")
 @click.option("--stable", is_flag=True, help="Draw what carries the dead loads, or how they fall.")
 @click.option("--sensitivity", is_flag=True, help="List what the load factor depends on.")
 @click.option("--cases", is_flag=True, help="Solve each case of the loads alone: which governs?")
@@ -62,6 +67,7 @@ def solve(
     bracket: float | None,
     whole_range: bool,
     safety: bool,
+    interfaces: bool,
     stable: bool,
     sensitivity: bool,
     cases: bool,
@@ -110,8 +116,8 @@ def solve(
             "cases": cases,
             "envelope": envelope,
         }
-        more |= {"range": whole_range, "safety": safety, "vary": vary}
-        more |= {"limit": limit, "worst": worst}
+        more |= {"range": whole_range, "safety": safety, "interfaces": interfaces}
+        more |= {"vary": vary, "limit": limit, "worst": worst}
         more |= {} if critical is None else {"critical": critical}
         question = answers.asked(stated, backend, bracket=bracket, **more)
         writing.require_writable(folder)

@@ -31,6 +31,7 @@ class Question:
         bracket: width of a bracket; None: none is asked for.
         range: whether all load factors are searched.
         safety: whether the factor of safety is asked for.
+        interfaces: whether that divides friction of interfaces as well.
         more: names of `MORE` that are asked for.
         cases: reference loads by the name of their case, as places in the list of the problem.
         varied: number of the file that varies; None: none does.
@@ -42,6 +43,7 @@ class Question:
     bracket: float | None
     range: bool
     safety: bool
+    interfaces: bool = False
     more: tuple[str, ...] = ()
     cases: Mapping[str, Sequence[int]] = field(default_factory=dict)
     varied: Varied | None = None
@@ -97,7 +99,7 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     Args:
         stated: the file.
         backend: in place of that of the file.
-        more: `bracket`, `range`, `safety`, those of `MORE`, where they are asked for.
+        more: `bracket`, `range`, `safety`, `interfaces`, those of `MORE`, where they are asked for.
 
     Raises:
         InputError: an unknown backend or coupling, a width that is none; of the file with its line.
@@ -130,12 +132,17 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         )
     for name in wanted:
         check(name, stated, varied)
+    safety = bool(more.get("safety") or own.safety)
+    interfaces = bool(more.get("interfaces") or own.interfaces)
+    if interfaces and not safety:
+        raise InputError("--interfaces", True, "nothing divides their friction", "ask for --safety")
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,
         bracket=own.bracket if width is None else width,
         range=bool(more.get("range") or own.range),
-        safety=bool(more.get("safety") or own.safety),
+        safety=safety,
+        interfaces=interfaces,
         more=wanted,
         cases=stated.cases,
         varied=varied,
@@ -184,7 +191,9 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             )
     if question.safety:
         with doing("dividing the strength"):
-            safety = la.safety_factor(problem, backend=question.backend)
+            safety = la.safety_factor(
+                problem, interfaces=question.interfaces, backend=question.backend
+            )
     if question.range:  # last: it takes longest, and what is refused is to be said before
         with doing("searching for other load factors") as tell:
             found = _range(problem, question.backend, tell)

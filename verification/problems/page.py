@@ -68,7 +68,8 @@ def page(
     if answer.range is not None:
         sections.append(_range(answer.range, units))
     if answer.safety is not None:
-        history = _table(answer.safety.history, "Bounds on the way")
+        kind = "States" if answer.safety.states else "Bounds"
+        history = _table(answer.safety.history, f"{kind} on the way")
         sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
     sections += [_more(name, own, units) for name, own in answer.more.items()]
     sections += [

@@ -55,7 +55,12 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
             "stopped": answer.range.stopped,
         }
     if answer.safety is not None:
-        found["safety"] = {"lower": answer.safety.lower, "upper": answer.safety.upper}
+        found["safety"] = {
+            "lower": answer.safety.lower,
+            "upper": answer.safety.upper,
+            "proven": answer.safety.proven,
+            "interfaces": answer.safety.interfaces,
+        }
     for name, own in answer.more.items():
         if isinstance(own, str):
             found[name] = {"failure": stated.units.rewritten(own)}

@@ -63,7 +63,8 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
         soil = "soil_range" if la.discretise(stated.problem).program.frictional else "coulomb_range"
         ends.append(f'print(la.{soil}(problem, backend="{question.backend}"))')
     if question.safety:
-        ends.append(f'print(la.safety_factor(problem, backend="{question.backend}"))')
+        divided = "interfaces=True, " * question.interfaces
+        ends.append(f'print(la.safety_factor(problem, {divided}backend="{question.backend}"))')
     asked = list(question.more)
     if question.varied is not None:
         function = _function(question.varied, folder)

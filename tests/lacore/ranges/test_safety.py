@@ -29,6 +29,7 @@ def test_without_friction_it_is_the_load_factor(criterion):
     assert lower * (1 - 1e-3) <= found.lower <= lower
     assert upper <= found.upper <= upper * (1 + 1e-3)
     assert found.stands is True
+    assert found.proven
 
 
 def test_with_friction_loads_at_the_ends_are_those_of_collapse():
@@ -152,12 +153,15 @@ def test_a_uniform_state_has_one_factor_whatever_the_dilation(dilation):
     assert found.width <= 1.1e-3  # tolerance, in logarithms
     assert [state.certify().holds(1e-6) for state in found.states] == [True, True]
     assert found.stands is None  # other states may carry less
-    assert "not proven" in repr(found)
+    assert not found.proven
+    assert "of certified states, not proven" in repr(found).splitlines()[0]
+    with pytest.raises(la.CapabilityError, match="regularised"):
+        la.safety_factor(problem, backend="newton")
 
 
 @pytest.mark.parametrize(("pressure", "exact"), [(0.75, 0.9), (3.0, 3.6)])
 def test_a_block_slides_where_friction_is_that_of_the_load(pressure, exact):
-    """Over 2 m, mu p against 1 Pa over 1 m: ``F = 2 mu p``, and load factors fall to 0 there."""
+    """Over 2 m, mu p against 1 Pa over 1 m: ``F = 2 mu p``, load factors ``2 mu p`` per factor."""
     mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
     problem = la.Problem(
         {"block": la.Body(mesh, la.VonMises(100.0))},
@@ -169,8 +173,11 @@ def test_a_block_slides_where_friction_is_that_of_the_load(pressure, exact):
     assert found.lower <= exact * (1 + 1e-6)
     assert found.upper >= exact * (1 - 1e-6)
     assert found.width <= 0.022
+    times = found.history["load_factor"] * found.history["factor"]  # beside the same pressure
+    assert times.to_numpy() == pytest.approx(exact, rel=1e-5)
+    assert "friction of interfaces as well" in repr(found)
     if exact < 1:
-        with pytest.raises(la.InputError, match=r"without dissipation.*interfaces=True"):
+        with pytest.raises(la.InputError, match=r"friction decides.*interfaces=True"):
             la.safety_factor(problem)
 
 
@@ -181,6 +188,7 @@ def test_an_end_that_is_not_proven_says_so():
     open_ended = replace(found, lower=float("nan"))
     assert "not proven: lower end" in repr(open_ended)
     assert open_ended.stands is None
+    assert not open_ended.proven
 
 
 WRONG = {

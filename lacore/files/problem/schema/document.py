@@ -42,6 +42,8 @@ class Asked(Entry):
     """Whether all load factors are searched, not one."""
     safety: StrictBool = False
     """Whether the factor of safety on strength is asked for."""
+    interfaces: StrictBool = False
+    """Whether that divides the friction of interfaces as well."""
     stable: StrictBool = False
     """Whether the dead loads alone are carried, with the proof drawn."""
     sensitivity: StrictBool = False
