@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -23,7 +23,10 @@ Gauge = Callable[[Discretisation, Floats], float]
 
 
 class Control(Protocol):
-    """What a path is measured by."""
+    """What a path is measured by.
+
+    One that says its `unit`, ``"m"``, has it on the axes of pictures.
+    """
 
     def gauge(self, problem: Problem) -> Gauge:
         """How to read it in a problem.
@@ -49,6 +52,11 @@ def gauge_of(control: Control, problem: Problem) -> Gauge:
     return control.gauge(problem)
 
 
+def unit_of(control: Control) -> str:
+    """Unit of what it measures; empty where it says none."""
+    return str(getattr(control, "unit", ""))
+
+
 @dataclass(frozen=True, repr=False)
 class FootingTravel(Compact):
     """How far the rigid footing of the reference load has moved along its direction, m.
@@ -56,6 +64,8 @@ class FootingTravel(Compact):
     Example:
         >>> control = la.FootingTravel()  # of a problem whose load is a `RigidFooting`
     """
+
+    unit: ClassVar[str] = "m"
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""
@@ -83,6 +93,7 @@ class PointTravel(Compact):
         >>> control = la.PointTravel("tube", at=(1, 0), direction=(1, 0))
     """
 
+    unit: ClassVar[str] = "m"
     body: str
     at: tuple[float, float]
     direction: tuple[float, float]
@@ -113,6 +124,8 @@ class Time(Compact):
     Example:
         >>> control = la.Time()
     """
+
+    unit: ClassVar[str] = "s"
 
     def gauge(self, problem: Problem) -> Gauge:
         """See `Control`."""

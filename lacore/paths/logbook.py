@@ -32,6 +32,7 @@ class Log:
     stage: Stage
     gauge: Gauge
     keep_every: int
+    unit: str = ""
     rows: list[PathStep] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
@@ -178,6 +179,7 @@ class Log:
             stage=self.stage,
             later=tuple(self.later),
             settings=settings,
+            unit=self.unit,
         )
         if self.last is None and self.rows:  # of a path that was all kept
             return replace(path, last=path.state())

@@ -136,6 +136,7 @@ class Path(Shown):
         stage: the problem as it was made ready.
         later: stages on new meshes, each with the first step that was taken on it.
         settings: of each solve, see `lacore.solve`.
+        unit: of the travel, as its control says it: ``m``, of `Time` ``s``; else empty.
     """
 
     status: Ending
@@ -147,6 +148,7 @@ class Path(Shown):
     stage: Stage
     later: tuple[tuple[int, Stage], ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
+    unit: str = ""
 
     def facts(self) -> Facts:
         """How far it has come, and what was met on the way."""

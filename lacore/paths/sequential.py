@@ -12,7 +12,7 @@ from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
-from lacore.paths.control import Control, FootingTravel, gauge_of
+from lacore.paths.control import Control, FootingTravel, gauge_of, unit_of
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.logbook import Log
@@ -125,7 +125,7 @@ def sequential(
         "options": options or {},
     }
     walk, pace = Walk(stage, gauge, settings, selection), Pace(steps, travel)
-    log = Log(stage, gauge, keep_every)
+    log = Log(stage, gauge, keep_every, unit_of(control))
     with ExitStack() as opened:
         kept, progress = None, None
         if checkpoint is not None:

@@ -168,7 +168,7 @@ def draw_load(axes: Axes, path: Path, until: float = np.inf) -> None:
             axes.plot(past["travel"], past[name], ".", color=colour, ms=5)
         if name == "load_factor" and not past.empty and np.isfinite(until):
             axes.plot(past["travel"].iloc[-1], past[name].iloc[-1], "o", color=colour, ms=6)
-    axes.set_xlabel("travel", fontsize=9)
+    axes.set_xlabel(f"travel [{path.unit}]" if path.unit else "travel", fontsize=9)
     axes.set_ylabel("load factor", fontsize=9)
     axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
     handles += _draw_events(axes, path, until)
@@ -231,10 +231,8 @@ def _title(path: Path) -> str:
     highest = path.history.iloc[int(path.history["load_factor"].argmax())]
     peak = (path.events["kind"] == "peak load").any()
     what = "peak" if peak else "largest"
-    return (
-        f"{what} load factor {highest['load_factor']:.6g} at a travel of {highest['travel']:.4g}"
-        f"\n{second}"
-    )
+    at = f"{highest['travel']:.4g} {path.unit}".rstrip()
+    return f"{what} load factor {highest['load_factor']:.6g} at a travel of {at}\n{second}"
 
 
 def _box(path: Path) -> tuple[Floats, Floats]:

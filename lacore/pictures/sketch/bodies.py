@@ -37,8 +37,10 @@ def _continuum(body: Body, sheet: Sheet, name: str, problem: Problem) -> None:
     corners = outlines(mesh)
     many = len(body.regions) > _FEW
     whole = _plain(name) if len(problem.bodies) > 1 else "rigid-plastic"
+    # A body has colours of its own, of whatever material it is.
+    sheet.shades[name] = list(shaded(body, sum(map(len, sheet.shades.values()))))
     # Edges in the colour of the faces leave no hairlines between them.
-    for region, colour in shaded(body):
+    for region, colour in sheet.shades[name]:
         fill = PolyCollection(
             list(corners[region.elements]),
             facecolors=colour,

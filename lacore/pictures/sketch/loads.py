@@ -26,7 +26,6 @@ from lacore.conditions.loads import Load, PointForce, Pressure, Traction, acts
 from lacore.conditions.water import PorePressure, StandingWater
 from lacore.meshes.curved import outlines
 from lacore.pictures.axis import has_axis
-from lacore.pictures.regions import shaded
 from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 
 LIVE, DEAD = "#c1121f", "#6c6c6c"
@@ -257,7 +256,7 @@ def _pores(load: PorePressure, body: Body, sheet: Sheet, colour: str, live: bool
     if largest == 0:
         return
     corners, places = body.mesh.t, body.mesh.p[:, : pressure.size]
-    for region, dry in shaded(body):
+    for region, dry in sheet.shades[load.body]:
         own = corners[:, region.elements]
         halves = [own[:3]] if len(own) == 3 else [own[[0, 1, 2]], own[[0, 2, 3]]]
         # Agg draws such triangles without transparency.

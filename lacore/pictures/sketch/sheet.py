@@ -11,6 +11,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.textpath import TextPath
 
 from lacore.arrays import Floats
+from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.touching import Edges
 from lacore.numerics.quantities import Units
 
@@ -66,6 +67,7 @@ class Sheet:
         arrows: places of single arrows, which are among those.
         labels: still to be placed.
         handles: of the legend, by label.
+        shades: colours of the regions of each continuum that is drawn.
     """
 
     axes: Axes
@@ -76,6 +78,7 @@ class Sheet:
     arrows: list[shapely.Geometry] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
     handles: dict[str, Artist] = field(default_factory=dict)
+    shades: dict[str, list[tuple[Region, str]]] = field(default_factory=dict)
 
     def take(self, corners: Floats) -> None:
         """Keep polygons, shape (k, n, 2), free of labels and of other symbols."""

@@ -13,6 +13,7 @@ from PIL import Image
 
 import lacore as la
 from lacore.errors import InputError
+from lacore.paths.control import unit_of
 from lacore.paths.path import Event
 from lacore.pictures.path import strain_scale
 from tests.lacore.paths.path_billets import PLATEN, billet, pressed, quad_billet
@@ -43,9 +44,10 @@ def test_bodies_and_load(made):
         "3 steps, status: reached",
         *("before", "rigid footing", "obstacle", "x [m]", "equivalent strain"),
         f"means around vertices\n(points: up to {path.history['max_strain'].max():.3g})",
-        *("load factor", "plastic power", "friction", "travel"),
+        *("load factor", "plastic power", "friction", "travel [m]"),
     ):
         assert shown in text, shown
+    assert f"{highest:.6g} at a travel of " in text
     (line,) = [own for own in load.get_lines() if own.get_label() == "load factor"]
     np.testing.assert_array_equal(line.get_xdata(), path.history["travel"])
     np.testing.assert_array_equal(line.get_ydata(), path.history["load_factor"])
@@ -187,3 +189,12 @@ def test_places_that_cannot_be_written(tmp_path):
         path.animate(tmp_path / "folder.gif")
     with pytest.raises(InputError, match="fps"):
         path.animate(tmp_path / "a.gif", fps=0)
+
+
+@pytest.mark.parametrize(("unit", "shown"), [("s", "travel [s]"), ("", "travel")])
+def test_the_unit_of_the_travel_is_that_of_its_control(unit, shown):
+    """A control of a user may say none."""
+    path = replace(plain(3, billet=billet), unit=unit)
+    assert path.plot().axes[1].get_xlabel() == shown
+    assert unit_of(la.Time()) == "s"
+    assert unit_of(object()) == ""

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from matplotlib.collections import TriMesh
+from matplotlib.collections import PolyCollection, TriMesh
 from matplotlib.colors import to_rgba
 from matplotlib.patches import FancyArrowPatch
 
@@ -278,6 +278,26 @@ def test_many_laws_are_counted():
         reference_loads=[la.BodyForce("stack", (1, 0))],
     )
     assert "joints: 8 laws of friction" in legend(problem.plot())
+
+
+def test_bodies_of_one_material_have_colours_of_their_own():
+    """Each with its name in the legend, also under water."""
+    soil = la.MohrCoulomb(1.0, 20)
+    lower, upper = (la.meshes.rectangle((0, 1), y, 1, 1) for y in ((-1, 0), (0, 1)))
+    problem = la.Problem(
+        bodies={"sand": la.Body(lower, soil), "fill": la.Body(upper, soil)},
+        supports=[la.Fix("sand", "bottom")],
+        interfaces=[la.Interface(("fill", "bottom"), ("sand", "top"), friction=la.BOND)],
+        reference_loads=[la.Pressure("fill", "top")],
+        dead_loads=[la.PorePressure(name, la.WaterTable(1.0, 1.0)) for name in ("sand", "fill")],
+    )
+    axes = (figure := problem.plot()).axes[0]
+    first, second = [own for own in axes.collections if isinstance(own, PolyCollection)][:2]
+    colours = [tuple(own.get_facecolor()[0]) for own in (first, second)]
+    assert colours[0] != colours[1]
+    assert [text.partition(",")[0] for text in legend(figure)[:2]] == ["sand", "fill"]
+    water = [own.get_cmap()(0.0) for own in axes.collections if isinstance(own, TriMesh)]
+    assert water == colours
 
 
 def test_water_hides_no_region():
