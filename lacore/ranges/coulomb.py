@@ -14,6 +14,7 @@ import pandas as pd
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend, read_options
+from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled
 from lacore.coupling.search import HIGH, LOW, Found, Search, coulomb_bounds
@@ -68,6 +69,7 @@ class CoulombRange(Shown):
         solve_time: s, wall clock.
         message: the status in words.
         stopped: why the search ended before its restarts did; empty where it did not.
+        ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
 
     status: Status
@@ -87,6 +89,7 @@ class CoulombRange(Shown):
     solve_time: float
     message: str
     stopped: str = ""
+    ray: Ray | None = None
 
     @property
     def lowest_proven(self) -> bool:
@@ -110,6 +113,7 @@ class CoulombRange(Shown):
             proven += f", those of the continuum in [{below:.7g}, {above:.7g}]"
         told = {"status": self.status.said(self.message), "proven": proven}
         told |= residuals(self.lowest, self.highest)
+        told |= {} if self.ray is None else {"proof": str(self.ray)}
         told["solved by"] = (
             f"{self.backend}: {counted(len(self.states), 'state')} in"
             f" {counted(self.solves, 'solve')}, {self.solve_time:.3g} s"
@@ -322,6 +326,7 @@ def coulomb_range(
         solve_time=time.perf_counter() - begin,
         message=first.message,
         stopped=stopped,
+        ray=None if ends else first.ray,
     )
 
 

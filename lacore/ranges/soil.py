@@ -14,6 +14,7 @@ import pandas as pd
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.backend import check_capable, find_backend, read_options
+from lacore.claims.judged import Ray
 from lacore.coupling.deadline import OutOfTime, until
 from lacore.coupling.run import Coupled, CouplingOptions, Run
 from lacore.coupling.soil_search import SEARCHES, SoilFound, soil_bounds, soil_states
@@ -61,6 +62,7 @@ class SoilRange(Shown):
         solve_time: s, wall clock.
         message: the status in words.
         stopped: why not all searches came to their ends; empty where they did.
+        ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
     """
 
     status: Status
@@ -76,6 +78,7 @@ class SoilRange(Shown):
     solve_time: float
     message: str
     stopped: str = ""
+    ray: Ray | None = None
 
     @property
     def width(self) -> float:
@@ -96,6 +99,7 @@ class SoilRange(Shown):
         if self.lowest is None or self.highest is None:
             found = "no load factor is certified"
             told["found"] = self.message
+        told |= {} if self.ray is None else {"proof": str(self.ray)}
         told |= residuals(self.lowest, self.highest)
         solves = counted(int(self.states["solves"].sum()), "solve")
         told["solved by"] = f"{self.backend}: {solves} of searches in {self.solve_time:.3g} s"
@@ -215,7 +219,11 @@ def soil_range(
         _state(problem, program, found, built, given, tolerance)
         for found, _ in sorted(ends, key=lambda end: end[1])
     ]
-    status = Status.SOLVED if made else Status.TIME_LIMIT if stopped else _why(problem, given)
+    status, ray = (Status.SOLVED if made else Status.TIME_LIMIT), None
+    if not made and not stopped:
+        status, ray = _why(problem, given)
+    if status is Status.UNSAFE:
+        bracket = (-np.inf, np.inf)  # of none, whatever bounds with more strength say
     nothing = np.inf if status is Status.LOCKED else np.nan
     return SoilRange(
         status=status,
@@ -231,6 +239,7 @@ def soil_range(
         solve_time=time.perf_counter() - begin,
         message=status.label if made else f"{status.label}: {status.value}",
         stopped=stopped,
+        ray=ray,
     )
 
 
@@ -281,10 +290,10 @@ def _state(
     return replace(state, solve_time=float(sum(one.inner.solve_time for one in iterates)))
 
 
-def _why(problem: Discretisation, given: Mapping[str, Any]) -> Status:
-    """Why there is no state: LOCKED or UNSAFE where that is proven."""
-    status = solve(problem, **given).status
-    return Status.NOT_CERTIFIED if status is Status.SOLVED else status
+def _why(problem: Discretisation, given: Mapping[str, Any]) -> tuple[Status, Ray | None]:
+    """Why there is no state: LOCKED or UNSAFE where that is proven, and by what."""
+    state = solve(problem, **given)
+    return (Status.NOT_CERTIFIED if state.status is Status.SOLVED else state.status), state.ray
 
 
 def _davis(problem: Discretisation, given: Mapping[str, Any]) -> float:

@@ -161,6 +161,22 @@ def test_a_slope_that_is_too_steep_keeps_its_mechanism():
     assert "dissipated" in str(state)
 
 
+@pytest.mark.parametrize("dilation", [0, 10])
+def test_a_range_of_a_soil_keeps_what_proves_that_there_is_none(dilation):
+    found = la.soil_range(in_a_box(la.MohrCoulomb(1.0, 30, dilation_angle=dilation)))
+    assert found.status is Status.LOCKED
+    assert found.ray.proves
+    assert "out of balance" in str(found)
+    fallen = slope()
+    sand = replace(
+        fallen.bodies["sand"], criterion=la.MohrCoulomb(0.0, 30, dilation_angle=dilation)
+    )
+    found = la.soil_range(replace(fallen, bodies={"sand": sand}))
+    assert found.status is Status.UNSAFE
+    assert found.ray.proves(1e-6)
+    assert found.bracket == (-np.inf, np.inf)
+
+
 def test_nothing_that_is_nan_proves_anything():
     locked = la.solve(in_a_box(la.MohrCoulomb(1.0, 30))).ray
     for name in ("residual", "beyond", "release"):

@@ -176,6 +176,9 @@ def test_a_locked_problem_says_so():
     assert found.lowest is None
     assert found.states.empty
     assert "locked" in str(found)
+    assert found.ray.proves
+    assert "out of balance" in repr(found)
+    assert la.coulomb_range(between_walls(), restarts=0).ray is None
 
 
 def test_an_unproven_bound_proves_nothing():
