@@ -76,6 +76,8 @@ class StrongBodySolver:
         if key not in self._stiff:
             self._stiff[key] = _Stiff.of(self._program, strong)
         stiff, units = self._stiff[key], Scales(stress=weak)
+        if not stiff.program.n:
+            return InnerSolution(Status.LOCKED, "nothing moves without strain", 0, 0.0, None)
         program = dimensionless(stiff.program, units)
         solver = self._prepare(program)
         try:

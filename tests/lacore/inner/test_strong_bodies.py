@@ -56,6 +56,23 @@ def test_bounds_of_a_strong_body_are_close(cells, strength):
     assert upper.load_factor - lower.load_factor <= (1e-5 + 1e-5) * MU * WEIGHT
 
 
+@pytest.mark.parametrize("backend", ["clarabel", "interior_point"])
+def test_a_strong_body_that_is_held_has_no_rigid_motion(backend):
+    """Nothing of it moves before it yields, and its weight is nothing beside its strength."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+
+    def load(weight):
+        problem = la.Problem(
+            {"block": la.Body(mesh, la.VonMises(shear_strength=1e3))},
+            [la.Traction("block", "top", (1.0, 0))],
+            [la.Fix("block", "bottom")],
+            dead_loads=[la.BodyForce("block", (0, -weight))] if weight else [],
+        )
+        return la.solve(problem, backend=backend).load_factor
+
+    assert load(1e-3) == pytest.approx(load(0), rel=1e-5)
+
+
 def test_stresses_are_those_of_an_elastic_body_within_the_strength():
     """In equilibrium with the reactions: their divergence is the weight, tested by the residual."""
     state = la.solve(steel_block(4))
