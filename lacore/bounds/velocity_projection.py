@@ -9,7 +9,8 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array, vstack
 
 from lacore.arrays import Bools, Floats, Sparse
-from lacore.numerics.linear_algebra import SingularError, SuperLU
+from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
+from lacore.numerics.symmetric import factorised
 from lacore.program import KinematicProgram
 
 _SHIFT = 1e-11  # of rows of length 1
@@ -61,19 +62,19 @@ def _nearest(rows: Sparse, velocity: Floats) -> Floats:
     rows = csr_matrix(diags_array(1 / length[length > 0]) @ rows[length > 0])
     matrix = csr_matrix(rows @ rows.T + _SHIFT * eye_array(rows.shape[0], format="csr"))
     matrix.sort_indices()
-    solver = SuperLU()
+    if not rows.shape[0]:
+        return velocity
     try:
-        if rows.shape[0]:
-            solver.factorise(matrix)
-            velocity = _projected(rows, velocity, solver)
+        solver = factorised(matrix)
     except SingularError:
-        pass  # what is left tells
+        return velocity  # what is left tells
+    try:
+        return _projected(rows, velocity, solver)
     finally:
         solver.close()
-    return velocity
 
 
-def _projected(rows: Sparse, velocity: Floats, solver: SuperLU) -> Floats:
+def _projected(rows: Sparse, velocity: Floats, solver: SymmetricSolver) -> Floats:
     wrong = rows @ velocity
     for _ in range(_REFINEMENTS):
         moved = velocity - rows.T @ solver.solve(wrong)

@@ -3,7 +3,10 @@
 from collections.abc import Callable
 from functools import cache
 
-from lacore.numerics.linear_algebra import SuperLU, SymmetricSolver
+from lacore.arrays import Sparse
+from lacore.numerics.linear_algebra import SingularError, SuperLU, SymmetricSolver
+
+_LARGE = 20_000  # rows from which half of the time is worth loading MKL: docs/measured.md
 
 
 def symmetric_solver(refined: bool = True, definite: bool = True) -> SymmetricSolver:
@@ -15,6 +18,28 @@ def symmetric_solver(refined: bool = True, definite: bool = True) -> SymmetricSo
     """
     fast = fast_solver()
     return SuperLU() if fast is None else fast(refined, definite)
+
+
+def factorised(matrix: Sparse) -> SymmetricSolver:
+    """Factors of one positive definite matrix with sorted indices, to be closed.
+
+    By SuperLU, which is there at once; of a large matrix by the best solver installed, unless that
+    finds it singular.
+
+    Raises:
+        SingularError: it cannot be factorised.
+    """
+    if matrix.shape[0] >= _LARGE:
+        solver = symmetric_solver(refined=False)
+        try:
+            solver.factorise(matrix)
+        except SingularError:
+            solver.close()
+        else:
+            return solver
+    solver = SuperLU()
+    solver.factorise(matrix)
+    return solver
 
 
 @cache

@@ -19,7 +19,8 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags_array, eye_array
 
 from lacore.arrays import Floats, Sparse
-from lacore.numerics.linear_algebra import SingularError, SuperLU
+from lacore.numerics.linear_algebra import SingularError
+from lacore.numerics.symmetric import factorised
 from lacore.program import KinematicProgram
 from lacore.state import ProgramState, out_of_balance
 
@@ -80,17 +81,16 @@ def onto_equilibrium(
     scaled = csr_matrix(diags_array(scale) @ stiffness @ diags_array(scale))
     matrix = csr_matrix(scaled + _SHIFT * eye_array(program.n, format="csr"))
     matrix.sort_indices()
-    solver = SuperLU()  # once: others are still loading when it is through
+    try:
+        solver = factorised(matrix)
+    except SingularError:
+        yield lambda state, refinements=0: state  # what is left out of balance tells
+        return
 
     def driven(force: Floats) -> Floats:
         return np.asarray(scale * solver.solve(scale * force))
 
-    try:
-        solver.factorise(matrix)
-        reference = driven(program.reference_load)
-    except SingularError:
-        yield lambda state, refinements=0: state  # what is left out of balance tells
-        return
+    reference = driven(program.reference_load)
     give = float(program.reference_load @ reference) + _STIFF_LOAD
 
     def nearest(state: ProgramState, refinements: int = _REFINEMENTS) -> ProgramState:

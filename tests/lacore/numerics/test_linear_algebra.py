@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lacore.numerics import symmetric
 from lacore.numerics.linear_algebra import Gram, SingularError, SuperLU
-from lacore.numerics.symmetric import fast_solver, symmetric_solver
+from lacore.numerics.symmetric import factorised, fast_solver, symmetric_solver
 
 SOLVERS = [solver for solver in (SuperLU, fast_solver()) if solver is not None]
 
@@ -78,3 +78,17 @@ def test_a_singular_matrix_has_a_name(solver):
 def test_without_the_extra_superlu_does_it(monkeypatch):
     monkeypatch.setattr(symmetric, "fast_solver", lambda: None)
     assert isinstance(symmetric_solver(), SuperLU)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("large", [10, 100])
+def test_one_matrix_is_factorised_by_the_best_that_can(monkeypatch, sign, large):
+    """With pivots of both signs PARDISO, which counts on positive ones, leaves it to SuperLU."""
+    monkeypatch.setattr(symmetric, "_LARGE", large)
+    matrix, right = laplacian(50), np.linspace(-1, 1, 50)
+    matrix.data[-1] *= sign
+    solver = factorised(matrix)
+    assert np.abs(matrix @ solver.solve(right) - right).max() < 1e-12
+    best = symmetric_solver().name if sign > 0 and large <= 50 else SuperLU.name
+    assert solver.name == best
+    solver.close()
