@@ -17,7 +17,7 @@ FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regulari
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
-.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site test-wheel lint bench bench-page readme architecture reference docs results clean
+.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site test-wheel lint bench bench-all bench-page readme architecture reference docs results clean
 
 help:
 	@echo "make compare   a first look at every case with every backend, and reports/compare/index.html"
@@ -30,8 +30,9 @@ help:
 	@echo "make test-site   build the site without pictures, follow its links, open it in Chromium"
 	@echo "make test-wheel   install the wheel for each Python that is here, in clean environments, and try it"
 	@echo "make lint      formatting, lint and types"
-	@echo "make bench     run the benchmarks, JSON into reports/benchmarks.json, and print their table"
-	@echo "make bench-page   write docs/benchmarks.md from that JSON"
+	@echo "make bench     run the benchmarks, a third of an hour; records into reports/benchmarks.jsonl as they come"
+	@echo "make bench-all   run them with those of several minutes each"
+	@echo "make bench-page   write docs/benchmarks.md, its data and its picture from those records"
 	@echo "make readme    write the table, the times and the pictures of README and guide afresh"
 	@echo "make architecture   draw the rooms and their imports for docs/architecture.md"
 	@echo "make reference  write the committed report under reports/reference afresh"
@@ -86,13 +87,22 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: $(READY)
-	$(BIN)/python -m pytest tests/benchmarks -m "slow or not slow" --benchmark-enable --benchmark-only \
-		--benchmark-columns=min --benchmark-sort=name --benchmark-json=reports/benchmarks.json
-	$(BIN)/python docs/site/benchmarks.py reports/benchmarks.json
+# A process a file, and a line a record as soon as it is there: what crashes loses its own rest only.
+# Files of which BENCH_ARGS choose nothing (5) have not failed; the records before stay beside the new.
+BENCH = $(BIN)/python -m pytest -q -rs --benchmark-enable --benchmark-only --benchmark-columns=min \
+	--benchmark-sort=name --records $(RECORDS) -m
+RECORDS := reports/benchmarks.jsonl
+bench: CHOSEN := not dear
+bench-all: CHOSEN := slow or not slow
+bench bench-all: $(READY)
+	mkdir -p reports; if [ -f $(RECORDS) ]; then mv $(RECORDS) reports/benchmarks-before.jsonl; fi
+	failed=; for file in tests/benchmarks/test_*.py; do \
+	  $(BENCH) "$(CHOSEN)" $(BENCH_ARGS) $$file || [ $$? -eq 5 ] || failed="$$failed $$file"; done; \
+	$(BIN)/python docs/site/benchmarks.py $(RECORDS); \
+	test -z "$$failed" || { echo "not all ran well:$$failed"; exit 1; }
 
 bench-page: $(READY)
-	$(BIN)/python docs/site/benchmarks.py reports/benchmarks.json --page
+	$(BIN)/python docs/site/benchmarks.py $(RECORDS) --page
 
 readme: $(READY)
 	$(BIN)/python docs/refresh.py

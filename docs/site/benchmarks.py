@@ -1,215 +1,137 @@
-"""Tables of the benchmarks from their JSON: ``make bench`` prints, ``make bench-page`` keeps.
+"""Tables of the benchmarks from their records: ``make bench`` prints, ``make bench-page`` keeps.
 
-What pytest-benchmark writes is long and about one machine. Kept in docs/benchmarks.json are its
-records and what they were measured with, beside it its checksum; docs/benchmarks.md shows them, and
-the page of the site their charts.
+docs/benchmarks.md shows what docs/benchmarks.json keeps, with a picture of what width costs; the
+page of the site shows the same behind charts of its own.
 """
 
 import argparse
-import hashlib
-import json
 import re
 import sys
+from collections.abc import Iterator, Sequence
 from math import floor, log10
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, StrMethodFormatter
 from scipy.stats import linregress
 
-ROOT = Path(__file__).parents[2]
-KEPT = ROOT / "docs" / "benchmarks.json"
+from held import held
+from kept import ROOT, found, keep
+from sections import SECTIONS, SOLVES, Columns, Section
+
 MARKS = r"(<!-- benchmarks -->\n).*?(<!-- end -->)"
 PAGE = ROOT / "docs" / "benchmarks.md"
-_PROBLEMS = {"cut": "vertical cut", "punch": "punch", "punch, fan": "punch, fan at its edge"}
-_DIGITS = 8
-_OTHER = (
-    "loop",
-    "wall",
-    "path",
-    "soil",
-    "sweep",
-    "bracket",
-    "bracket order",
-    "start",
-    "programs",
-)  # kinds that are told of apart
-_WALLS = {  # of their table
-    "benchmark": ("what", "{}"),
-    "blocks": ("blocks", "{:.0f}"),
-    "joints": ("joints", "{:.0f}"),
-    "certified at": ("tolerance", "{:.0e}"),
-    "inner solves": ("solves", "{:.0f}"),
-    "seconds": ("seconds", ""),
-    "associated solves": ("ratio", ""),
-    "memory, MB": ("memory_mb", "{:.0f}"),
+WIDTHS = ROOT / "docs" / "widths.svg"
+_PROBLEMS = {
+    "cut": "vertical cut",
+    "punch": "punch",
+    "punch, fan": "punch, fan at its edge",
+    "notched-strip": "notched strip",
 }
-_PATHS = {  # of their table
-    "benchmark": ("what", "{}"),
-    "triangles": ("triangles", "{:.0f}"),
-    "steps": ("steps", "{:.0f}"),
-    "inner solves": ("solves", "{:.0f}"),
-    "largest gap": ("gap", "{:.0e}"),
-    "seconds": ("seconds", ""),
-    "before, s": ("before", ""),
-    "aim, s": ("aim", "{:g}"),
-    "associated solves": ("ratio", "{:.0f}"),
-}
-_SOILS = {  # of their table
-    "benchmark": ("what", "{}"),
-    "triangles": ("triangles", "{:.0f}"),
-    "unknowns": ("unknowns", "{:.0f}"),
-    "seconds": ("seconds", ""),
-    "iterations": ("iterations", "{:.0f}"),
-    "of von Mises": ("beside", "{:.0f}"),
-    "largest residual": ("largest", "{:.0e}"),
-    "time per von Mises": ("ratio", ""),
-}
-_BRACKETS = {  # of their table
-    "benchmark": ("what", "{}"),
-    "lower": ("lower", "{:.5f}"),
-    "upper": ("upper", "{:.5f}"),
-    "width": ("width", "{:.2%}"),
-    "triangles below": ("triangles_lower", "{:.0f}"),
-    "above": ("triangles_upper", "{:.0f}"),
-    "solves": ("solves", "{:.0f}"),
-    "seconds": ("seconds", ""),
-    "aim, s": ("aim", "{:g}"),
-    "elastic solve, s": ("elastic_seconds", ""),
-    "elastic solves": ("elastic_solves", "{:.0f}"),
-}
-_COLUMNS = {  # of the table: field of a record, and its format; none: two digits
-    "backend": ("label", "{}"),
-    "triangles": ("triangles", "{:.0f}"),
-    "unknowns": ("unknowns", "{:.0f}"),
-    "seconds": ("seconds", ""),
-    "elastic solves": ("elastic_solves", ""),
-    "iterations": ("iterations", "{:.0f}"),
-    "memory, MB": ("memory_mb", "{:.0f}"),
-}
-
-
-def load() -> dict[str, Any]:
-    """What is kept, whose checksum must be right.
-
-    Raises:
-        ValueError: it is not.
-    """
-    data = KEPT.read_bytes()
-    if digest(data) != seal_of(KEPT).read_text(encoding="ascii").strip():
-        raise ValueError(f"{KEPT.name} is not what was kept: its checksum is another one")
-    kept: dict[str, Any] = json.loads(data)
-    return kept
-
-
-def seal_of(file: Path) -> Path:
-    """Where the checksum of a file is."""
-    return Path(f"{file}.sha256")
-
-
-def digest(data: bytes) -> str:
-    """SHA-256."""
-    return hashlib.sha256(data).hexdigest()
-
-
-def condensed(raw: dict[str, Any]) -> dict[str, Any]:
-    """What is kept of a file of pytest-benchmark."""
-    names = ("date", "machine", "python", "packages", "direct_solver", "backends")
-    return {
-        "measured": {name: raw["machine_info"][name] for name in names},
-        "records": [
-            {name: _rounded(value) for name, value in run["extra_info"].items()}
-            for run in raw["benchmarks"]
-        ],
-    }
-
-
-def joined(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
-    """Benchmarks that were not run again stay, if they were measured with the same."""
-    then, measured = before["measured"], now["measured"]
-    names = ("machine", "python", "direct_solver")
-    old_ones, new_ones = _versions(then["packages"]), _versions(measured["packages"])
-    if any(then[name] != measured[name] for name in names) or any(
-        old_ones[name] != new_ones[name] for name in old_ones.keys() & new_ones.keys()
-    ):
-        return now
-    anew = {_identity(record) for record in now["records"]}
-    old = [record for record in before["records"] if _identity(record) not in anew]
-    first = then["date"].partition(" to ")[0]
-    date = f"{first} to {measured['date']}" if old else measured["date"]
-    return {"measured": measured | {"date": date}, "records": [*old, *now["records"]]}
-
-
-def _identity(record: dict[str, Any]) -> tuple[Any, ...]:
-    return record["kind"], record["what"], record.get("triangles"), str(record.get("options") or "")
-
-
-def _versions(packages: str) -> dict[str, str]:
-    """By name, from ``name version, name version``."""
-    return dict(package.rsplit(" ", 1) for package in packages.split(", "))
 
 
 def records(kept: dict[str, Any]) -> pd.DataFrame:
     """One row a benchmark, sorted by kind, what was run and size."""
     frame = pd.DataFrame(kept["records"])
-    frame = frame.reindex(columns=frame.columns.union(["options", "triangles"], sort=False))
+    needed = ["options", "triangles", "runs", "bar", "aim"]
+    frame = frame.reindex(columns=frame.columns.union(needed, sort=False))
     r = [options.get("r") if isinstance(options, dict) else None for options in frame["options"]]
     frame["label"] = [
         what if value is None else f"{what}, r = {value:g}"
         for what, value in zip(frame["what"], r, strict=True)
     ]
+    frame["problem"] = [what.rpartition(", ")[0] for what in frame["what"]]
     return frame.sort_values(["kind", "label", "triangles"], kind="stable", ignore_index=True)
 
 
-def table(frame: pd.DataFrame) -> str:
-    """Markdown."""
-    return _markdown(frame[~frame["kind"].isin(_OTHER)], _COLUMNS)
+def rows_of(frame: pd.DataFrame, section: Section) -> pd.DataFrame:
+    """What a section shows."""
+    if section.kinds == ("held",):
+        return pd.DataFrame(held(frame, growth(frame, ("true gap",))))
+    rows = pd.concat([frame[frame["kind"] == kind] for kind in section.kinds])
+    each = [run for own in rows.to_dict("records") for run in _runs(own)]
+    rows = pd.DataFrame(each) if each else rows
+    for name in reversed(section.order if len(rows) else ()):
+        rows = rows.sort_values(name.lstrip("-"), ascending=name[0] != "-", kind="stable")
+    return rows
 
 
-def walls(frame: pd.DataFrame) -> str:
-    """Markdown of the certified loop on masonry walls."""
-    return _markdown(frame[frame["kind"] == "wall"].sort_values("blocks"), _WALLS)
+def _runs(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Those that a record holds, counted where there is one a program."""
+    runs = record["runs"] if isinstance(record["runs"], list) else []
+    if record["kind"] == "programs":
+        runs = _counted(runs)
+    return [{"what": record["what"]} | run for run in runs]
 
 
-def paths(frame: pd.DataFrame) -> str:
-    """Markdown of paths of large deformation."""
-    return _markdown(frame[frame["kind"] == "path"], _PATHS)
-
-
-def soils(frame: pd.DataFrame) -> str:
-    """Markdown of soils beside von Mises."""
-    return _markdown(frame[frame["kind"] == "soil"], _SOILS)
-
-
-def brackets(frame: pd.DataFrame) -> str:
-    """Markdown of brackets with proof."""
-    return _markdown(frame[frame["kind"] == "bracket"], _BRACKETS)
+def _counted(runs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """What each backend did on all programs."""
+    counted = []
+    for backend, own in pd.DataFrame(runs).groupby("backend", sort=False):
+        large = own[(own["unknowns"] >= 1500) & (own["verdict"] != "refused")]
+        verdicts = own["verdict"].value_counts()
+        words = {"right": "right", "wrong": "wrong", "nothing": "no answer", "refused": "refused"}
+        counted.append(
+            {
+                "backend": backend,
+                "programs": len(own),
+                **{name: int(verdicts.get(word, 0)) for name, word in words.items()},
+                "large": len(large),
+                "large_right": int((large["verdict"] == "right").sum()),
+                "seconds": own["seconds"].sum(),
+            }
+        )
+    return counted
 
 
 def widths(frame: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Seconds and widths of brackets of problems that were asked for several, the widest first."""
     rows = frame[frame["kind"] == "bracket"]
-    problem = np.array([what.rpartition(", ")[0] for what in rows["what"]], dtype=str)
     return {
-        told: rows[problem == name].sort_values("width", ascending=False)[["seconds", "width"]]
+        told: own.sort_values("width", ascending=False)[["seconds", "width"]]
         for name, told in _PROBLEMS.items()
-        if (problem == name).sum() > 1
+        if len(own := rows[rows["problem"] == name]) > 1
     }
 
 
-def _markdown(frame: pd.DataFrame, columns: dict[str, tuple[str, str]]) -> str:
-    lines = [_line(columns), "|---" + "|--:" * (len(columns) - 1) + "|"]
+def drawn(frame: pd.DataFrame) -> Figure:
+    """Width against time."""
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.add_subplot()
+    for marker, (name, rows) in zip("osD^", widths(frame).items(), strict=False):
+        axes.loglog(rows["seconds"], 100 * rows["width"], f"{marker}-", label=name)
+    axes.set(xlabel="processor time, s", ylabel="width of the bracket per its mean, %")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_locator(LogLocator(subs=()))
+    axes.grid(alpha=0.3)
+    axes.legend()
+    return figure
+
+
+def markdown(frame: pd.DataFrame, columns: Columns) -> str:
+    """A table, of the columns that have anything."""
+    there = {
+        name: own
+        for name, own in columns.items()
+        if own[0] in frame and not all(_empty(cell) for cell in frame[own[0]])
+    }
+    lines = [_line(there), "|---" + "|--:" * (len(there) - 1) + "|"]
     for row in frame.to_dict("records"):
-        cells = ((row.get(name), pattern) for name, pattern in columns.values())
-        lines.append(_line("" if pd.isna(cell) else _text(cell, form) for cell, form in cells))
+        cells = ((row.get(name), pattern) for name, pattern in there.values())
+        lines.append(_line("" if _empty(cell) else _text(cell, form) for cell, form in cells))
     return "\n".join(lines)
 
 
-def growth(frame: pd.DataFrame) -> pd.DataFrame:
+def growth(frame: pd.DataFrame, kinds: Sequence[str]) -> pd.DataFrame:
     """Exponents p of ``seconds ~ triangles^p`` and their standard errors, by log-log regression."""
     rows = []
-    for label, runs in frame[~frame["kind"].isin(_OTHER)].groupby("label"):
+    for label, runs in frame[frame["kind"].isin(kinds)].groupby("label"):
         if runs["triangles"].nunique() > 2:
             fit = linregress(np.log(runs["triangles"]), np.log(runs["seconds"]))
             ends = (int(runs["triangles"].min()), int(runs["triangles"].max()))
@@ -217,102 +139,88 @@ def growth(frame: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["label", "exponent", "error", "from", "to"])
 
 
-def notes(kept: dict[str, Any], frame: pd.DataFrame) -> str:
-    """Growth, the loop's own share, and what it was measured with."""
-    paragraphs = []
-    fits = growth(frame)
-    if len(fits):
+def shown(kept: dict[str, Any]) -> str:
+    """What stands between the marks."""
+    frame, parts = records(kept), []
+    for section in SECTIONS:
+        rows = rows_of(frame, section)
+        if not len(rows):
+            continue
+        parts += [f"## {section.heading}"] if section.heading else []
+        parts += [section.text, markdown(rows, section.columns), *_after(section, frame)]
+    parts += ["## What else takes time", *_rest(frame)]
+    parts += ["## On which machine", _machine(kept["measured"], frame)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _after(section: Section, frame: pd.DataFrame) -> Iterator[str]:
+    """What is said of a table."""
+    if section.kinds == ("bracket",):
+        if widths(frame):
+            told = "Width of proven brackets against the processor time that they take"
+            yield f"![{told}](widths.svg)"
+        for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
+            yield (
+                f"The width of the bracket of the {order['what']} goes with the number of triangles"
+                f" to the power of {order['even']:.2f} on even meshes and {order['adaptive']:.2f}"
+                " on adapted ones."
+            )
+    fits = growth(frame, section.kinds)
+    if len(fits) and section.kinds in (("true gap",), SOLVES):
         exponents = ", ".join(
             f"{row.exponent:.2f} ± {row.error:.2f} ({row.label})" for row in fits.itertuples()
         )
-        paragraphs.append(
+        yield (
             f"Time grows with the number of triangles to the power of {exponents}: log-log fits"
             f" from {fits['from'].min()} to {fits['to'].max()} triangles, with standard errors."
         )
+
+
+def _rest(frame: pd.DataFrame) -> Iterator[str]:
+    """The loop's own share, that of a sweep, and starts."""
     loops = frame[frame["kind"] == "loop"]
     if len(loops):
-        paragraphs.append(
+        yield (
             f"Of a reaction loop on {loops['triangles'].min():.0f} triangles, lacore's own part"
             f" between the calls of clarabel takes at most {100 * loops['own_share'].max():.1f} %."
         )
     for sweep in frame[frame["kind"] == "sweep"].to_dict("records"):
-        paragraphs.append(
+        yield (
             f"A sweep of {sweep['runs']:.0f} runs of {1000 * sweep['seconds_a_run']:.0f} ms"
             f" ({sweep['what']}), one at a time, takes {sweep['seconds']:.1f} s; all but building"
             f" and solving, the start of the process included, is {sweep['own_share']:.1%} of it."
-        )
-    if (frame["kind"] == "wall").any():
-        paragraphs.append(
-            "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in"
-            " units of one associated solve of the same wall; memory is the peak above that of"
-            f" the assembled problem:\n\n{walls(frame)}"
-        )
-    if (frame["kind"] == "path").any():
-        paragraphs.append(
-            "**Paths of large deformation**, all steps with their certificates, beside the time"
-            " before, of the loop that began each step at the associated state, what was aimed at,"
-            " and in units of one associated solve of the first step:"
-            f"\n\n{paths(frame)}"
-        )
-    if (frame["kind"] == "soil").any():
-        paragraphs.append(
-            "**Soil beside von Mises** on the same mesh, with the same loads, in turns, from the"
-            f" problem to the certificate:\n\n{soils(frame)}"
-        )
-    if (frame["kind"] == "bracket").any():
-        paragraphs.append(
-            "**Brackets with proof**, from the start to the certificate, all solves and refinements"
-            " included, beside what was aimed at and one elastic solve of the last mesh of the"
-            " upper bound:"
-            f"\n\n{brackets(frame)}"
-        )
-    for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
-        paragraphs.append(
-            f"The width of the bracket of the {order['what']} goes with the number of triangles to"
-            f" the power of {order['even']:.2f} on even meshes and {order['adaptive']:.2f} on"
-            " adapted ones."
         )
     starts = [
         f"{start['what']} {start['seconds']:.2f} s, {start['bare_starts']:.2g} times a bare Python"
         for start in frame[frame["kind"] == "start"].to_dict("records")
     ]
     if starts:
-        paragraphs.append(f"Processor time of a process of its own: {'; '.join(starts)}.")
-    measured, analysis = kept["measured"], ""
-    unit = frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU analyses every time
+        yield f"Processor time of a process of its own: {'; '.join(starts)}."
+
+
+def _machine(measured: dict[str, Any], frame: pd.DataFrame) -> str:
+    """What all was measured with."""
+    analysis, unit = "", frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU keeps none
     if len(unit):
         largest = unit.sort_values("triangles").iloc[-1]
         share = 1 - largest["again_seconds"] / largest["seconds"]
         analysis = f", of which analysis takes {share:.0%} on {largest['triangles']:.0f} triangles"
-    paragraphs.append(
+    return (
         f"Elastic solves by {measured['direct_solver']}{analysis}; {measured['machine']}, one"
-        f" thread; Python {measured['python']}, {measured['packages']}; {measured['date']}."
+        f" thread a solve; Python {measured['python']}, {measured['packages']}; {measured['date']}."
     )
-    return "\n\n".join(paragraphs)
-
-
-def shown(kept: dict[str, Any]) -> str:
-    """What stands between the marks."""
-    frame = records(kept)
-    return f"{table(frame)}\n\n{notes(kept, frame)}\n"
 
 
 def main() -> None:
-    """Print all; or keep the records, and refresh the page."""
+    """Print all; or keep the records, and refresh the page and its picture."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("json", type=Path, help="written by pytest-benchmark")
+    parser.add_argument("records", type=Path, help="written by make bench")
     parser.add_argument("--page", action="store_true", help="refresh docs/benchmarks.md and .json")
     given = parser.parse_args()
-    kept = condensed(json.loads(given.json.read_text(encoding="utf-8")))
+    kept = found(given.records.read_text(encoding="utf-8"))
     sys.stdout.write(shown(kept))
     if given.page:
-        if KEPT.exists():
-            kept = joined(load(), kept)
-        lines = ",\n".join(json.dumps(record) for record in kept["records"])
-        measured = json.dumps(kept["measured"], indent=1)
-        text = f'{{"measured": {measured},\n"records": [\n{lines}\n]}}\n'
-        KEPT.write_text(text, "utf-8")
-        seal_of(KEPT).write_text(f"{digest(text.encode())}\n", "ascii")
+        kept = keep(kept)
         text = re.sub(
             MARKS,
             lambda marks: f"{marks[1]}{shown(kept)}{marks[2]}",
@@ -320,19 +228,23 @@ def main() -> None:
             flags=re.DOTALL,
         )
         PAGE.write_text(text, encoding="utf-8")
+        with mpl.rc_context({"svg.hashsalt": "widths", "svg.fonttype": "none"}):
+            drawn(records(kept)).savefig(WIDTHS, metadata={"Date": None})
 
 
 def _line(cells: Any) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def _empty(cell: Any) -> bool:
+    return cell in (None, "") or (isinstance(cell, float) and np.isnan(cell))
+
+
 def _text(value: Any, pattern: str) -> str:
     """Without a pattern two digits, and all before the point."""
-    return pattern.format(value) if pattern else f"{value:.{max(1 - floor(log10(value)), 0)}f}"
-
-
-def _rounded(value: Any) -> Any:
-    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+    if pattern:
+        return pattern.format(value)
+    return f"{value:.{max(1 - floor(log10(value)), 0)}f}" if value else "0"
 
 
 if __name__ == "__main__":

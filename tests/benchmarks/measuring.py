@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import pytest
 from scipy.sparse import block_diag, csr_matrix
 from skfem import Basis
 from skfem.models.elasticity import lame_parameters, linear_elasticity
@@ -108,6 +109,11 @@ def elastic_seconds(model, make=symmetric_solver):
         solve_elastic(solver, model.stiffness, model.program.reference_load)
         seconds.append(time.process_time() - begin)
     return min(seconds)
+
+
+def dear(runs, some):
+    """Parameters, some of which only `make bench-all` takes."""
+    return [pytest.param(run, marks=pytest.mark.dear) if run in some else run for run in runs]
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,12 @@ import time
 import pytest
 
 import lacore as la
+from tests.benchmarks.measuring import Model, elastic_seconds
 
 STEPS, TRAVEL, MU = 40, 0.25, 0.2
-AIM = 25.0  # s
+BAR = 25.0  # s
+PEERS, FIRST = ("clarabel", "cvxpy", "cvxpy:QOCO"), 4  # steps of each
+"""ECOS takes no hardening."""
 BEFORE = {"before": 55.3, "before_iterations": 4878, "before_solves": 206}
 PLATEN = la.RigidObstacle((0, 0.5), (0, -1))
 
@@ -50,7 +53,8 @@ def test_path(benchmark, one_thread):
         unknowns=given.program.n,
         steps=STEPS,
         seconds=seconds,
-        aim=AIM,
+        bar=BAR,
+        elastic_solves=seconds / elastic_seconds(Model(problem)),
         associated_seconds=associated,
         ratio=seconds / associated,
         solves=int(path.history["solves"].sum()),
@@ -59,3 +63,41 @@ def test_path(benchmark, one_thread):
     )
     assert str(path).endswith("reached: the travel asked for is reached")
     assert len(path.history) == STEPS
+
+
+@pytest.mark.slow
+@pytest.mark.benchmark(group="paths")
+def test_peers(benchmark, one_thread, in_this_process):
+    """The first steps by each backend, in one run, so that ratios count."""
+    problem = billet()
+    folds = la.Interface(("billet", "right"), PLATEN, MU)
+
+    def each():
+        found = {}
+        for backend in PEERS:
+            la.solve(problem, backend=backend, coupling="associated")  # imports and libraries
+            begin = time.process_time()
+            path = la.sequential(
+                problem, TRAVEL * FIRST / STEPS, FIRST, approaching=[folds], backend=backend
+            )
+            found[backend] = path.history, time.process_time() - begin
+        return found
+
+    found = benchmark.pedantic(each, rounds=1)
+    least = found["clarabel"][1]
+    benchmark.extra_info.update(
+        kind="path peers",
+        what=f"the first {FIRST} steps of that billet",
+        runs=[
+            {
+                "backend": backend,
+                "steps": len(history),
+                "solves": int(history["solves"].sum()),
+                "gap": float(history["gap"].max()),
+                "seconds": seconds,
+                "ratio": seconds / least,
+            }
+            for backend, (history, seconds) in found.items()
+        ],
+    )
+    assert len(found["clarabel"][0]) == FIRST

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 import lacore as la
+from tests.benchmarks.measuring import dear
 from verification.cases import (
     circular_footing_tresca,
     platens_soil,
@@ -43,7 +44,7 @@ def built(case, variant, cutoff, size):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size", ["medium", "fine"])
+@pytest.mark.parametrize("size", dear(["medium", "fine"], ["fine"]))
 @pytest.mark.parametrize("name", SOILS, ids=lambda name: name.replace(", ", "-").replace(" ", "-"))
 @pytest.mark.benchmark(group="soil")
 def test_soil(benchmark, one_thread, name, size):

@@ -8,15 +8,15 @@ import pytest
 import lacore as la
 from lacore.backend import load_backend
 from lacore.numerics.symmetric import symmetric_solver
-from tests.benchmarks.measuring import Clocked, elastic_seconds
+from tests.benchmarks.measuring import Clocked, dear, elastic_seconds
 from tests.benchmarks.test_assembly import SIZES
 
 LIMIT = 300.0  # s
 ENOUGH = 1.0  # s: shorter solves are repeated, and the shortest counts
 SMALL, DENSE = (16, 16), (8, 8)  # 1024 and 256 triangles
 RUNS = [
-    *[("clarabel", {}, size) for size in [*SIZES, SMALL]],
     *[("newton", {"r": 1e-4}, size) for size in [*SIZES, SMALL]],
+    ("clarabel", {}, SMALL),  # that of other sizes stands at the same gap
     ("clarabel-regularised", {"r": 1e-3}, SMALL),
     ("ipopt", {"r": 1e-3}, SMALL),
     ("ipopt-static", {}, SMALL),
@@ -24,6 +24,7 @@ RUNS = [
     ("slsqp", {"r": 0.1}, DENSE),
     ("trust-constr", {"r": 0.1}, DENSE),
 ]
+DEAR = [("newton", {"r": 1e-4}, size) for size in SIZES[-2:]] + [("slsqp", {"r": 0.1}, DENSE)]
 
 
 def label(run):
@@ -32,7 +33,7 @@ def label(run):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("run", RUNS, ids=label)
+@pytest.mark.parametrize("run", dear(RUNS, DEAR), ids=label)
 @pytest.mark.benchmark(group="solve")
 def test_solve(benchmark, model, run):
     name, options, size = run

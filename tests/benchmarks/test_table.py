@@ -1,6 +1,6 @@
 """The script that makes tables of the benchmarks, and the page that shows them."""
 
-import importlib.util
+import importlib
 import json
 import re
 import sys
@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "docs" / "site" / "benchmarks.py"
+SITE = Path(__file__).parents[2] / "docs" / "site"
 MACHINE = {
     "date": "2000-01-01",
     "machine": "an abacus",
@@ -22,36 +21,65 @@ MACHINE = {
 
 def run(kind, what, triangles, seconds, **more):
     columns = {"kind": kind, "what": what, "triangles": triangles, "unknowns": 4 * triangles}
-    return {"extra_info": columns | {"seconds": seconds} | more}
+    return columns | {"seconds": seconds} | more
 
 
-SAMPLE = {
-    "machine_info": MACHINE | {"node": "name of a machine"},
-    "benchmarks": [
-        *[
-            run("solve", "newton", n, 1e-4 * n**1.5, options={"r": 1e-4}, elastic_solves=12.3456)
-            for n in (1024, 100, 10_000)
-        ],
-        run("solve", "clarabel", 1024, 0.123, iterations=17, memory_mb=120.4, options={}),
-        run("elastic", "elastic solve, PARDISO", 1024, 0.5, again_seconds=0.1),
-        run("loop", "block", 5000, 4.0, own_share=0.0123),
-        run("start", "import lacore", 0, 0.45, bare_starts=30.4),
-        run("sweep", "block, medium", 288, 25.0, own_share=0.048, runs=200, seconds_a_run=0.12),
+RECORDS = [
+    *[
+        run("solve", "newton", n, 1e-4 * n**1.5, options={"r": 1e-4}, elastic_solves=12.3456)
+        for n in (1024, 100, 10_000)
     ],
-}
+    run("solve", "clarabel", 1024, 0.123, iterations=17, memory_mb=120.4, options={}),
+    run("elastic", "elastic solve, PARDISO", 1024, 0.5, again_seconds=0.1),
+    run("loop", "block", 5000, 4.0, own_share=0.0123),
+    run("start", "import lacore", 0, 0.45, bare_starts=30.4),
+    run("sweep", "block, medium", 288, 25.0, own_share=0.048, runs=200, seconds_a_run=0.12),
+]
+BRACKETS = [
+    {"kind": "bracket", "what": what, "width": width, "seconds": 2 * wall, "wall": wall} | asked
+    for what, width, wall, asked in (
+        ("cut, 0.1%", 0.0009, 5.84, {"bar": 6, "aim": 5}),
+        ("cut, 1%", 0.008, 1.1, {}),
+        ("notched-strip, 0.2%", 0.0019, 5.2, {"bar": 5}),
+    )
+]
+SAMPLE = {"measured": MACHINE, "records": [*RECORDS, *BRACKETS]}
 
 
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location("benchmarks_table", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def scripts(monkeypatch):
+    """Modules of docs/site by name, as they import each other."""
+    before = set(sys.modules)
+    monkeypatch.syspath_prepend(SITE)
+    yield importlib.import_module
+    for name in set(sys.modules) - before:
+        if str(SITE) in str(getattr(sys.modules[name], "__file__", "")):
+            del sys.modules[name]
+
+
+@pytest.fixture
+def script(scripts):
+    return scripts("benchmarks")
+
+
+@pytest.fixture
+def kept(script, scripts):
+    """Loaded after the script, which imports it."""
+    return scripts("kept")
+
+
+def table_of(script, kind, records):
+    """Lines of the table of a kind."""
+    (section,) = [one for one in script.SECTIONS if kind in one.kinds]
+    frame = script.records({"records": records})
+    return script.markdown(script.rows_of(frame, section), section.columns).splitlines()
 
 
 def test_table(script):
-    head, _, *lines = script.table(script.records(script.condensed(SAMPLE))).splitlines()
-    assert head == "| " + " | ".join(script._COLUMNS) + " |"
+    head, _, *lines = table_of(script, "solve", RECORDS)
+    assert head == (
+        "| backend | triangles | unknowns | seconds | elastic solves | iterations | memory, MB |"
+    )
     assert lines == [
         "| elastic solve, PARDISO | 1024 | 4096 | 0.50 |  |  |  |",
         "| clarabel | 1024 | 4096 | 0.12 |  | 17 | 120 |",
@@ -62,26 +90,27 @@ def test_table(script):
 
 
 def test_growth_is_that_of_the_sample(script):
-    (fit,) = script.growth(script.records(script.condensed(SAMPLE))).itertuples()
+    (fit,) = script.growth(script.records(SAMPLE), ["solve"]).itertuples()
     assert fit.label == "newton, r = 0.0001"
     assert fit.exponent == pytest.approx(1.5, abs=1e-3)
     assert fit.error < 1e-3
 
 
-def test_what_is_kept_can_be_read_again(script, tmp_path, monkeypatch, capsys):
-    (tmp_path / "docs").mkdir()
+def test_what_is_kept_can_be_read_again(script, kept, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(script, "PAGE", tmp_path / "page.md")
-    monkeypatch.setattr(script, "KEPT", tmp_path / "docs" / "benchmarks.json")
+    monkeypatch.setattr(script, "WIDTHS", tmp_path / "widths.svg")
+    monkeypatch.setattr(kept, "KEPT", tmp_path / "benchmarks.json")
     script.PAGE.write_text("before\n<!-- benchmarks -->\nold\n<!-- end -->\nafter\n")
-    (tmp_path / "raw.json").write_text(json.dumps(SAMPLE))
-    monkeypatch.setattr(sys, "argv", ["benchmarks.py", str(tmp_path / "raw.json"), "--page"])
+    twice = [RECORDS[0] | {"seconds": 7.0}, *RECORDS]  # run again after a crash: the last counts
+    lines = [json.dumps({"measured": MACHINE, "record": record}) for record in [*twice, *BRACKETS]]
+    (tmp_path / "raw.jsonl").write_text("\n".join(lines))
+    monkeypatch.setattr(sys, "argv", ["benchmarks.py", str(tmp_path / "raw.jsonl"), "--page"])
     script.main()
-    kept = script.load()
-    assert kept == script.condensed(SAMPLE)
-    assert "name of a machine" not in script.KEPT.read_text()
+    assert kept.load() == SAMPLE
     text = script.PAGE.read_text()
-    assert text == f"before\n<!-- benchmarks -->\n{script.shown(kept)}<!-- end -->\nafter\n"
+    assert text == f"before\n<!-- benchmarks -->\n{script.shown(SAMPLE)}<!-- end -->\nafter\n"
     assert "| newton, r = 0.0001 | 10000 |" in text
+    assert script.WIDTHS.read_text().rstrip().endswith("</svg>")
     printed = capsys.readouterr().out
     assert "| newton, r = 0.0001 | 100 |" in printed
     assert "power of 1.50 ± 0.00 (newton, r = 0.0001)" in printed
@@ -90,67 +119,98 @@ def test_what_is_kept_can_be_read_again(script, tmp_path, monkeypatch, capsys):
     assert "200 runs of 120 ms (block, medium), one at a time, takes 25.0 s" in printed
     assert "is 4.8% of it" in printed
     assert "by PARDISO, of which analysis takes 80% on 1024 triangles; an abacus" in printed
+    with pytest.raises(ValueError, match="no benchmark"):
+        kept.found("")
 
 
-def test_page_shows_what_was_kept(script):
-    kept = script.load()
+def test_page_and_picture_show_what_was_kept(script, kept, tmp_path):
     page = script.PAGE.read_text(encoding="utf-8")
     (shown,) = re.findall(script.MARKS, page, flags=re.DOTALL)
-    assert shown[0] + script.shown(kept) + shown[1] in page
+    assert shown[0] + script.shown(kept.load()) + shown[1] in page
+    drawn = script.WIDTHS.read_text(encoding="utf-8")
+    for problem in script.widths(script.records(kept.load())):
+        assert problem in drawn
 
 
-def test_benchmarks_that_were_not_run_again_stay(script):
-    before = script.condensed(SAMPLE)
-    anew = {
-        "measured": before["measured"] | {"date": "2000-01-02"},
-        "records": [{"kind": "loop", "what": "block", "triangles": 5000, "own_share": 0.5}],
-    }
-    joined = script.joined(before, anew)
+def test_benchmarks_that_were_not_run_again_stay(kept):
+    loop = {"kind": "loop", "what": "block", "triangles": 5000, "own_share": 0.5}
+    anew = {"measured": MACHINE | {"date": "2000-01-02"}, "records": [loop]}
+    joined = kept.joined(SAMPLE, anew)
     assert joined["measured"]["date"] == "2000-01-01 to 2000-01-02"
     assert sum(record["kind"] == "loop" for record in joined["records"]) == 1
-    assert len(joined["records"]) == len(before["records"])
+    assert len(joined["records"]) == len(SAMPLE["records"])
     newer = anew["measured"] | {"packages": "lacore 0.2.0"}
-    assert len(script.joined(before, anew | {"measured": newer})["records"]) == 1
+    assert len(kept.joined(SAMPLE, anew | {"measured": newer})["records"]) == 1
     more = anew["measured"] | {"packages": "lacore 0.1.0, numpy 2.0"}
-    assert len(script.joined(before, anew | {"measured": more})["records"]) > 1
+    assert len(kept.joined(SAMPLE, anew | {"measured": more})["records"]) > 1
     elsewhere = anew | {"measured": anew["measured"] | {"machine": "a slide rule"}}
-    assert script.joined(before, elsewhere) == elsewhere
+    assert kept.joined(SAMPLE, elsewhere) == elsewhere
 
 
-def test_a_run_of_brackets_alone_has_its_table(script):
-    bracket = {"kind": "bracket", "what": "cut", "lower": 3.77, "upper": 3.78, "width": 0.0026}
-    sizes = {"triangles_lower": 900, "triangles_upper": 1000, "solves": 9}
-    times = {"seconds": 1.23, "aim": 1.5, "elastic_seconds": 0.04, "elastic_solves": 30.75}
-    shown = script.shown(script.condensed(SAMPLE) | {"records": [bracket | sizes | times]})
-    row = "| cut | 3.77000 | 3.78000 | 0.26% | 900 | 1000 | 9 | 1.2 | 1.5 | 0.040 | 31 |"
-    assert row in shown.splitlines()
-
-
-def test_a_path_stands_beside_its_time_before(script):
-    path = {"kind": "path", "what": "billet", "triangles": 800, "steps": 40, "solves": 204}
-    times = {"gap": 7.3e-7, "seconds": 31.4, "before": 41.0, "aim": 25.0, "ratio": 112.3}
-    shown = script.shown(script.condensed(SAMPLE) | {"records": [path | times]})
-    assert "| billet | 800 | 40 | 204 | 7e-07 | 31 | 41 | 25 | 112 |" in shown.splitlines()
+def test_brackets_stand_by_problem_the_widest_first(script):
+    lines = table_of(script, "bracket", BRACKETS)
+    assert lines[2:] == [
+        "| cut, 1% | 0.800% | 2.2 | 1.1 |",
+        "| cut, 0.1% | 0.090% | 12 | 5.8 |",
+        "| notched-strip, 0.2% | 0.190% | 10 | 5.2 |",
+    ]
 
 
 def test_widths_of_problems_that_were_asked_for_several(script):
     """A line each, the widest first."""
-    names = {"cut, 0.5%": (0.004, 2.5), "cut, 1%": (0.008, 1.1), "notched-strip, 0.5%": (0.004, 3)}
-    records = [
-        {"kind": "bracket", "what": name, "width": width, "seconds": seconds}
-        for name, (width, seconds) in names.items()
-    ]
-    frame = script.records({"records": [record | {"options": {}} for record in records]})
-    drawn = script.widths(frame)
-    assert {told: list(rows["seconds"]) for told, rows in drawn.items()} == {
-        "vertical cut": [1.1, 2.5]
+    found = script.widths(script.records({"records": BRACKETS}))
+    assert {told: list(rows["seconds"]) for told, rows in found.items()} == {
+        "vertical cut": [2.2, 11.68]
     }
 
 
-def test_what_was_changed_by_hand_is_not_shown(script, tmp_path, monkeypatch):
-    kept = tmp_path / "benchmarks.json"
-    kept.write_bytes(script.KEPT.read_bytes().replace(b'"seconds": 0.', b'"seconds": 0.0', 1))
-    script.seal_of(kept).write_bytes(script.seal_of(script.KEPT).read_bytes())
-    monkeypatch.setattr(script, "KEPT", kept)
+def test_figures_that_are_missed_are_said_to_be(script):
+    gap = [
+        {"kind": "true gap", "what": what, "triangles": n, "seconds": s * n**p, "memory_mb": m}
+        for n in (100, 1000, 10_000)
+        for what, s, p, m in (("interior_point", 1e-4, 1.4, 200), ("clarabel", 4e-4, 1.4, 190))
+    ]
+    tally = {"large": 200, "large_right": 191, "wrong": 0}
+    right = [{"backend": "a"} | tally, {"backend": "b"} | tally]
+    right += [{"backend": "a, then b"} | tally | {"large_right": 199}]
+    programs = {"kind": "robustness", "what": "400 programs", "runs": right}
+    head, _, *lines = table_of(script, "held", [*BRACKETS, *gap, programs])
+    assert head == "| figure | asked | aim | measured | holds |"
+    told = {line.split(" | ")[0].strip("| "): line.split(" | ")[1:] for line in lines}
+    assert told["cut, 0.1%"] == ["6 s by the clock", "5", "5.84", "yes |"]
+    assert told["notched-strip, 0.2%"][-1] == "**no** |"
+    of = "upper bound on 10000 triangles at a true gap of 1e-5, interior_point per clarabel"
+    assert told[f"{of}: time"][-2:] == ["0.25", "yes |"]
+    assert told[f"{of}: memory"][-2:] == ["1.05", "**no** |"]
+    assert told["growth of that time with triangles, interior_point"][-2:] == ["1.4", "**no** |"]
+    assert told["400 programs: large ones right, a"][-2:] == ["95.5%", "yes |"]
+    assert told["400 programs: large ones right, a, then b"][-2:] == ["99.5%", "**no** |"]
+    assert told["400 programs: called solved, and not, a"][-1] == "yes |"
+
+
+def test_what_is_not_a_number_does_not_hold(script):
+    wide = [BRACKETS[0] | {"wall": float("nan")}]
+    assert table_of(script, "held", wide)[-1].endswith("| **no** |")
+
+
+def test_answers_to_random_programs_are_counted(script):
+    said = [("one", 9, "right"), ("two", 9, "wrong"), ("one", 1500, "no answer")]
+    said += [("two", 1500, "refused"), ("one", 2000, "right"), ("two", 2000, "right")]
+    runs = [
+        {"backend": who, "unknowns": n, "verdict": verdict, "seconds": 1.0}
+        for who, n, verdict in said
+    ]
+    lines = table_of(script, "programs", [{"kind": "programs", "what": "3", "runs": runs}])
+    assert lines[2:] == [
+        "| 3 | one | 3 | 2 | 0 | 1 | 0 | 2 | 1 | 3.0 |",
+        "| 3 | two | 3 | 1 | 1 | 0 | 1 | 1 | 1 | 3.0 |",
+    ]
+
+
+def test_what_was_changed_by_hand_is_not_shown(kept, tmp_path, monkeypatch):
+    changed = tmp_path / "benchmarks.json"
+    changed.write_bytes(kept.KEPT.read_bytes().replace(b'"seconds": 0.', b'"seconds": 0.0', 1))
+    kept.seal_of(changed).write_bytes(kept.seal_of(kept.KEPT).read_bytes())
+    monkeypatch.setattr(kept, "KEPT", changed)
     with pytest.raises(ValueError, match="checksum"):
-        script.load()
+        kept.load()
