@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from lacore.coupling.names import COUPLINGS
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue
@@ -107,7 +107,6 @@ def compare(
     from verification.store.store import NAME
     from verification.verdicts.tally import tally
 
-    require_positive("--time-limit", time_limit)
     if cases and everything:
         raise InputError("--all", None, "CASE is there too", "leave out one of them")
     first_look = not (cases or everything or couplings)

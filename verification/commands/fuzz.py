@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.errors import require_known, require_positive
+from lacore.errors import require_known
 from verification.commands.options import (
+    drawn_options,
     fresh_option,
     jobs_option,
     json_option,
@@ -32,14 +33,7 @@ _MOST_SHOWN = 12
 
 
 @click.command()
-@click.option(
-    "--count", type=click.IntRange(min=1), default=300, show_default=True, metavar="N",
-    help="Problems, in equal shares of all classes.",
-)  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="S",
-    help="Each number is another set of problems.",
-)  # fmt: skip
+@drawn_options("problems", "classes", 300)
 @names_option("--classes", f"Classes; default: all of {', '.join(known_kinds())}.")
 @jobs_option
 @dask_options
@@ -87,7 +81,6 @@ def fuzz(
     from verification.store.results import export, load_results
     from verification.store.store import NAME
 
-    require_positive("--time-limit", time_limit)
     require_one_place(on_dask, scheduler)
     for name in classes:
         require_known("--classes", name, known_kinds())

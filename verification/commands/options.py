@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
+from lacore.errors import require_positive
 from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.plugins import gather
 from verification.defaults import TIME_LIMIT, cores
@@ -34,6 +35,23 @@ backends_option = names_option(
 )
 
 
+def drawn_options(things: str, shares: str, default: int) -> Callable[[_Command], _Command]:
+    """Gives a command `count` and `seed` of what is drawn at random."""
+
+    def given(command: _Command) -> _Command:
+        seed = click.option(
+            "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="S",
+            help=f"Each number is another set of {things}.",
+        )  # fmt: skip
+        count = click.option(
+            "--count", type=click.IntRange(min=1), default=default, show_default=True, metavar="N",
+            help=f"{things.capitalize()}, in equal shares of all {shares}.",
+        )  # fmt: skip
+        return count(seed(command))
+
+    return given
+
+
 def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
     """Gives a command its folder as the argument `out`."""
     return click.option(
@@ -46,9 +64,15 @@ def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
     )
 
 
+def _finite(ctx: click.Context, option: click.Parameter, value: float) -> float:
+    require_positive("--time-limit", value)
+    return value
+
+
 time_limit_option = click.option(
     "--time-limit",
     type=click.FloatRange(min=0, min_open=True),
+    callback=_finite,
     default=TIME_LIMIT,
     show_default=True,
     metavar="SECONDS",

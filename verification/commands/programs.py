@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lacore.errors import require_known, require_positive
+from lacore.errors import require_known
 from verification.commands.options import (
+    drawn_options,
     json_option,
     names_option,
     print_json,
@@ -24,14 +25,7 @@ _MOST_SHOWN = 20
 
 @click.command()
 @click.argument("backends", nargs=-1, required=True, metavar="BACKEND...")
-@click.option(
-    "--count", type=click.IntRange(min=1), default=100, show_default=True, metavar="N",
-    help="Programs, in equal shares of all families.",
-)  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="S",
-    help="Each number is another set of programs.",
-)  # fmt: skip
+@drawn_options("programs", "families", 100)
 @click.option(
     "--most", type=click.IntRange(min=2000), default=4000, show_default=True, metavar="UNKNOWNS",
     help="Size of the largest; every other one has 1 500 or more.",
@@ -72,7 +66,6 @@ def programs(
     from verification.fuzz.programs.judge import WRONG
     from verification.fuzz.programs.sweep import drawn_programs, in_turn, rows_of, tallied
 
-    require_positive("--time-limit", time_limit)
     for name in families:
         require_known("--families", name, list(DRAWN))
     asked = [la.find_backend(name) for name in dict.fromkeys(backends)]

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lacore.coupling.names import COUPLINGS
-from lacore.errors import require_positive
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
@@ -112,7 +111,6 @@ def sweep(
     from verification.store.results import export, load_results
     from verification.store.store import NAME
 
-    require_positive("--time-limit", time_limit)
     runs = plan(cases, vary, backends, meshes, couplings, known)
     require_one_place(on_dask, scheduler)
     with (

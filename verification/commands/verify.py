@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError
 from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
@@ -89,7 +89,6 @@ def verify(
     from verification.store.store import NAME
     from verification.verify import FILE, answer, as_table, ask, finish, left_out, runs_of, tally
 
-    require_positive("--time-limit", time_limit)
     if cases and everything:
         raise InputError("--all", None, "CASE is there too", "leave out one of them")
     named = [case.id for case in known.values() if not case.on_demand] if everything else cases
