@@ -1,5 +1,6 @@
 """Angles of friction and of dilation: numbers, or as they vary from place to place."""
 
+from collections.abc import Callable
 from math import atan, degrees, radians, tan
 from typing import Protocol, runtime_checkable
 
@@ -33,6 +34,14 @@ class Angled(Protocol):
         Raises:
             InputError: kinematics that have no such form.
         """
+
+
+@runtime_checkable
+class CutOff(Protocol):
+    """A criterion whose cut-off may have no effect."""
+
+    def beyond_apex(self, at: Callable[[Strength], Floats]) -> Floats | None:
+        """By how much it is beyond the apex, by strengths at places, Pa; None of no cut-off."""
 
 
 def require_angles(kind: str, friction: Strength, dilation: Strength | None) -> None:

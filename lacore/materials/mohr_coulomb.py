@@ -6,6 +6,7 @@ third principal stress where it is not free.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, inf, nan, radians, sin, tan
 from typing import Any
@@ -40,7 +41,8 @@ class MohrCoulomb(Compact):
         cohesion: c, Pa, >= 0.
         friction_angle: phi, degrees: 0, or from 0.1 to 89 everywhere.
         tension_cutoff: largest principal stress T, Pa, at most ``c cot(phi)``; None: none. Where
-            one of them varies, what is beyond that changes nothing.
+            one of them varies it changes nothing where it is beyond that: a body says in which part
+            of it, and refuses one that is beyond it everywhere.
         crushing: largest compression of a principal stress, Pa; None: none.
         dilation_angle: psi, degrees, at most phi everywhere; None: phi, flow is associated.
 
@@ -125,6 +127,18 @@ class MohrCoulomb(Compact):
     def law(self) -> None:
         """It does not harden."""
         return None
+
+    def beyond_apex(self, at: Callable[[Strength], Floats]) -> Floats | None:
+        """By how much its cut-off is beyond the apex, times ``tan(phi)``, Pa; None without one.
+
+        Args:
+            at: values of one of its strengths at places, of shapes that go together.
+        """
+        most, _ = self._cutoffs
+        if most is None:
+            return None
+        tangent = np.tan(np.radians(at(self._friction)))
+        return np.asarray(at(most) * tangent - at(self._cohesion))
 
     def weakened(self, factor: float) -> MohrCoulomb:
         """Cohesion, ``tan(phi)`` and cut-offs divided by a factor; the apex stays.

@@ -167,6 +167,9 @@ class Body(Shown):
         for region in self.regions:
             title = f"criterion of {region.name}" if region.name else "criterion"
             told[title] = region.told or short(region.criterion)
+            if share := region.without_effect:
+                where = f"in {share:.0%} of {region.name or 'its elements'}"
+                told["without effect"] = f"tension_cutoff, beyond the apex {where}"
         return told
 
     @property

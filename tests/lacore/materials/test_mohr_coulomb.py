@@ -126,3 +126,37 @@ def test_another_strength_in_each_element():
     (plane,) = form.surfaces
     assert plane.slope == (pytest.approx(0.5),)
     assert plane.strength == pytest.approx(sqrt(3) / 2)
+
+
+def layer(most, cohesion=lambda x: 1.0 - x[1], angle=45):
+    """Soil of 45 degrees, whose apex is its cohesion: 1 Pa at the ground, 2 Pa below."""
+    mesh = la.meshes.rectangle((0, 1), (-1, 0), 2, 2)
+    return la.Body(mesh, la.MohrCoulomb(cohesion, angle, tension_cutoff=most))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        (lambda x: 3.0 - x[1], lambda x: 1.0 - x[1]),
+        (3.0, lambda x: 1.0 - x[1]),
+        (lambda x: 3.0 - x[1], 1.0),
+        (np.full(16, 1.1), 1.0),
+        (2.1, lambda x: 1.0 - x[1], lambda x: 45.0 + 0 * x[0]),
+    ],
+)
+def test_a_cut_off_that_is_beyond_the_apex_everywhere_is_refused(given):
+    """As a number beside numbers is, whatever of it varies."""
+    with pytest.raises(la.InputError, match=r"^Body\.criterion\.tension_cutoff .* everywhere"):
+        layer(*given)
+
+
+def test_a_cut_off_that_is_beyond_the_apex_in_part_says_so():
+    """1.5 Pa: beyond where cohesion is less, in the upper half; at the apex itself it is not."""
+    assert "tension_cutoff, beyond the apex in 50% of its elements" in repr(layer(1.5))
+    for most in (0.5, lambda x: 1.0 - x[1], None):
+        assert "apex" not in repr(layer(most))
+    names = {"clay": (-1, -0.5), "fill": (-0.5, 0)}
+    mesh = la.meshes.layered((0, 1), names, 1, 2)
+    soil = la.MohrCoulomb(lambda x: 1.0 - x[1], 45, tension_cutoff=1.5)
+    with pytest.raises(la.InputError, match=r"^Body\.criterion\['fill'\]\.tension_cutoff"):
+        la.Body(mesh, dict.fromkeys(names, soil))

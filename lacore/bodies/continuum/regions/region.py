@@ -7,11 +7,14 @@ import numpy as np
 
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.varying import Varying
+from lacore.materials.angles import CutOff
 from lacore.materials.conic_form import ConicForm, of_elements
 from lacore.materials.criterion import Criterion
 from lacore.materials.fields import Field, Ranged, Strengths, varying, with_fields
 from lacore.showing import Compact
 from lacore.surfaces import Surfaces
+
+_ROUND_OFF = 1e-12  # of a strength
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -62,6 +65,18 @@ class Region(Compact):
             values, unit = self.seen(own), "°" if name.endswith("_angle") else " Pa"
             parts.append(f", {name} {values.min():.4g} to {values.max():.4g}{unit}")
         return "".join([type(self.criterion).__name__, *parts]) if parts else ""
+
+    @property
+    def without_effect(self) -> float:
+        """Share of its elements in which a cut-off has no effect, as far as they were looked at."""
+        if not self.varying or not isinstance(self.criterion, CutOff):
+            return 0.0
+        beyond = self.criterion.beyond_apex(self.seen)
+        if beyond is None:
+            return 0.0
+        beyond = np.atleast_2d(beyond)
+        least = _ROUND_OFF * self.cohesion  # at the apex a cut-off is none beyond it
+        return float(((beyond >= -least).all(axis=1) & (beyond > least).any(axis=1)).mean())
 
     @property
     def bounded(self) -> bool:

@@ -27,10 +27,11 @@ def regions_of(
     """
     if not isinstance(criterion, Mapping):
         require_criterion("Body.criterion", criterion)
-        return (_region("", np.arange(mesh.nelements), criterion, kinematics, mesh),)
+        return (_with_effect(_region("", np.arange(mesh.nelements), criterion, kinematics, mesh)),)
     elements = _elements(mesh, criterion)
     return tuple(
-        _region(name, elements[name], own, kinematics, mesh) for name, own in criterion.items()
+        _with_effect(_region(name, elements[name], own, kinematics, mesh))
+        for name, own in criterion.items()
     )
 
 
@@ -104,8 +105,24 @@ def _near(mesh: Mesh, element: int) -> str:
     return f"({', '.join(f'{own:.4g}' for own in place)})"
 
 
+def _with_effect(region: Region) -> Region:
+    """The region; a cut-off that has no effect in any of its elements is refused."""
+    if region.without_effect == 1:
+        raise InputError(
+            f"{_place(region.name)}.tension_cutoff",
+            region.told,
+            "beyond the apex c cot(phi) everywhere, which no stress exceeds",
+            "give less somewhere, or none",
+        )
+    return region
+
+
+def _place(name: str) -> str:
+    return f"Body.criterion[{name!r}]" if name else "Body.criterion"
+
+
 def _region(name: str, elements: Ints, criterion: Criterion, kinematics: str, mesh: Mesh) -> Region:
-    place = f"Body.criterion[{name!r}]" if name else "Body.criterion"
+    place = _place(name)
     if {"friction_angle", "dilation_angle"} & varying(criterion).keys():
         known = tuple(
             (own, in_elements(f"{place}.{key}", own, mesh, elements, False))
