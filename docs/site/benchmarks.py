@@ -148,7 +148,8 @@ def shown(kept: dict[str, Any]) -> str:
             continue
         parts += [f"## {section.heading}"] if section.heading else []
         parts += [section.text, markdown(rows, section.columns), *_after(section, frame)]
-    parts += ["## What else takes time", *_rest(frame)]
+    rest = [*_rest(frame)]
+    parts += ["## What else takes time", *rest] if rest else []
     parts += ["## On which machine", _machine(kept["measured"], frame)]
     return "\n\n".join(parts) + "\n"
 

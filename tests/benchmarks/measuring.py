@@ -75,14 +75,18 @@ def punch(nx, ny):
 
 
 def stiffness(discretisation):
-    """Linear-elastic stiffness of all bodies for the free unknowns, (n, n), indices sorted."""
+    """Linear-elastic stiffness of all bodies for the free unknowns, (n, n), indices sorted.
+
+    They rest on what they touch: its rows of contact are springs.
+    """
     form = linear_elasticity(*lame_parameters(1.0, POISSON))
     bodies = discretisation.bodies.values()
     blocks = [form.assemble(Basis(b.body.mesh, b.basis.elem, intorder=2)) for b in bodies]
     basis = discretisation.free_basis
     footings = basis.shape[0] - sum(block.shape[0] for block in blocks)
     full = block_diag([*blocks, csr_matrix((footings, footings))], format="csr")
-    matrix = csr_matrix(basis.T @ full @ basis)
+    opening = discretisation.program.contact.normal
+    matrix = csr_matrix(basis.T @ full @ basis + opening.T @ opening)
     matrix.sort_indices()
     return matrix
 

@@ -14,8 +14,9 @@ import pytest
 import lacore as la
 
 SCRIPT = """
-import json, resource, sys, time
+import json, sys, time
 import lacore as la
+from lacore.process.child_process import forget_peak_memory, peak_memory
 from tests.benchmarks.test_walls import wall_of
 
 wide, courses, every, tolerance = json.loads(sys.argv[1])
@@ -25,14 +26,12 @@ def solve(of, coupling):
     state = la.solve(of, coupling=coupling, tolerance=tolerance)
     return state, time.process_time() - begin
 
-def peak():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-
 solve(wall_of(4, 4, every), "certified")  # what is loaded by then is no part of the wall
 wall = la.discretise(wall_of(wide, courses, every))
-before = peak()
+forget_peak_memory()
+before = peak_memory()
 state, seconds = solve(wall, "certified")
-above = peak() - before
+above = peak_memory() - before
 associated = min(solve(wall, "associated")[1] for _ in range(3))
 certificate = state.certificate
 print(json.dumps({
