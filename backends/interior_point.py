@@ -186,8 +186,7 @@ class InteriorPointSolver:
         free = unresisted(begin[0])
         if not free:
             yield self._followed(own, basis, follow(system, goal, *begin, whole))
-        # What no load drives round-off may. Of blocks alone it calls weights unsafe that are not.
-        loose = loosened(conic, self._solver) if self._given.groups else None
+        loose = loosened(conic, self._solver)  # what no load drives round-off may
         if loose is not None:
             if loose.driven:
                 yield "in balance", 0, self._unstressed(*loose.alone())

@@ -18,13 +18,14 @@ from scipy.sparse import csr_matrix, diags_array, vstack
 from backends._embedding.arrays import Conic
 from backends._embedding.rigid import without_strain
 from backends._embedding.rows import Rows
-from lacore.arrays import Floats, Ints, Sparse
+from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 
 _SOUGHT = 7  # motions, those of both loads among them
 _SHIFT = 1e-10  # of the diagonal: next to the least stiffness, nothing
 _TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
 _WORKS = 1e-6  # of the nodal forces of a load, times the fastest: less is in balance
+_STRAINED = 1e-8  # of those of the dead ones: so much may be what round-off strains of a motion
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,9 @@ def loosened(conic: Conic, solver: SymmetricSolver) -> Loose | None:
     rows, columns = np.tile(np.arange(n), known), np.repeat(own[:known], n)
     moved = csr_matrix((moving.T.ravel(), (rows, columns)), (n, n))
     basis = csr_matrix(diags_array(kept) + moved)
-    return Loose(_stated(conic, kept, basis, own[:known]), basis)
+    # Of several motions that F0 drives one would run off against the others for next to nothing.
+    balanced = np.abs(conic.dead @ moving) <= _STRAINED * sums[1]
+    return Loose(_stated(conic, kept, basis, own[:known], balanced), basis)
 
 
 def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
@@ -104,8 +107,8 @@ def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
     return without_strain(rows, found / diagonal[:, None])
 
 
-def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints) -> Conic:
-    """The program in q: rows know what is not a motion."""
+def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints, balanced: Bools) -> Conic:
+    """The program in q: rows know what is not a motion, dead loads no motion in `balanced`."""
     straining = diags_array(kept)
 
     def cut(rows: Rows) -> Rows:
@@ -113,6 +116,8 @@ def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints) -> Conic:
         matrix.eliminate_zeros()
         return replace(rows, matrix=matrix)
 
+    dead = np.asarray(basis.T @ conic.dead)
+    dead[loose[balanced]] = 0.0
     return replace(
         conic,
         costly=tuple(replace(one, rows=cut(one.rows)) for one in conic.costly),
@@ -120,6 +125,6 @@ def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints) -> Conic:
         planes=tuple(replace(one, rows=cut(one.rows)) for one in conic.planes),
         equal=cut(conic.equal),
         load=np.asarray(basis.T @ conic.load),
-        dead=np.asarray(basis.T @ conic.dead),
+        dead=dead,
         loose=loose,
     )

@@ -7,16 +7,21 @@ import pytest
 
 import lacore as la
 from backends._embedding.arrays import Translation
+from backends._embedding.follow import follow
 from backends._embedding.loops.best import best_loops
 from backends._embedding.loose import loosened
 from backends._embedding.start import start, unresisted
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
+from backends._goal import Goal
 from backends.interior_point import InteriorPoint, InteriorPointOptions
 from lacore.inner.left_over import left_over
 from lacore.numerics.linear_algebra import SuperLU
+from lacore.numerics.symmetric import symmetric_solver
 from lacore.program import associated_contact
 from lacore.status import Status
+from verification.fuzz.programs.drawn import draw_program
+from verification.fuzz.programs.judge import ask
 
 TOLERANCE = InteriorPointOptions().tolerance
 BAR = 1e-6  # of certificates
@@ -104,6 +109,24 @@ def test_rows_know_no_motion_and_loads_stay():
         assert stated.at(q) == pytest.approx(own.at(u), abs=1e-9 * np.abs(own.matrix.data).max())
     assert found.conic.load @ q == pytest.approx(given.load @ u, rel=1e-12)
     assert found.conic.dead @ q == pytest.approx(given.dead @ u, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [800, 1909])
+def test_of_many_blocks_that_slide_no_two_run_off_against_each_other(size):
+    """Weights of blocks that slide along smooth joints work on that by what round-off lifts them.
+
+    The load drives many such motions: at 1e17 times its speed 1e-13 was a ray, and called unsafe.
+    """
+    drawn = draw_program("blocks in space", 13, 9, size)
+    given = conic(drawn.program, drawn.contact)
+    loose = loosened(given, symmetric_solver(refined=False))
+    found = loose.conic
+    assert np.any(found.load[found.loose])
+    assert not np.any(found.dead[found.loose])
+    system = System(found, Stiffness(found.kinds, best_loops()), symmetric_solver(refined=False))
+    ended = follow(system, Goal(TOLERANCE, 100, np.inf), *start(found, system))
+    assert ended.native != "unsafe"
+    assert ask(InteriorPoint(), drawn, {}).holds
 
 
 def test_a_body_that_is_held_has_no_such_motion():
