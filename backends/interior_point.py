@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from backends._embedding.arrays import Translation
-from backends._embedding.dilating import as_moved, dilates
+from backends._embedding.dilating import as_moved
 from backends._embedding.follow import Found, follow
 from backends._embedding.least import least_program
 from backends._embedding.loops.best import best_loops
@@ -28,9 +28,8 @@ from backends._embedding.whole import Whole
 from backends._goal import Goal
 from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
-from lacore.certificate import certify
 from lacore.errors import require_count, require_positive
-from lacore.inner.left_over import idle, left_over
+from lacore.inner.left_over import judged_left
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
@@ -216,13 +215,8 @@ class InteriorPointSolver:
         )
         if status is not Status.SOLVED:
             return answer
-        judged = self._given, point
-        if dilates(self._given):
-            judged = as_moved(*judged)
         allowed = _LEFT * self._options.tolerance
-        name, left = certify(*judged, contact).worst
-        if not left <= allowed and idle(*judged, contact):
-            name, left = left_over(*judged, contact)
+        name, left = judged_left(*as_moved(self._given, point), contact, allowed)
         if left <= allowed:
             return answer
         return replace(

@@ -15,16 +15,15 @@ from lacore.program import KinematicProgram
 from lacore.state import ProgramState
 
 
-def dilates(program: KinematicProgram) -> bool:
-    """Whether a group has flow that dilates besides."""
-    groups = program.groups
-    return any(g.surfaces is not None and g.surfaces.dilation is not None for g in groups)
-
-
 def as_moved(
     program: KinematicProgram, state: ProgramState
 ) -> tuple[KinematicProgram, ProgramState]:
-    """A program without dilation, in which one unknown more moves as it says, and its state."""
+    """A program without dilation, in which one unknown more moves as it says, and its state.
+
+    As they are where nothing dilates besides.
+    """
+    if not _dilates(program):
+        return program, state
     u = state.velocity
     speed = float(np.abs(u).max(initial=0.0)) or 1.0  # no faster than all others
     groups, force = [], 0.0
@@ -49,6 +48,12 @@ def as_moved(
         parts=np.append(program.part, program.part.max(initial=-1) + 1),
     )
     return moved, replace(state, velocity=np.append(u, speed))
+
+
+def _dilates(program: KinematicProgram) -> bool:
+    """Whether a group has flow that dilates besides."""
+    groups = program.groups
+    return any(g.surfaces is not None and g.surfaces.dilation is not None for g in groups)
 
 
 def _with(group: DissipationGroup, besides: Floats) -> DissipationGroup:

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.inner.left_over import idle, left_over
+from lacore.inner.left_over import judged_left
 from lacore.inner.rigid_cleaning import cleaned
 from lacore.part_forces import own_loads, part_forces
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
@@ -179,19 +179,20 @@ def proven(
     a percent in a light part. Where flow dilates besides, no residual knows it.
     """
     bar = max(good / _SHARE, _BAR)
-    besides = any(
-        g.surfaces is not None and g.surfaces.dilation is not None for g in program.groups
-    )
-    if answer.status is not Status.SOLVED or answer.point is None or besides:
+    claims = answer.status is Status.SOLVED and answer.point is not None
+    if not claims or _dilates_besides(program):
         return answer
-    name, left = certify(program, answer.point, contact).worst
-    if not left <= bar and idle(program, answer.point, contact):
-        name, left = left_over(program, answer.point, contact)
+    name, left = judged_left(program, answer.point, contact, bar)
     if left <= bar:
         return answer
     said = f"the residual {name!r}, recomputed, is {left:.1e}"
     message = "; ".join(filter(None, [answer.message, said]))
     return replace(answer, status=Status.ALMOST_SOLVED, message=message)
+
+
+def _dilates_besides(program: KinematicProgram) -> bool:
+    surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
+    return any(own.dilation is not None for own in surfaces)
 
 
 class RescalingSolver:
@@ -232,6 +233,7 @@ class RescalingSolver:
             found = largest_residual(self._program, plain, contact)
             if found <= residual or (plain.status in _CLAIMS and residual > _BAR):
                 best, residual = plain, found
+        tried = list(self._refused)
         for _ in range(_TRIES):
             if best.point is None or residual <= self._good:
                 break
@@ -242,28 +244,51 @@ class RescalingSolver:
                 break
             better = PartUnits.of(self._program, forces, best.point.velocity)
             known = self._units or PartUnits.of(self._program, np.ones(forces.size), None)
-            if any(units.suit(better, speeds=speeds) for units in (known, *self._refused)):
+            if any(units.suit(better, speeds=speeds) for units in (known, *tried)):
                 break
             before = self._units
             self._renew(better)
             answer = self._asked(contact)
             found = largest_residual(self._program, answer, contact)
-            closer = answer if found < residual else best
+            pair = self._paired(best, answer, contact)
+            together = largest_residual(self._program, pair, contact)
+            gains, both = found <= _GAIN * residual, together <= _GAIN * min(found, residual)
+            closer = pair if both else answer if found < residual else best
             best = replace(
                 closer,
                 iterations=best.iterations + answer.iterations,
                 solve_time=best.solve_time + answer.solve_time,
             )
-            if not found <= _GAIN * residual:
-                self._refused.append(better)
+            if not gains:
+                tried.append(better)
                 self._renew(before)
-            if not found < residual:
+                if not both:
+                    self._refused.append(better)
+            least = together if both else found
+            if not least < residual:
                 break
-            residual = found
+            residual = least
         if residual <= self._good:
             return best
         best = self._cleaned(best, contact, residual)
         return proven(self._program, best, contact, self._good)
+
+    def _paired(
+        self, one: InnerSolution, other: InnerSolution, contact: FrozenContact
+    ) -> InnerSolution:
+        """The velocity of one answer with the forces of the other, whichever way leaves less.
+
+        In units as stated velocities are possible and light blocks out of balance; in units of
+        their forces these balance, and have velocities that others penetrate.
+        """
+        if one.point is None or other.point is None or _dilates_besides(self._program):
+            return other
+        sure = one if one.status is Status.SOLVED else other
+        pairs = [
+            replace(sure, point=replace(static, velocity=kinematic.velocity))
+            for kinematic, static in ((one.point, other.point), (other.point, one.point))
+        ]
+        return min(pairs, key=lambda pair: largest_residual(self._program, pair, contact))
 
     def _cleaned(
         self, best: InnerSolution, contact: FrozenContact, residual: float

@@ -15,6 +15,8 @@ from lacore.part_forces import part_forces
 from lacore.program import dimensionless
 from tests.lacore.random_weights import random_assembly
 from tests.shares import one_in
+from verification.fuzz.programs.drawn import draw_program
+from verification.fuzz.programs.judge import ask
 
 R = la.masonry.rectangle
 MU_STONE = 0.2
@@ -187,3 +189,15 @@ def test_units_that_gain_nothing_are_left_again():
     solver.close()
     assert asked == [2, 1, 1]
     assert certify(program, point, contact).holds(1e-5)
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "interior_point"])
+def test_forces_of_one_answer_and_the_velocity_of_another(backend):
+    """Six blocks of 1e-6 of each other: in no units has a solver both to more than 1e-4.
+
+    As stated the light ones are out of balance; in units of forces they are penetrated.
+    """
+    drawn = draw_program("weights", 13, 0, 26)
+    found = ask(la.find_backend(backend), drawn, {})
+    assert found.solved
+    assert found.holds
