@@ -1,12 +1,17 @@
-"""The exact program by whichever solver is faster, and by the other one where that fails."""
+"""The exact program by whichever solver is faster, and by the other one where that fails.
+
+What proves an answer are its residuals, recomputed. A loop asks hundreds of times: the one that is
+asked second has few iterations, and `interior_point` is not asked again where it was in vain.
+"""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
+from backends._embedding.dilating import as_moved
 from backends._embedding.loops.best import compiles
 from lacore.backend import (
     Capabilities,
@@ -16,11 +21,12 @@ from lacore.backend import (
     find_backend,
 )
 from lacore.errors import require_count, require_positive
+from lacore.inner.left_over import judged_left
 from lacore.numerics.symmetric import fast_solver
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
 
-_FIRST, _OTHER = "interior_point", "clarabel"
+_OWN, _OTHER = "interior_point", "clarabel"
 _LEAST, _COMPILED = 60_000, 8_000  # unknowns from which the first is faster: docs/measured.md
 # Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
 # bounds, less is eliminated, and the first is faster from more unknowns up.
@@ -28,7 +34,9 @@ _PER_POINT = 4 / 3
 _MORE = 1.5  # times that: of lower bounds, which have about twice as many
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
 _INSTANT = 1e-9  # s: the least time limit there is
-_SURE = (Status.SOLVED, Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
+_PATIENCE = 30  # iterations of the first, each way, where it is asked second: it ends in 10 to 20
+_LEFT = 100.0  # tolerances that recomputed residuals may be: their scales are other ones
+_WORDS = (Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 
 
 @dataclass(frozen=True)
@@ -52,7 +60,7 @@ class AutoOptions:
 
 
 class Auto:
-    """`interior_point` where it is faster, `clarabel` elsewhere and where the first fails."""
+    """`interior_point` where it is faster, `clarabel` elsewhere, the other where one fails."""
 
     name: ClassVar[str] = "auto"
     title: ClassVar[str] = "interior_point where it is faster, else clarabel"
@@ -71,11 +79,13 @@ class Auto:
     @property
     def statuses(self) -> Mapping[Any, Status]:
         """Those of both, with their names, alone and one after the other."""
-        first, other = find_backend(_FIRST).statuses, find_backend(_OTHER).statuses
-        alone = {f"{_FIRST}: {word}": status for word, status in first.items()}
-        then = {f"{_OTHER}: {word}": status for word, status in other.items()}
-        both = {f"{one}; {two}": status for one in alone for two, status in then.items()}
-        return {**alone, **then, **both}
+        own, other = (
+            {f"{name}: {word}": status for word, status in find_backend(name).statuses.items()}
+            for name in (_OWN, _OTHER)
+        )
+        orders = (own, other), (other, own)
+        both = {f"{a}; {b}": s for first, last in orders for a in first for b, s in last.items()}
+        return {**own, **other, **both}
 
     def unavailable(self) -> str:
         """Both come with lacore."""
@@ -83,11 +93,21 @@ class Auto:
 
     def version(self) -> str:
         """Those of both."""
-        return f"{find_backend(_FIRST).version()}, {find_backend(_OTHER).version()}"
+        return f"{find_backend(_OWN).version()}, {find_backend(_OTHER).version()}"
 
     def prepare(self, program: KinematicProgram, options: AutoOptions) -> PreparedSolver:
         """The first is made ready where it is faster, the other when it is needed."""
         return AutoSolver(program, options, _COMPILED if compiles() else _LEAST)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """An answer, what it leaves, and whether nobody is asked after it."""
+
+    name: str
+    answer: InnerSolution
+    left: float
+    ends: bool
 
 
 class AutoSolver:
@@ -100,52 +120,73 @@ class AutoSolver:
     def __init__(self, program: KinematicProgram, options: AutoOptions, least: int) -> None:
         self._program, self._options = program, options
         self._solvers: dict[str, PreparedSolver] = {}
-        self._names = [_OTHER]
         # Of blocks alone vertices are degenerate, and one in four ends without progress. Of soils
         # that next to nothing but pressure makes strong it loses a twentieth of a lower bound.
         fits = bool(program.groups) and all(_smooth(group) for group in program.groups)
         fits &= not (program.presses and _above(program))
-        if _size(program) >= least and fits and fast_solver() is not None:
-            self._names = [_FIRST, _OTHER]
+        self._quick = fast_solver() is not None
+        self._leads = _size(program) >= least and fits and self._quick
+        self._in_vain = False
 
     def solve(self, contact: FrozenContact) -> InnerSolution:
-        """By the first that is sure of its answer; the words of all that were asked are told."""
-        begin, said, iterations = time.perf_counter(), [], 0
-        # Slip that is given may be a hundred times that of an elastic start.
-        names = [_OTHER] if np.any(contact.shift) else self._names
-        for name in names:
-            first, spent = name == names[0], time.perf_counter() - begin
-            solver = self._first(name) if first else self._made(name, spent)
-            try:
-                answer = checked_answer(self._program, False, solver.solve(contact))
-            finally:
-                if not first:
-                    solver.close()
-            said.append(f"{name}: {answer.native_status}")
-            iterations += answer.iterations
-            if answer.status in _SURE:
+        """By the first whose answer is proven; else one that claims one, or that leaves less.
+
+        The words of all that were asked are told, that of the answer last.
+        """
+        begin, asked = time.perf_counter(), list[_Asked]()
+        for name in self._order(contact):
+            asked.append(self._asked(name, contact, time.perf_counter() - begin, bool(asked)))
+            if asked[-1].ends:
                 break
+            # It stalls in hundreds of iterations, and a loop asks hundreds of times.
+            self._in_vain |= name == _OWN
+        if not asked[-1].ends:
+            # Of a load of zero nothing is proven: what is left is 0/0.
+            asked.sort(key=lambda one: (one.answer.status is Status.SOLVED, -one.left))
         return replace(
-            answer,
-            native_status="; ".join(said),
-            iterations=iterations,
+            asked[-1].answer,
+            native_status="; ".join(f"{one.name}: {one.answer.native_status}" for one in asked),
+            iterations=sum(one.answer.iterations for one in asked),
             solve_time=time.perf_counter() - begin,
         )
+
+    def _order(self, contact: FrozenContact) -> Sequence[str]:
+        """Who is asked, one after the other."""
+        if self._in_vain or not self._quick:
+            return [_OTHER]
+        # Slip that is given may be a hundred times that of an elastic start.
+        leads = self._leads and not np.any(contact.shift)
+        return [_OWN, _OTHER] if leads else [_OTHER, _OWN]
+
+    def _asked(self, name: str, contact: FrozenContact, spent: float, second: bool) -> "_Asked":
+        """What one says in the time that is left, and what its answer leaves."""
+        solver = self._made(name, spent, _PATIENCE) if second else self._first(name)
+        try:
+            answer = checked_answer(self._program, False, solver.solve(contact))
+        finally:
+            if second:
+                solver.close()
+        left, allowed = np.inf, _LEFT * self._options.tolerance
+        if answer.point is not None:
+            left = judged_left(*as_moved(self._program, answer.point), contact, allowed)[1]
+        # Where it ended on its way the other one may well be sure.
+        good = left <= allowed and (name == _OTHER or answer.status is Status.SOLVED)
+        return _Asked(name, answer, left, ends=good or answer.status in _WORDS)
 
     def _first(self, name: str) -> PreparedSolver:
         """One that is asked first, kept for the next contact."""
         if name not in self._solvers:
-            self._solvers[name] = self._made(name, 0.0)
+            self._solvers[name] = self._made(name, 0.0, self._options.max_iterations)
         return self._solvers[name]
 
-    def _made(self, name: str, spent: float) -> PreparedSolver:
-        """One with the time that is left."""
-        backend, options = find_backend(name), self._options
+    def _made(self, name: str, spent: float, most: int) -> PreparedSolver:
+        """One with the time that is left; of iterations only our own is given so few."""
+        backend, options, own = find_backend(name), self._options, name == _OWN
         return backend.prepare(
             self._program,
             backend.Options(
-                tolerance=options.tolerance * (1.0 if name == _FIRST else _NOMINAL),
-                max_iterations=options.max_iterations,
+                tolerance=options.tolerance * (1.0 if own else _NOMINAL),
+                max_iterations=min(options.max_iterations, most) if own else options.max_iterations,
                 time_limit=max(options.time_limit - spent, _INSTANT),
             ),
         )

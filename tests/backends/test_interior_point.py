@@ -10,16 +10,13 @@ import lacore as la
 from backends import interior_point
 from backends._embedding import follow as way
 from backends._embedding.dilating import as_moved
-from backends._embedding.follow import Found, judged, residuals
+from backends._embedding.follow import judged, residuals
 from backends._embedding.least import least_program
 from backends._embedding.loops import plain
 from backends._embedding.place import Place
 from backends._embedding.rigid import motions
-from backends.auto import AutoOptions, AutoSolver
 from backends.interior_point import InteriorPoint
-from lacore.assembly.discretise import discretise
 from lacore.backend import find_backend
-from lacore.bounds.static_model import static_model
 from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
@@ -304,31 +301,6 @@ def test_what_ends_at_round_off_is_solved_if_ten_tolerances_are_left(smooth, mon
     assert words <= {"iteration limit", "solved to round-off", "almost solved"}
 
 
-def test_auto_takes_clarabel_for_little_for_several_surfaces_and_for_blocks(smooth):
-    soil = random_soil(1)
-    blocks = replace(random_program(1), groups=(), dead_load=np.zeros(9))
-    cases = ((*smooth, 10**6), (soil, frozen(1.0), 0), (blocks, frozen(1.0), 0))
-    for program, contact, least in cases:
-        solver = AutoSolver(program, AutoOptions(), least)
-        assert solver.solve(contact).native_status.startswith("clarabel: ")
-        solver.close()
-
-
-def test_auto_takes_the_interior_point_for_upper_bounds_of_soil_of_one_surface(fast):
-    """Pressed between smooth platens; lower ones lose too much of little cohesion."""
-    problem = la.Problem(
-        bodies={"soil": replace(square(2), criterion=la.MohrCoulomb(1.0, 20.0))},
-        supports=[la.Fix("soil", "bottom", "y"), la.Fix("soil", "left", "x")],
-        reference_loads=[la.Traction("soil", "top", (0, -1))],
-    )
-    asked = (discretise(problem), "interior_point: solved"), (static_model(problem), "clarabel: ")
-    for stated, first in asked:
-        solver = AutoSolver(stated.program, AutoOptions(), 0)
-        native = solver.solve(associated_contact(stated.program.contact)).native_status
-        solver.close()
-        assert native.startswith(first)
-
-
 def test_all_loops_are_compiled_before_a_solve():
     """Within one they counted to its time limit: on a busy machine the first solve ended there."""
     compiled = pytest.importorskip("backends._embedding.loops.compiled")
@@ -352,60 +324,3 @@ def test_the_least_program_has_a_load():
     found = answer("interior_point", program, contact)
     assert found.status is Status.SOLVED
     assert certify(program, found.point, contact).holds(BAR)
-
-
-@pytest.fixture
-def fast(monkeypatch):
-    """As where PARDISO is installed."""
-    monkeypatch.setattr("backends.auto.fast_solver", lambda: SuperLU)
-
-
-def test_auto_tells_who_solved(smooth, fast):
-    solver = AutoSolver(smooth[0], AutoOptions(), 0)
-    assert solver.solve(smooth[1]).native_status == "interior_point: solved"
-    solver.close()
-
-
-def test_auto_takes_lower_bounds_from_more_unknowns_up(fast):
-    """Of twice as many unknowns for as many points of yield, the root of a half counts."""
-    problem = punch(8, 4)
-    above = discretise(problem).program
-    below = static_model(problem).program
-    for program, least, first in (
-        (above, above.n, "interior_point: "),
-        (below, int(0.6 * below.n), "interior_point: "),
-        (below, int(0.8 * below.n), "clarabel: "),
-    ):
-        solver = AutoSolver(program, AutoOptions(), least)
-        native = solver.solve(associated_contact(program.contact)).native_status
-        solver.close()
-        assert native.startswith(first)
-
-
-def test_auto_leaves_slip_that_is_given_to_clarabel_and_keeps_both(fast):
-    program, contact, shifted = random_program(1), frozen(1.0), frozen(1.0, 0.0, 0.1)
-    solver = AutoSolver(program, AutoOptions(), 0)
-    words = [solver.solve(own).native_status for own in (contact, shifted, contact, shifted)]
-    solver.close()
-    assert words == 2 * ["interior_point: solved", "clarabel: Solved"]
-
-
-def test_auto_falls_back_in_the_same_call(smooth, fast, monkeypatch):
-    follow = interior_point.follow
-
-    def stalls(system, goal, *begin) -> Found:
-        once = replace(goal, max_iterations=1)
-        return replace(follow(system, once, *begin), native="no progress")
-
-    monkeypatch.setattr(interior_point, "follow", stalls)
-    solver = AutoSolver(smooth[0], AutoOptions(), 0)
-    found = solver.solve(smooth[1])
-    solver.close()
-    assert found.status is Status.SOLVED
-    assert found.native_status == "interior_point: no progress; clarabel: Solved"
-    assert certify(smooth[0], found.point, smooth[1]).holds(BAR)
-
-
-def test_the_history_tells_which_solver_it_was():
-    state = la.solve(punch(4, 2), "auto", coupling="associated")
-    assert state.history["native_status"].iloc[-1] == "clarabel: Solved"
