@@ -176,6 +176,9 @@ class InteriorPointSolver:
         then; with more unknowns. The first two go on with more from where forces are lost.
         """
         conic, basis = own.conic, None
+        if not conic.load.size:  # held all over, as a rigid body is whose every motion is
+            yield "locked", 0, self._unstressed(np.zeros(0), 0.0)
+            return
 
         def whole() -> Whole:
             return Whole(conic, stiffness, self._solver, self._indefinite)

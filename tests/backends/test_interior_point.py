@@ -20,6 +20,7 @@ from lacore.backend import find_backend
 from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
+from lacore.reduction import reduced
 from lacore.status import Status
 from tests.lacore.models import punch, square
 from tests.lacore.random_programs import (
@@ -324,3 +325,9 @@ def test_the_least_program_has_a_load():
     found = answer("interior_point", program, contact)
     assert found.status is Status.SOLVED
     assert certify(program, found.point, contact).holds(BAR)
+
+
+def test_what_is_held_all_over_is_locked():
+    """Strong bodies are asked as rigid ones, and those may have no motion: it ended in an error."""
+    program = reduced(replace(random_program(1), groups=()), csr_matrix((9, 0)))
+    assert answer("interior_point", program, frozen(1.0)).status is Status.LOCKED
