@@ -179,8 +179,7 @@ def proven(
     a percent in a light part. Where flow dilates besides, no residual knows it.
     """
     bar = max(good / _SHARE, _BAR)
-    claims = answer.status is Status.SOLVED and answer.point is not None
-    if not claims or _dilates_besides(program):
+    if answer.status is not Status.SOLVED or answer.point is None or _dilates_besides(program):
         return answer
     name, left = judged_left(program, answer.point, contact, bar)
     if left <= bar:
@@ -226,8 +225,8 @@ class RescalingSolver:
         """
         best = self._asked(contact)
         residual = largest_residual(self._program, best, contact)
-        ended = best.status in (Status.SOLVED, *_CLAIMS)
-        if self._units is not None and not ended and residual > self._good:
+        claims = best.status in _CLAIMS or (best.status is Status.SOLVED and residual <= _BAR)
+        if self._units is not None and not claims and residual > self._good:
             self._renew(None)  # units of loads may be worse than none
             plain = self._asked(contact)
             found = largest_residual(self._program, plain, contact)

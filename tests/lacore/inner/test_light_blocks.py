@@ -201,3 +201,12 @@ def test_forces_of_one_answer_and_the_velocity_of_another(backend):
     found = ask(la.find_backend(backend), drawn, {})
     assert found.solved
     assert found.holds
+
+
+@pytest.mark.parametrize("backend", ["clarabel", "interior_point"])
+def test_what_is_called_solved_in_units_of_loads_and_is_not_is_asked_as_stated(backend):
+    """Four blocks that nearly touch, of loads 1e-10 of each other, which all push as much."""
+    drawn = draw_program("weights", 22, 7, 26)
+    found = ask(la.find_backend(backend), drawn, {})
+    assert found.solved
+    assert found.holds
