@@ -12,6 +12,7 @@ import pytest
 import lacore as la
 from lacore.backend import check_capable, find_backend
 from lacore.certificate import certify
+from lacore.inner.preparing import preparing
 from lacore.program import associated_contact, dimensionless, reaction_contact
 from lacore.status import Status
 from tests.backends.variants import METALS, VARIANTS, require_fit
@@ -34,29 +35,44 @@ REGULARISED = [
     pytest.param("slsqp", marks=SLOW),
     pytest.param("trust-constr", marks=SLOW),
 ]
+# What else these may say, of a few soils: then they promise nothing but that it is no answer.
+GIVES_UP = {
+    "cvxpy:QOCO": (Status.ALMOST_SOLVED, Status.FAILED),
+    "cvxpy:SCS": (Status.ITERATION_LIMIT,),
+}
+SURE = 5e-8  # half of what the closest are allowed: the other half is theirs
 R = 0.03  # what the dense ones reach, and C = 1 % of the load
 TRIPLE = ("plastic", "alpha_reg", "load_factor")
 
 
 @cache
 def stated(case_id, variant):
-    """The program on the coarse mesh, its two contacts, and Clarabel's values for them."""
+    """The program on the coarse mesh, its two contacts, and Clarabel's values for them.
+
+    Asked as `solve` asks it: soils that outrun their load in units of local speeds, too.
+    """
     case = catalogue()[case_id]
     (chosen,) = (v for v in case.variants if v.name == variant)
     d = la.discretise(case.problem(chosen, "coarse"))
     program = dimensionless(d.program, d.natural)
     backend = find_backend("clarabel")
-    solver = backend.prepare(program, backend.Options())
-    normal = associated_contact(program.contact)
-    first = solver.solve(normal)
-    frozen = reaction_contact(program.contact, first.point.normal_reaction)
-    contacts = {"associated": normal, "reaction": frozen}
-    return program, contacts, {name: value(solver, held) for name, held in contacts.items()}
+    with preparing(backend, backend.Options()) as prepare:
+        solver = prepare(program)
+        normal = associated_contact(program.contact)
+        first = solver.solve(normal)
+        frozen = reaction_contact(program.contact, first.point.normal_reaction)
+        contacts = {"associated": normal, "reaction": frozen}
+        values = {name: value(solver, program, held) for name, held in contacts.items()}
+    return program, contacts, values
 
 
-def value(solver, contact):
+def value(solver, program, contact):
+    """Proven: "almost solved" is as good as "solved" where the recomputed residuals say so."""
     answer = solver.solve(contact)
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ALMOST_SOLVED)
+    proof = certify(program, answer.point, contact)
+    assert proof.holds(1e-6)  # the bar of states
+    assert proof.load <= SURE  # by how much the load factor may be off
     return answer.point.load_factor
 
 
@@ -74,12 +90,12 @@ def test_one_value(case, variant, name, allowed):
     solver = prepared(name, program)
     for law, contact in contacts.items():
         answer = solver.solve(contact)
-        close = answer.point.load_factor == pytest.approx(expected[law], rel=allowed)
-        if name == "cvxpy:QOCO" and answer.status is Status.ALMOST_SOLVED and not close:
-            # It says so, and the residuals know it: nobody takes this number for a load factor.
-            assert not certify(program, answer.point, contact).holds(allowed), law
-        else:
-            assert close, law
+        point = answer.point
+        if point is not None and point.load_factor == pytest.approx(expected[law], rel=allowed):
+            continue
+        assert answer.status in GIVES_UP.get(name, ()), law
+        # It says so, and the residuals know it: nobody takes this number for a load factor.
+        assert point is None or not certify(program, point, contact).holds(allowed), law
 
 
 @cache
