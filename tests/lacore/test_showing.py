@@ -160,7 +160,7 @@ def test_notebooks_show_every_result(made):
                 pictured.add(type(thing))
     assert pictured == {
         *(la.LimitState, la.Bracket, la.LowerBound, la.UpperBound, la.CoulombRange, la.Path),
-        *(la.Problem, la.Body, la.Discretisation, la.GapIdentity),
+        *(la.Problem, la.Body, la.Discretisation, la.GapIdentity, la.CrushingBracket),
     }
 
 

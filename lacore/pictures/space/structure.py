@@ -173,7 +173,7 @@ def motion_of(state: LimitState) -> Motion:
     rate = np.concatenate([state.velocity[name] for name in d.solids], axis=1)
     held = []
     for dofs in d.solids.values():
-        basis = d.free_basis[dofs.offset : dofs.offset + dofs.count]
+        basis = d.free_basis[dofs.offset : dofs.offset + dofs.of_blocks]
         largest = np.asarray(abs(basis).max(axis=1).todense()).reshape(-1, 6)
         held.append(~np.any(largest > 0, axis=1))
     blocks = blocks_of((name, dofs.body) for name, dofs in d.solids.items())

@@ -8,6 +8,7 @@ import lacore as la
 from lacore.pictures.space.mechanism import thrust_lines
 from lacore.pictures.space.structure import motion_of, touches_of
 from tests.lacore.bodies.blocks3d.solids import box, triangulated
+from tests.lacore.shown import weak_pier
 
 FLOOR = la.RigidObstacle((0, 0, 0), (0, 0, 1))
 
@@ -49,6 +50,16 @@ def test_a_joint_slips_and_the_floor_holds(sliding):
     joint = int(np.flatnonzero(touches.slave == 1)[0])
     assert touches.force[:, joint] == pytest.approx([-0.2, 0, 1], abs=1e-6)  # its weight, its push
     assert [own.shape for own in touches.corners] == [(3, 4), (3, 4)]
+
+
+def test_who_is_held_is_told_of_blocks_whatever_their_joints_crush_by():
+    """How far points of joints crush are unknowns of the pier, too."""
+    state = la.solve(weak_pier())
+    (pier,) = state.discretisation.solids.values()
+    assert pier.crushing.size % 6
+    base = [name == "base" for name in pier.body.names]
+    assert any(base)
+    assert motion_of(state).held.tolist() == base
 
 
 def test_a_tower_topples_over_the_edge_of_its_foot(toppling):
