@@ -58,6 +58,8 @@ class BodyForce(Compact):
             )
             raise InputError("BodyForce.vector", given, "not a vector", mend)
         own = tuple(_taken(f"BodyForce.vector[{axis}]", one) for axis, one in enumerate(given))
+        # All of them: beside others a tiny one is what turning a frame leaves of a zero.
+        require_range("BodyForce.vector", np.concatenate([_numbers(one) for one in own]))
         object.__setattr__(self, "vector", own)
 
     @property
@@ -141,7 +143,6 @@ def _called(field: str, function: Callable[[Floats], Floats], places: Floats) ->
 def _taken(field: str, given: object) -> Component:
     """A number, a function or a field as it is; values of elements as a tuple."""
     if is_number(given):
-        require_range(field, given)
         return given  # type: ignore[return-value]  # a number
     if isinstance(given, Field):
         if given.steepest is not None:
@@ -169,8 +170,15 @@ def _taken(field: str, given: object) -> Component:
     if wrong.size:
         why = f"of element {wrong[0]}: not a finite number"
         raise InputError(field, float(values[wrong[0]]), why, "give finite values in N/m^3")
-    require_range(field, values)
     return tuple(values.tolist())
+
+
+def _numbers(component: Component) -> Floats:
+    """The number, or those of elements; none of a function."""
+    values = _values(component)
+    if values is None:
+        values = np.array([component] if is_number(component) else [], dtype=np.float64)
+    return values
 
 
 def _values(component: Component) -> Floats | None:

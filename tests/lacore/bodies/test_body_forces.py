@@ -206,6 +206,8 @@ def test_blocks_take_a_value_each_as_loads_of_their_own():
     ("make", "said"),
     [
         (lambda: la.BodyForce("clay", 3.0), "not a vector"),
+        (lambda: la.BodyForce("clay", (0, 1e-70)), "BodyForce.vector = 1e-70: outside of"),
+        (lambda: la.BodyForce("clay", (1.0, [1e-70, -1e70])), "BodyForce.vector = 1e.70: outside"),
         (lambda: la.BodyForce("clay", (0, "heavy")), "neither a number nor a function"),
         (lambda: la.BodyForce("clay", (0, [1.0, np.nan])), "of element 1"),
         (lambda: la.BodyForce("clay", (0, la.Field(WEIGHT, steepest=1.0))), "has to be linear"),
@@ -220,3 +222,7 @@ def test_blocks_take_a_value_each_as_loads_of_their_own():
 def test_what_is_no_body_force_is_refused(make, said):
     with pytest.raises(la.InputError, match=said), np.errstate(divide="ignore", invalid="ignore"):
         make()
+
+
+def test_what_turning_a_frame_leaves_of_a_zero_is_no_force_of_its_own():
+    assert la.BodyForce("clay", (1.0, 1e-127, [0.0, 1e-70])).vector[1] == 1e-127
