@@ -21,6 +21,7 @@ from lacore.backend import (
     read_options,
 )
 from lacore.bodies.continuum.regions.gathering import by_body, continuum_stress
+from lacore.bodies.continuum.regions.lending import hardly_any, lend
 from lacore.bounds.precision import exactness, smallest_angle
 from lacore.bounds.static_model import StaticModel, static_model
 from lacore.bounds.stresses.admissible import margins, weaker
@@ -312,11 +313,9 @@ def _bound(
             " `solve` finds that they collapse the structure"
         )
     elif status is Status.NOT_CERTIFIED and last.after is not None:
-        angle = min(smallest_angle(dofs.body) for dofs in model.bodies.values())
         message = (
             f"not certified: stresses stay {last.after.equilibrium:.1e} of the load out of"
-            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; tighten the"
-            f" backend's tolerance, or mend the mesh (smallest angle {angle:.2g} degrees)"
+            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; {_mend(model)}"
         )
     elif status is Status.SOLVED and last.after is not None:
         message = (
@@ -341,3 +340,18 @@ def _bound(
         model=model,
         point=None if last.state is None else in_si(program.scales, last.state),
     )
+
+
+def _mend(model: StaticModel) -> str:
+    """What to do about stresses that are not admissible in the end."""
+    dead, bodies = model.full.dead_load, {name: own.body for name, own in model.bodies.items()}
+    weak = {name: own for name, body in bodies.items() if (own := hardly_any(body, dead))}
+    if weak:  # neither a tolerance nor a mesh leaves them more
+        return "; ".join(
+            f"{name!r} carries {own:.1e} Pa where nothing presses it, which leaves proofs hardly"
+            f" any room: {lend(bodies[name], dead)}, or take another of the backends 'clarabel' and"
+            " 'interior_point'"
+            for name, own in weak.items()
+        )
+    angle = min(map(smallest_angle, bodies.values()))
+    return f"tighten the backend's tolerance, or mend the mesh (smallest angle {angle:.2g} degrees)"

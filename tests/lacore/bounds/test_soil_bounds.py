@@ -7,6 +7,7 @@ import pytest
 
 import lacore as la
 from lacore.adaptive.singular_points import singular_points
+from lacore.bodies.continuum.regions.lending import hardly_any, next_to_none
 from lacore.bounds.stresses.admissible import weaker
 from lacore.status import Rigor, Status
 
@@ -249,3 +250,22 @@ def test_soil_is_pulled_off_at_its_apex():
     # Above by no more than the margin by which a velocity is moved inward.
     assert exact <= la.upper_bound(pulled).load_factor * (1 + 1e-9) <= exact * (1 + 1e-4)
     assert la.lower_bound(pulled).load_factor <= exact
+
+
+def test_what_hardly_anything_but_pressure_makes_strong_says_what_to_do():
+    """Neither a tolerance nor a mesh leaves proofs more room; another solver, or cohesion, may.
+
+    An answer of three iterations proves nothing, whatever the processor.
+    """
+    weak = footing(30, cohesion=1e-7, weight=1.0)
+    bound = la.lower_bound(weak, "clarabel", options={"max_iterations": 3})
+    assert bound.status is la.Status.NOT_CERTIFIED
+    assert "'soil' carries 8.7e-08 Pa where nothing presses it" in bound.message  # c cos(phi)
+    assert "'interior_point'" in bound.message
+    dead = bound.model.full.dead_load
+    lent = next_to_none(weak.bodies["soil"], dead)
+    assert f"{lent:.1e} Pa of cohesion" in bound.message
+    for cohesion, little in ((0.9 * lent, True), (2 * lent, False)):
+        body = footing(30, cohesion=cohesion).bodies["soil"]
+        assert (hardly_any(body, dead) is not None) is little
+    assert hardly_any(la.examples.footing().bodies["soil"], dead) is None

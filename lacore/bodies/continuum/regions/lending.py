@@ -21,17 +21,31 @@ def strengthless(body: "Body") -> Iterator[Region]:
             yield region
 
 
-def lend(body: "Body", dead_load: Floats) -> str:
-    """What to lend them, in words.
+def next_to_none(body: "Body", dead_load: Floats) -> float:
+    """Strength without pressure that no result sees and proofs do, Pa.
 
     Args:
-        body: with such regions.
+        body: with regions that have less.
         dead_load: on all unknowns, N/m; of bodies of revolution and in space N.
     """
     area = body.size ** (2 if body.axisymmetric or body.dimension == 3 else 1)
-    size = float(np.abs(dead_load).sum()) / area or largest_strength(body) or 0.1
-    lent = f"{_LENT * size:.1e} Pa of cohesion or of tension"
+    return _LENT * (float(np.abs(dead_load).sum()) / area or largest_strength(body) or 0.1)
+
+
+def lend(body: "Body", dead_load: Floats) -> str:
+    """What to lend regions without strength, in words; arguments as of `next_to_none`."""
+    lent = f"{next_to_none(body, dead_load):.1e} Pa of cohesion or of tension"
     return f"lend it next to none, {lent} (Rankine for NoTension)"
+
+
+def hardly_any(body: "Body", dead_load: Floats) -> float | None:
+    """The least strength of a body without pressure, Pa, if proofs have less room than they need.
+
+    Arguments as of `next_to_none`; None if they have enough.
+    """
+    strengths = [region.least_strength for region in body.regions if region.form.surfaces]
+    least = min(strengths, default=np.inf)
+    return least if least < next_to_none(body, dead_load) else None
 
 
 def largest_strength(body: "Body") -> float:
