@@ -34,7 +34,7 @@ _PER_POINT = 4 / 3
 _MORE = 1.5  # times that: of lower bounds, which have about twice as many
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
 _INSTANT = 1e-9  # s: the least time limit there is
-_PATIENCE = 30  # iterations of the first, each way, where it is asked second: it ends in 10 to 20
+_PATIENCE = 30  # iterations of `interior_point` each way, asked second: it solves in 8 to 16
 _LEFT = 100.0  # tolerances that recomputed residuals may be: their scales are other ones
 _WORDS = (Status.LOCKED, Status.UNSAFE, Status.TIME_LIMIT)
 
