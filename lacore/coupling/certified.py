@@ -17,7 +17,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lacore.arrays import Floats
 from lacore.backend import PreparedSolver
 from lacore.coupling.blocks.central_path import by_places, central_path
 from lacore.coupling.bounds import kinematic_power, lower_bound, upper_bound
@@ -26,7 +25,7 @@ from lacore.coupling.freezing import associated, at_pressing, frictionless, gene
 from lacore.coupling.nearby import Nearby
 from lacore.coupling.run import Coupled, CouplingOptions, Iterate, Run, worst
 from lacore.coupling.settling import drifted, settled
-from lacore.coupling.steps import alternate, closest, resumed, s_step
+from lacore.coupling.steps import alternate, closest, mean, resumed, s_step, static_alone
 from lacore.numerics.anderson import Anderson
 from lacore.program import KinematicProgram, frictionless_contact
 from lacore.state import ProgramState
@@ -70,7 +69,7 @@ def certified_loop(
         return run.judged(run.solve("single", frictionless_contact(rows)))
     if not program.hardens or program.frictional or roughly is None:
         return _from_associated(run)
-    found = resumed(run, near or Nearby(), _mean, _PATIENCE)
+    found = resumed(run, near or Nearby(), mean, _PATIENCE)
     if found is not None:
         return run.judged(found)
     # With all solves that it may take: what is certified so is certified still.
@@ -134,11 +133,7 @@ def anchored(run: Run) -> Iterate:
 
 def averaged(run: Run, static: ProgramState) -> Iterate | None:
     """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
-    return alternate(run, static, "K", _PATIENCE, _mean)
-
-
-def _mean(_: Floats, s: Floats, k: Floats) -> Floats:
-    return (s + k) / 2
+    return alternate(run, static, "K", _PATIENCE, mean)
 
 
 def _damped(run: Run, static: ProgramState) -> Iterate | None:
@@ -148,7 +143,7 @@ def _damped(run: Run, static: ProgramState) -> Iterate | None:
 
 def _alternated(run: Run, static: ProgramState) -> Iterate | None:
     """Reactions of S-steps alone: the gap falls from step to step, or stalls for good (T12)."""
-    return alternate(run, static, "K", _PATIENCE, lambda _last, s, _k: s)
+    return alternate(run, static, "K", _PATIENCE, static_alone)
 
 
 def _shifted(run: Run, static: ProgramState) -> Iterate | None:

@@ -16,6 +16,7 @@ from lacore.coupling.steps import (
     gap,
     s_step,
     s_steps,
+    static_alone,
 )
 from lacore.state import ProgramState
 
@@ -36,9 +37,9 @@ def settled(run: Run, static: ProgramState) -> Iterate | None:
     begun = len(run.iterates)
     most = None if run.options.accepted is None else begun + _ENOUGH
     return (
-        alternate(run, static, "K", 0, lambda _last, s, _k: s, most, _FAST)
+        alternate(run, static, "K", 0, static_alone, most, _FAST)
         or _hurried(run, static)
-        or alternate(run, closest(run, static), "K", _LONG, lambda _last, s, _k: s, most)
+        or alternate(run, closest(run, static), "K", _LONG, static_alone, most)
     )
 
 

@@ -38,6 +38,16 @@ Blend = Callable[[Floats, Floats, Floats], Floats]
 """Next frozen reaction from the last one and those of the S- and the K-step after it."""
 
 
+def mean(_: Floats, s: Floats, k: Floats) -> Floats:
+    """Between the reactions of both steps: the fewest solves, on large walls above all (T12b)."""
+    return (s + k) / 2
+
+
+def static_alone(_last: Floats, s: Floats, _k: Floats) -> Floats:
+    """Those of the S-step: the gap falls from step to step, or stalls for good (T12)."""
+    return s
+
+
 def alternate(
     run: Run,
     static: ProgramState,
@@ -175,6 +185,11 @@ def closest(run: Run, static: ProgramState) -> ProgramState:
     best = min(steps, key=gap, default=None)
     point = None if best is None else best.inner.point
     return static if point is None else point
+
+
+def least_gap(run: Run) -> float:
+    """Of S-steps so far with states that carry a load; inf where there are none."""
+    return min(map(gap, s_steps(run)), default=np.inf)
 
 
 def gap(iterate: Iterate) -> float:

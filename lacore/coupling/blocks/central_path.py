@@ -12,7 +12,8 @@ it turns seldom and leads far; from close to a pair with a small gap it turns at
 end. Powers c that differ from point to point lead along other curves, and often to other states;
 where a structure is symmetric curves of equal powers branch, others pass by. On walls of thousands
 of blocks paths are long, but long before its end a place is close enough for K- and S-steps, which
-stall from the associated state.
+stall from the associated state. Where they stall from a place, too, but within a factor of ten of
+the bar, others follow from the closest pair (T12b).
 """
 
 from collections.abc import Iterator
@@ -27,7 +28,15 @@ from lacore.backend import InnerSolution, PreparedSolver
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.bounds import kinematic_power
 from lacore.coupling.run import Iterate, Run
-from lacore.coupling.steps import alternate, carries
+from lacore.coupling.steps import (
+    FALLS,
+    alternate,
+    carries,
+    closest,
+    least_gap,
+    mean,
+    static_alone,
+)
 from lacore.numerics.curve import Place, followed
 from lacore.program import FrozenContact, KinematicProgram, reaction_contact
 from lacore.showing import Compact
@@ -40,6 +49,8 @@ _END = 0.3  # of the bar: gap at the end
 _MOST, _ALL = 1000, 3000  # factorisations, of one path, and after which no other one begins
 _LARGE = 5000  # unknowns from which a solve costs as much as dozens of factorisations
 _NEARER = 10.0  # powers of a start whose path is shorter, but may turn more
+_NEARLY = 10.0  # bars: a gap from which steps go on
+_BORNE = 4  # rounds of means without progress, from there
 _STOPS = (1e-2, 600), (2e-3, _MOST)  # gaps and factorisations, whichever comes first
 
 
@@ -85,14 +96,30 @@ def _stops(run: Run, start: ProgramState) -> Iterator[Iterate]:
 
 def _stepped(run: Run, places: Iterator[Iterate]) -> Iterate | None:
     """The first of some places that is proven, or from which K- and S-steps lead to a state."""
+    within = _NEARLY * run.options.tolerance
     for found in places:
         point = found.inner.point
         if point is None or run.free(found) or run.proven(found):
             return found if carries(run, found) else None
-        closer = alternate(run, point, "K", 1, lambda _, s, k: (s + k) / 2)
+        closer = alternate(run, point, "K", 1, mean)
         if closer is not None:
             return closer
+        while not run.exhausted and (least := least_gap(run)) <= within:
+            within = FALLS * least  # from the same pair steps lead to the same end
+            closer = _nearer(run, closest(run, point))
+            if closer is not None:
+                return closer
     return None
+
+
+def _nearer(run: Run, static: ProgramState) -> Iterate | None:
+    """From a pair that is nearly proven.
+
+    By S-steps' reactions alone its gap falls from step to step until it stays (T12); means of both
+    lead away from there, with gaps that rise before they fall.
+    """
+    falling = alternate(run, static, "K", 0, static_alone)
+    return falling or alternate(run, closest(run, static), "K", _BORNE, mean)
 
 
 def along_path(run: Run, start: ProgramState, spread: float, rng: np.random.Generator) -> Iterate:

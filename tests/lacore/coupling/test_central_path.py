@@ -10,12 +10,19 @@ import pytest
 import lacore as la
 from lacore.backend import find_backend, read_options
 from lacore.coupling.blocks import central_path as of_blocks
-from lacore.coupling.blocks.central_path import Path, along_path, by_places, central_path
+from lacore.coupling.blocks.central_path import (
+    Path,
+    _stepped,
+    along_path,
+    by_places,
+    central_path,
+)
 from lacore.coupling.blocks.complementarity import Complementarity, poses
 from lacore.coupling.blocks.matrix import _parity
 from lacore.coupling.certified import averaged
 from lacore.coupling.freezing import associated
 from lacore.coupling.run import CouplingOptions, Run
+from lacore.coupling.steps import alternate, mean, static_alone
 from lacore.inner.preparing import preparing
 from lacore.program import associated_contact, dimensionless
 from lacore.status import Status
@@ -211,6 +218,40 @@ def test_steps_from_a_place_certify_a_wall_that_steps_alone_do_not(monkeypatch):
         assert first.inner.native_status == "on its way"
         assert not run.proven(first)
         assert {one.kind for one in others} <= {"K", "S"}
+
+
+def recorded(monkeypatch, answer):
+    """Whose reactions K- and S-steps freeze, and whether they led to a state."""
+    calls = []
+
+    def alternate(run, static, kind, patience, blend):
+        found = answer(run, static, kind, patience, blend)
+        calls.append((blend, found is not None))
+        return found
+
+    monkeypatch.setattr(of_blocks, "alternate", alternate)
+    return calls
+
+
+def test_from_pairs_that_are_nearly_proven_steps_go_on(monkeypatch):
+    """Means stay at 1.3e-3 on this wall (docs/measured.md), below ten bars."""
+    calls = recorded(monkeypatch, alternate)
+    with started(wall(12, 30, 3)) as run:
+        run.options = CouplingOptions(tolerance=2e-4)
+        found = _stepped(run, iter(run.iterates[:1]))
+        assert run.proven(found)
+    assert calls[0] == (mean, False)
+    assert calls[-1][1]
+    assert calls[1][0] is static_alone
+
+
+@pytest.mark.parametrize(("bars", "more"), [(11, 0), (9, 1)])
+def test_they_do_so_once_from_each_pair_that_is_near(monkeypatch, bars, more):
+    calls = recorded(monkeypatch, lambda *_: None)
+    with started(wall(3, 6, 3)) as run:
+        monkeypatch.setattr(of_blocks, "least_gap", lambda _: bars * run.options.tolerance)
+        assert _stepped(run, iter(2 * run.iterates)) is None
+    assert [blend for blend, _ in calls] == [mean, *(static_alone, mean) * more, mean]
 
 
 def test_the_loop_begins_with_a_place_on_large_walls(monkeypatch):
