@@ -133,25 +133,12 @@ def judged(place: Place, goal: Goal, power: float) -> str:
     if gain > 0 and max(force / size, at.tau * power) <= goal.tolerance * gain:
         return "locked"
     # A ray of velocities: the dead loads work more than it dissipates.
-    fastest = float(np.abs(at.velocity).max(initial=0.0))
-    missed = max(_missed(place), abs(left.load) / size, at.tau / size)
-    gained = -goal.tolerance * max(place.cost, place.dissipating)
-    if at.tau * power <= gained and missed <= goal.tolerance * fastest:
-        return "unsafe"
+    missed = max(place.missed, abs(left.load) / size, at.tau / size)
+    if place.cost < 0 and missed <= goal.tolerance * place.fastest:
+        gained = -goal.tolerance * max(place.cost, place.dissipating)
+        if at.tau * power <= gained:
+            return "unsafe"
     return ""
-
-
-def _missed(place: Place) -> float:
-    """Largest rate that is missed of what holds exactly, and of slacks, per norm of its row."""
-    conic, left = place.conic, place.left
-    sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
-    sizes += [
-        (np.abs(part) / np.sqrt(rows.norms)).ravel()
-        for rows, part in zip(
-            conic.kinds[:-1], (*left.costly, *left.free, *left.planes), strict=True
-        )
-    ]
-    return max(float(part.max(initial=0.0)) for part in sizes)
 
 
 def nothing(place: Place, power: float) -> float:
@@ -162,10 +149,10 @@ def nothing(place: Place, power: float) -> float:
     at, conic, left = place.at, place.conic, place.left
     scale = at.tau * min(1.0, power)
     loads = scale * float(np.abs(conic.load).sum()) + at.tau * conic.weight
-    lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau
+    lost = place.lost / at.tau
     return max(
         max(abs(place.cost), abs(place.bound), lost) / scale / _NOTHING,
-        float(np.abs(left.force).max(initial=0.0)) / loads,
+        place.unbalanced / loads,
         residuals(place, power)[2],
     )
 
@@ -179,10 +166,9 @@ def residuals(place: Place, power: float) -> tuple[float, float, float]:
     floor = _NOTHING * min(1.0, power)
     turned = max(abs(place.cost) / at.tau, abs(place.bound) / at.tau, floor)
     gap = abs(place.cost - place.bound) / at.tau / turned
-    lost = float(np.abs(left.force) @ np.abs(at.velocity)) / at.tau**2 / turned
+    lost = place.lost / at.tau**2 / turned
     loads = abs(at.load) / at.tau * float(np.abs(conic.load).sum())
     loads += conic.weight
-    force = float(np.abs(left.force).max(initial=0.0)) / at.tau / max(loads, 1e-300)
-    fastest = float(np.abs(at.velocity).max(initial=0.0))
-    slow = _missed(place) / max(fastest, 1e-300)
+    force = place.unbalanced / at.tau / max(loads, 1e-300)
+    slow = place.missed / max(place.fastest, 1e-300)
     return gap, max(force, lost / _SUMMED), max(slow, abs(left.load) / at.tau)

@@ -219,6 +219,34 @@ class Place:
             at.kappa + self.cost - self.bound,
         )
 
+    @cached_property
+    def missed(self) -> float:
+        """Largest rate that is missed of what holds exactly, and of slacks, per norm of its row."""
+        conic, left = self.conic, self.left
+        sizes = [np.abs(left.equal) / np.sqrt(conic.equal.norms)]
+        sizes += [
+            (np.abs(part) / np.sqrt(rows.norms)).ravel()
+            for rows, part in zip(
+                conic.kinds[:-1], (*left.costly, *left.free, *left.planes), strict=True
+            )
+        ]
+        return max(float(part.max(initial=0.0)) for part in sizes)
+
+    @cached_property
+    def unbalanced(self) -> float:
+        """Largest force that is out of balance."""
+        return float(np.abs(self.left.force).max(initial=0.0))
+
+    @cached_property
+    def fastest(self) -> float:
+        """Largest velocity."""
+        return float(np.abs(self.at.velocity).max(initial=0.0))
+
+    @cached_property
+    def lost(self) -> float:
+        """Power of the forces out of balance, all of one sign."""
+        return float(np.abs(self.left.force) @ np.abs(self.at.velocity))
+
     def farthest(self, step: Step) -> float:
         """Largest share of a step that stays inside."""
         at = self.at

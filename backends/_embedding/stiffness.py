@@ -41,7 +41,7 @@ class Stiffness:
     def __init__(self, kinds: Sequence[Rows], loops: Loops) -> None:
         self._n, self._loops = kinds[0].matrix.shape[1], loops
         self._buckets = [
-            (kind, bucket) for kind, rows in enumerate(kinds) for bucket in _buckets(rows)
+            (kind, bucket) for kind, rows in enumerate(kinds) for bucket in _buckets(rows, loops)
         ]
         self._elements: list[Ints] = []
         numbers = [self._known(bucket.columns) for _, bucket in self._buckets]
@@ -72,22 +72,19 @@ class Stiffness:
         return matrix
 
 
-def _buckets(rows: Rows) -> list[_Bucket]:
+def _buckets(rows: Rows, loops: Loops) -> list[_Bucket]:
     """Points by how many unknowns they touch, and by how many points touch the same."""
-    count, dim, matrix = rows.count, rows.dim, rows.matrix
-    if not count:
+    dim, matrix = rows.dim, rows.matrix
+    if not rows.count:
         return []
-    every = np.arange(count * dim)
-    pick = csr_matrix((np.ones(every.size), (every // dim, every)), (count, every.size))
-    touched = csr_matrix(pick @ abs(matrix))
-    touched.sort_indices()
-    widths = np.diff(touched.indptr)
+    first_of, columns_of = loops.touched(matrix, dim)
+    widths = np.diff(first_of)
     found = []
     for width in np.unique(widths):
         if width == 0:
             continue
         points = np.flatnonzero(widths == width)
-        columns = touched.indices[touched.indptr[points][:, None] + np.arange(width)]
+        columns = columns_of[first_of[points][:, None] + np.arange(width)]
         # Rows of unknowns by one number each: sorting the rows themselves takes ten times as long.
         numbers = columns @ np.random.default_rng(width).integers(1, 2**62, width)
         _, first, element, sizes = np.unique(
@@ -103,20 +100,5 @@ def _buckets(rows: Rows) -> list[_Bucket]:
             which = np.flatnonzero(sizes == size)
             own = points[order[starts[which][:, None] + np.arange(size)]]
             wide = columns[which].astype(np.int64)
-            found.append(_Bucket(own, _dense(matrix, own, wide, dim), wide))
+            found.append(_Bucket(own, loops.dense(matrix, own, wide, dim), wide))
     return found
-
-
-def _dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
-    """Rows of points of shape (e, k) by columns of shape (e, c), shape (e, k, dim, c)."""
-    elements, size = points.shape
-    width = columns.shape[1]
-    every = (points[:, :, None] * dim + np.arange(dim)).ravel()
-    picked = csr_matrix(matrix[every])
-    at = np.repeat(np.arange(every.size), np.diff(picked.indptr))
-    element = at // (size * dim)
-    keys = (np.arange(elements)[:, None] * (int(matrix.shape[1]) + 1) + columns).ravel()
-    place = np.searchsorted(keys, element * (int(matrix.shape[1]) + 1) + picked.indices)
-    dense = np.zeros((every.size, width))
-    dense[at, place - element * width] = picked.data
-    return dense.reshape(elements, size, dim, width)

@@ -155,13 +155,13 @@ class System:
 
     def _inner(self, *rights: Vector) -> list[Vector]:
         """Those without lambda and tau, of several right-hand sides in one go."""
-        forces = np.empty((len(rights), self._conic.load.size))
-        for force, right in zip(forces, rights, strict=True):
-            np.negative(right.force, out=force)
+        found = []
+        for right in rights:  # PARDISO takes up to twice as long for three at once
+            force = -right.force
             for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
                 stiff.pulled(rows, part, force)
-        found = self._solver.solve(forces.T)
-        return [self._moved(right, u) for right, u in zip(rights, found.T, strict=True)]
+            found.append(self._moved(right, self._solver.solve(force)))
+        return found
 
     def _moved(self, right: Vector, u: Floats) -> Vector:
         """The solution with such velocities."""

@@ -14,6 +14,7 @@ from lacore.numerics.linear_algebra import SingularError
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _OWN_SETTINGS = 1  # all others 0: no refinement, order by minimum degree
+_PHASE, _SIDES = 2, 4  # which of the numbers it is called with
 _SMALLEST, _BY_TWO = 13, 1  # pivots, as a power of ten; and those of two rows
 
 
@@ -75,39 +76,43 @@ class Pardiso:
         self._starts = np.asarray(starts, dtype=np.int32) + np.int32(1)
         self._columns = np.asarray(columns, dtype=np.int32) + np.int32(1)
         self._data = np.zeros(self._columns.size)
+        self._address(matrix.shape[0])
         self._call(_ANALYSE, np.zeros(matrix.shape[0]))
         self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
 
+    def _address(self, size: int) -> None:
+        """Where all that stays is, looked up once: it takes as long as a small solution."""
+        own = self._solver
+        # One, the kind of matrix, the phase, the size, right-hand sides, no messages, the error.
+        self._numbers = np.array([1, own.mtype, _ANALYSE, size, 1, 0, 0], dtype=np.int32)
+        begin, each = self._numbers.ctypes.data, self._numbers.itemsize
+        one, kind, which, size_at, sides, silent, self._error = (begin + each * i for i in range(7))
+        self._perm = own.perm
+        arrays = self._data, self._starts, self._columns, self._perm
+        self._addresses = (
+            own.pt.ctypes.data,
+            *(one, one, kind, which, size_at),
+            *(array.ctypes.data for array in arrays),
+            *(sides, own.iparm.ctypes.data, silent),
+        )
+
     def _factorise(self, data: Floats) -> None:
-        self._data = np.ascontiguousarray(data)
+        self._data[:] = data
         self._call(_FACTORISE, np.zeros(self._starts.size - 1))
 
     def _call(self, phase: int, right: Floats) -> Floats:
         # The methods of pypardiso analyse anew with every matrix, which takes ten factorisations,
         # and turn the pattern into 32 bits with every solution.
         own, found = self._solver, np.zeros_like(right)
-        count = 1 if right.ndim == 1 else right.shape[1]
-        # One, the kind of matrix, the phase, the size, right-hand sides, no messages, the error.
-        numbers = np.array(
-            [1, own.mtype, phase, self._starts.size - 1, count, 0, 0], dtype=np.int32
-        )
-        one, kind, which, size, sides, silent, error = range(
-            numbers.ctypes.data, numbers.ctypes.data + numbers.nbytes, numbers.itemsize
-        )
-        arrays = self._data, self._starts, self._columns, own.perm
+        self._numbers[_PHASE] = phase
+        self._numbers[_SIDES] = 1 if right.ndim == 1 else right.shape[1]
         # On two threads it takes as long by the clock, and twice the processor time; and sums in
         # an order that depends on how many there are.
         threads = own.libmkl.MKL_Set_Num_Threads_Local(1)
-        _by_address()(
-            own.pt.ctypes.data,
-            *(one, one, kind, which, size),
-            *(array.ctypes.data for array in arrays),
-            *(sides, own.iparm.ctypes.data, silent),
-            *(right.ctypes.data, found.ctypes.data, error),
-        )
+        _by_address()(*self._addresses, right.ctypes.data, found.ctypes.data, self._error)
         own.libmkl.MKL_Set_Num_Threads_Local(threads)
-        if numbers[-1] != 0:
-            raise SingularError(f"PARDISO: error {numbers[-1]}")
+        if self._numbers[-1] != 0:
+            raise SingularError(f"PARDISO: error {self._numbers[-1]}")
         return found
 
 

@@ -49,6 +49,24 @@ def test_stiffness_has_the_same_pattern_and_sum(rng):
     near(found, np.triu(whole))
 
 
+@pytest.mark.parametrize("dim", [1, 3])
+def test_rows_of_points_are_taken_apart_alike(rng, dim):
+    m, n = 12, 17
+    rows = rng.normal(size=(m * dim, n)) * (rng.uniform(size=(m * dim, n)) > 0.6)
+    rows[: 2 * dim] = 0.0
+    matrix = csr_matrix(rows)
+    both = [loops.touched(matrix, dim) for loops in (plain, compiled)]
+    for one, other in zip(*both, strict=True):
+        np.testing.assert_array_equal(one, other)
+    starts, columns = both[0]
+    point, other = 3, 5
+    wide = np.union1d(*(columns[starts[p] : starts[p + 1]] for p in (point, other)))[None]
+    for loops in (plain, compiled):
+        found = loops.dense(matrix, np.array([[point, other]]), wide, dim)
+        each = rows.reshape(m, dim, n)[[point, other]][:, :, wide[0]]
+        np.testing.assert_array_equal(found, each[None])
+
+
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_rates_and_forces_are_the_same(rng, dim):
     m, n = 9, 11

@@ -22,6 +22,10 @@ class Loops(Protocol):
         self, elements: Sequence[Ints], n: int
     ) -> tuple[Indices, Indices, list[Indices]]: ...
 
+    def touched(self, matrix: Sparse, dim: int) -> tuple[Indices, Indices]: ...
+
+    def dense(self, matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats: ...
+
     def assembled(
         self,
         size: int,

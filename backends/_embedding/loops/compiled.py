@@ -26,6 +26,18 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
     return starts, indices, [matrices.places(own, starts, indices) for own in elements]
 
 
+def touched(matrix: Sparse, dim: int) -> tuple[Indices, Indices]:
+    """See `plain.touched`."""
+    return matrices.touched(matrix.indptr, matrix.indices, dim, matrix.shape[1])
+
+
+def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
+    """See `plain.dense`."""
+    found = np.zeros((*points.shape, dim, columns.shape[1]))
+    matrices.dense(matrix.indptr, matrix.indices, matrix.data, points, columns, found)
+    return found
+
+
 def assembled(
     size: int,
     rows: Sequence[Floats],

@@ -5,6 +5,45 @@ from numba import njit
 
 
 @njit(cache=True)
+def touched(starts, columns, dim, n):  # type: ignore[no-untyped-def]
+    """Columns of all rows of a point once, ascending."""
+    count = (starts.size - 1) // dim
+    ends, found = np.zeros(count + 1, np.int32), np.empty(columns.size, np.int32)
+    seen = np.full(n, -1, np.int64)
+    end = 0
+    for m in range(count):
+        begin = end
+        for at in range(starts[m * dim], starts[(m + 1) * dim]):
+            column = columns[at]
+            if seen[column] == m:
+                continue
+            seen[column] = m
+            place = end
+            while place > begin and found[place - 1] > column:
+                found[place] = found[place - 1]
+                place -= 1
+            found[place] = column
+            end += 1
+        ends[m + 1] = end
+    return ends, found[:end]
+
+
+@njit(cache=True)
+def dense(starts, columns, data, points, wide, found):  # type: ignore[no-untyped-def]
+    """Rows of points of shape (e, k, dim, c), by the columns of their elements."""
+    elements, count, dim, _ = found.shape
+    for e in range(elements):
+        for k in range(count):
+            for i in range(dim):
+                row = points[e, k] * dim + i
+                for at in range(starts[row], starts[row + 1]):
+                    place = 0
+                    while wide[e, place] != columns[at]:
+                        place += 1
+                    found[e, k, i, place] = data[at]
+
+
+@njit(cache=True)
 def members(columns, ends, n):  # type: ignore[no-untyped-def]
     """Which elements have an unknown, one after the other."""
     first = np.zeros(n + 1, np.int64)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_matrix
 
 from backends._embedding.cones import (
     Compliance,
@@ -48,6 +49,30 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
     parts = np.split(places, ends[:-1])[1:]
     shaped = [part.reshape(len(own), -1) for part, own in zip(parts, elements, strict=True)]
     return starts, column.astype(np.int32), shaped
+
+
+def touched(matrix: Sparse, dim: int) -> tuple[Indices, Indices]:
+    """Unknowns of points with `dim` rows each, ascending: starts, shape (m + 1,), and all."""
+    every = np.arange(matrix.shape[0])
+    pick = csr_matrix((np.ones(every.size), (every // dim, every)))
+    found = csr_matrix(pick @ abs(matrix))
+    found.sort_indices()
+    return found.indptr, found.indices
+
+
+def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
+    """Rows of points of shape (e, k) by columns of shape (e, c), shape (e, k, dim, c)."""
+    elements, size = points.shape
+    width = columns.shape[1]
+    every = (points[:, :, None] * dim + np.arange(dim)).ravel()
+    picked = csr_matrix(matrix[every])
+    at = np.repeat(np.arange(every.size), np.diff(picked.indptr))
+    element = at // (size * dim)
+    keys = (np.arange(elements)[:, None] * (int(matrix.shape[1]) + 1) + columns).ravel()
+    place = np.searchsorted(keys, element * (int(matrix.shape[1]) + 1) + picked.indices)
+    found = np.zeros((every.size, width))
+    found[at, place - element * width] = picked.data
+    return found.reshape(elements, size, dim, width)
 
 
 def assembled(
