@@ -6,16 +6,12 @@ of one component is a half-line. The algebra is that of `lacore.numerics.second_
 scaling of Nesterov and Todd kept as a vector and a number in place of a matrix.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lacore.arrays import Floats
-
-if TYPE_CHECKING:
-    from backends._embedding.rows import Rows
+from lacore.arrays import Floats, Ints
 
 _TINY = np.finfo(float).tiny
 
@@ -150,10 +146,6 @@ class Compliance:
         found[0] += (self.first - 1) * z[0]
         return np.asarray(self.square * found)
 
-    def applied(self, rows: "Rows", u: Floats, z: Floats, force: Floats, found: Floats) -> None:
-        """See `backends._embedding.loops.plain.times`."""
-        rows.loops.times(rows.matrix, u, z, self, force, found)
-
     def inverse(self, delta: Floats) -> "Inverse":
         """``(C + delta)^-1``."""
         return self.through(lambda c: np.asarray(1 / (c + delta)))
@@ -173,14 +165,16 @@ class Compliance:
         high, low = function(square * (w[0] + size) ** 2), function(square / (w[0] + size) ** 2)
         return Inverse(plain, high, low, w / np.maximum(size, _TINY), self.first)
 
-    def along(self, rows: "Rows", steep: float, rates: Floats, z: Floats) -> None:
-        """Add what makes up for rates along what flows: more than `steep` times across it."""
-        if self.first > 0:
-            rows.loops.along(self, steep, rates, z)
-        else:
-            z += self.at_edge(rates, steep)
+    def along(self, rates: Floats, steep: float) -> Floats:
+        """The z that makes up for rates along what flows: more than `steep` times across it."""
+        if self.first < 0:
+            return self._at_edge(rates, steep)
+        size = inner(self.w, self.w)
+        flows = size > steep
+        own = np.where(flows, self.square * (1 + self.rank * size) * size, 1.0)
+        return np.asarray(np.where(flows, inner(self.w, rates) / own, 0.0) * self.w)
 
-    def at_edge(self, rates: Floats, steep: float) -> Floats:
+    def _at_edge(self, rates: Floats, steep: float) -> Floats:
         """Of ``W^2`` the z that makes up for rates along an edge, where ``w.w > steep``."""
         if self.w.shape[0] == 1:
             return np.zeros_like(rates)
@@ -209,12 +203,6 @@ class Inverse:
     w: Floats
     first: float = 1.0
 
-    @classmethod
-    def of(cls, plain: Floats) -> "Inverse":
-        """A number at each point, of one component."""
-        none = np.zeros(plain.size)
-        return cls(plain, none, none, np.zeros((1, plain.size)))
-
     def times(self, a: Floats) -> Floats:
         """That times a."""
         if self.first > 0:
@@ -225,14 +213,6 @@ class Inverse:
         found[0] = one + two
         found[1:] = self.plain * (a[1:] - along * self.w[1:]) + (one - two) * self.w[1:]
         return found
-
-    def pulled(self, rows: "Rows", a: Floats, force: Floats) -> None:
-        """See `backends._embedding.loops.plain.pulled`."""
-        rows.loops.pulled(rows.matrix, self, a, force)
-
-    def moved(self, rows: "Rows", u: Floats, a: Floats, z: Floats) -> None:
-        """See `backends._embedding.loops.plain.moved`."""
-        rows.loops.moved(rows.matrix, self, u, a, z)
 
     @property
     def blocks(self) -> Floats:
@@ -246,6 +226,93 @@ class Inverse:
         block[0, 1:] = block[1:, 0] = (self.one - self.two) / 2 * w[1:]
         block[1:, 1:] = _block(plain, both - plain, w[1:])
         return block
+
+
+@dataclass(frozen=True)
+class Eliminated:
+    """The t of m cones ``(t, y)`` that cost ``c t + h t^2/2``, of a step.
+
+    ``dt = height_0/raised + by_tau dtau - across.dz_1`` of a given ``height = W^2 dz + ds``, and
+    of what is left ``dy + C dz_1`` is given, ``C = square (1 + rank w w^T)``.
+
+    Attributes:
+        raised, by_tau: shape (m,).
+        across: shape (d, m).
+        rank: shape (m,).
+        slope: of the gap by t, shape (m,).
+    """
+
+    raised: Floats
+    by_tau: Floats
+    across: Floats
+    rank: Floats
+    slope: Floats
+
+
+@dataclass(frozen=True)
+class Compliances:
+    """Of several kinds, one after the other: see `Compliance` and `backends._embedding.rows.Stack`.
+
+    Attributes:
+        square, rank: of all points.
+        w: of all kinds, shape (dim, m) each, as one array.
+        first: of each kind.
+    """
+
+    square: Floats
+    rank: Floats
+    w: Floats
+    first: Floats
+
+    @classmethod
+    def of(cls, parts: Sequence[Compliance]) -> "Compliances":
+        """Those of each kind."""
+        return cls(
+            np.concatenate([part.square for part in parts]),
+            np.concatenate([part.rank for part in parts]),
+            np.concatenate([part.w.ravel() for part in parts]),
+            np.array([part.first for part in parts]),
+        )
+
+    def parts(self, spans: Ints) -> list[Compliance]:
+        """Of each kind."""
+        found = []
+        for (dim, count, row, point, _), first in zip(spans.tolist(), self.first, strict=True):
+            own, w = slice(point, point + count), self.w[row : row + dim * count]
+            part = self.square[own], self.rank[own], w.reshape(dim, count), float(first)
+            found.append(Compliance(*part))
+        return found
+
+
+@dataclass(frozen=True)
+class Inverses:
+    """Of several kinds, one after the other: see `Inverse` and `Compliances`."""
+
+    plain: Floats
+    one: Floats
+    two: Floats
+    w: Floats
+    first: Floats
+
+    @classmethod
+    def of(cls, parts: Sequence[Inverse]) -> "Inverses":
+        """Those of each kind."""
+        return cls(
+            np.concatenate([part.plain for part in parts]),
+            np.concatenate([part.one for part in parts]),
+            np.concatenate([part.two for part in parts]),
+            np.concatenate([part.w.ravel() for part in parts]),
+            np.array([part.first for part in parts]),
+        )
+
+    def parts(self, spans: Ints) -> list[Inverse]:
+        """Of each kind."""
+        found = []
+        for (dim, count, row, point, _), first in zip(spans.tolist(), self.first, strict=True):
+            own, w = slice(point, point + count), self.w[row : row + dim * count]
+            part = self.plain[own], self.one[own], self.two[own]
+            found.append(Inverse(*part, w.reshape(dim, count), float(first)))
+        return found
 
 
 def _block(plain: Floats, rank: Floats, w: Floats) -> Floats:

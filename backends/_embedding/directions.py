@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends._embedding.cones import Compliance, inner
+from backends._embedding.cones import Compliance
 from backends._embedding.frames import Frame
 from backends._embedding.place import Place, Step, paired
 from backends._embedding.system import Border, System
@@ -13,14 +13,13 @@ from backends._embedding.vectors import Vector
 from lacore.arrays import Floats
 
 EXACT, MOST = 1e-5, 5
-ROUGH, FEW = 1e-3, 1
 _AGAIN = 2  # times a solution is mended whose forces do not balance
 _BALANCED = 0.1  # of the forces out of balance, or of the tolerance: what a step may leave
 
 
 @dataclass(frozen=True)
 class _Reduced:
-    """Right-hand sides of a direction, its t set aside: ``dt = lead + by_tau dtau - across.dz_1``.
+    """Right-hand sides of a direction, its t set aside: `backends._embedding.cones.Eliminated`.
 
     Attributes:
         right: of `System`.
@@ -42,49 +41,37 @@ class Directions:
         """Raises `SingularError` where the stiffness is not definite."""
         conic, at = place.conic, place.at
         self._place, self._system = place, system
-        self._slopes: list[Floats] = []
         self._loops = conic.equal.loops
         pairs = zip(place.slacks, place.multipliers, strict=True)
         self._scalings = [self._loops.scaled(s, z) for s, z in pairs]
-        self._twice = [Compliance.twice(scaling) for scaling in self._scalings]
         count = len(conic.costly)
         self._first = count + len(conic.free)  # of the cones of planes
         self._costly, self._free = self._scalings[:count], self._scalings[count : self._first]
-        # Of the t: 1 + a, what tau does to it, and what stresses do.
-        self._raised, self._by_tau, self._across = [], [], []
+        self._eliminated = [
+            self._loops.eliminated(scaling, one.cost, one.rise, own[0], at.tau)
+            for one, scaling, own in zip(conic.costly, self._costly, at.strained, strict=True)
+        ]
         soft: list[Compliance | Frame] = []
         rates, slopes = [], []
         slope_tau = -place.rising / at.tau**2 - at.kappa / at.tau
-        for one, scaling, t in zip(conic.costly, self._costly, at.leads, strict=True):
-            first, square = scaling.w[0], scaling.square
-            both = square * (2 * first**2 - 1)
-            raised = 1 + both * one.rise
-            rise = square * one.rise
-            size = inner(scaling.w[1:], scaling.w[1:])
-            rank = 2 * (1 - rise) / (1 + (1 + 2 * size) * rise)
-            soft.append(Compliance(square, rank, scaling.w[1:]))
-            across = 2 * square * first / raised * scaling.w[1:]
-            slope = one.cost + one.rise * t * (2 / at.tau)
-            self._raised.append(raised)
-            self._by_tau.append(-both * one.cost / raised)
-            self._across.append(across)
-            rates.append(one.cost * across)
-            slopes.append(-slope * across)
-            slope_tau += float(slope @ self._by_tau[-1])
-            self._slopes.append(slope)
-        soft += self._twice[count : self._first]
+        for one, scaling, own in zip(conic.costly, self._costly, self._eliminated, strict=True):
+            soft.append(Compliance(scaling.square, own.rank, scaling.w[1:]))
+            rates.append(one.cost * own.across)
+            slopes.append(-own.slope * own.across)
+            slope_tau += float(own.slope @ own.by_tau)
+        soft += [Compliance.twice(scaling) for scaling in self._free]
         rates += [kind.offset for kind in conic.free]
         slopes += [kind.offset for kind in conic.free]
-        for planes, own in paired(conic.planes, self._scalings[self._first :]):
+        for planes, both in paired(conic.planes, self._scalings[self._first :]):
             heavy = planes.multipliers(1.0, np.zeros((planes.rows.dim, planes.rows.count)))
-            heavy = [Compliance.twice(one).times(z) for one, z in zip(own, heavy, strict=True)]
+            heavy = [Compliance.twice(one).times(z) for one, z in zip(both, heavy, strict=True)]
             by_tau = planes.summed(heavy)
             rates.append(by_tau.copy())
             rates[-1][planes.sheared :] -= planes.given
             slopes.append(-by_tau)
             slopes[-1][planes.sheared :] -= planes.given
             slope_tau -= planes.cost(heavy)
-            soft.append(Frame.of(planes, own))
+            soft.append(Frame.of(planes, both))
         border = Border(tuple(rates), tuple(slopes), slope_tau)
         heights = [-s for s in place.slacks]
         self._ahead = self._reduced(1.0, heights, -at.tau * at.kappa)
@@ -98,8 +85,8 @@ class Directions:
         conic, place = self._place.conic, self._place
         count = len(conic.costly)
         softness = power = 0.0
-        for one, scaling, lead in zip(conic.costly, self._costly, place.at.leads, strict=True):
-            share = one.cost * lead
+        for one, scaling, own in zip(conic.costly, self._costly, place.at.strained, strict=True):
+            share = one.cost * own[0]
             softness += float(np.sum(share * scaling.square / one.rows.norms))
             power += float(share.sum())
         for kind, scaling, s, z in zip(
@@ -143,66 +130,60 @@ class Directions:
         """
         conic, left = self._place.conic, self._place.left
         count = len(conic.costly)
-        costly, leads = [], []
-        for one, height, raised, across, missed in zip(
-            conic.costly, heights[:count], self._raised, self._across, left.costly, strict=True
-        ):
-            leads.append(height[0] / raised)
-            costly.append(height[1:] - one.rise * height[0] * across - share * missed)
-        free = [
-            height - share * missed
-            for height, missed in zip(heights[count : self._first], left.free, strict=True)
-        ]
-        of_planes = []
-        pairs = paired(conic.planes, heights[self._first :])
-        for (planes, own), missed in zip(pairs, left.planes, strict=True):
-            of_planes.append(planes.summed(own) - share * missed)
-        gap = -share * left.gap - kappa / self._place.at.tau
-        gap -= sum(float(a @ b) for a, b in zip(self._slopes, leads, strict=True))
-        gap -= sum(planes.cost(own) for planes, own in pairs)
         right = self._system.layout.zeros()
         right.force[:] = -share * left.force
         right.equal[:] = -share * left.equal
-        for part, given in zip(right.parts[:-1], (*costly, *free, *of_planes), strict=True):
-            part[:] = given
+        leads = tuple(
+            self._loops.reduced(own, one.rise, height, missed, share, part)
+            for one, own, height, missed, part in zip(
+                conic.costly,
+                self._eliminated,
+                heights[:count],
+                left.costly,
+                right.costly,
+                strict=True,
+            )
+        )
+        pairs = zip(right.free, heights[count : self._first], left.free, strict=True)
+        for part, height, missed in pairs:
+            part[:] = height - share * missed
+        of_planes = paired(conic.planes, heights[self._first :])
+        for part, (planes, both), missed in zip(right.planes, of_planes, left.planes, strict=True):
+            part[:] = planes.summed(both) - share * missed
+        gap = -share * left.gap - kappa / self._place.at.tau
+        gap -= sum(
+            float(own.slope @ lead) for own, lead in zip(self._eliminated, leads, strict=True)
+        )
+        gap -= sum(planes.cost(cones) for planes, cones in of_planes)
         right.data[-2:] = -share * left.load, gap
         return _Reduced(right, tuple(leads), heights, kappa)
 
-    def _roughly(self, given: _Reduced, start: Vector) -> "Directed":
-        """The step from such a start."""
-        x = self._system.solve(given.right, start, ROUGH, FEW)
-        return Directed(self._step(given, x), given, x)
+    def _roughly(self, given: _Reduced, start: Vector, left: Vector) -> "Directed":
+        """The step from such a start, and what that leaves."""
+        plain, left = self._system.improved(given.right, start, left)
+        x = self._system.along(plain, left)
+        return Directed(self._step(given, x), given, x, plain, left)
 
     def _step(self, given: _Reduced, x: Vector) -> Step:
         """All of a step of which the solution of the equations is known."""
         conic, at = self._place.conic, self._place.at
-        leads = tuple(
-            lead + more * x.tau - inner(across, z)
-            for lead, more, across, z in zip(
-                given.leads, self._by_tau, self._across, x.costly, strict=True
-            )
-        )
-        count = len(conic.costly)
-        # Products come out as aimed at, whatever the solution leaves: rates that are missed wait
-        # for the next step, where cones, whose edges are near, would end this one.
-        rates = tuple(
-            (height - own.times(np.vstack([one.cost * x.tau + one.rise * lead, z])))[1:]
-            for one, own, height, lead, z in zip(
+        count, loops = len(conic.costly), self._loops
+        strained = tuple(
+            loops.strained(scaling, own, (one.cost, one.rise), (lead, height), x.tau, z)
+            for one, scaling, own, lead, height, z in zip(
                 conic.costly,
-                self._twice[:count],
+                self._costly,
+                self._eliminated,
+                given.leads,
                 given.heights[:count],
-                leads,
                 x.costly,
                 strict=True,
             )
         )
         slacks = tuple(
-            height - own.times(r)
+            loops.flowed(own, height, r)
             for own, height, r in zip(
-                self._twice[count : self._first],
-                given.heights[count : self._first],
-                x.free,
-                strict=True,
+                self._free, given.heights[count : self._first], x.free, strict=True
             )
         )
         turned = [
@@ -211,16 +192,15 @@ class Directions:
             for part in planes.multipliers(x.tau, zeta)
         ]
         flows = tuple(
-            height - own.times(part)
+            loops.flowed(own, height, part)
             for own, height, part in zip(
-                self._twice[self._first :], given.heights[self._first :], turned, strict=True
+                self._scalings[self._first :], given.heights[self._first :], turned, strict=True
             )
         )
         return Step(
             conic=conic,
             velocity=x.force,
-            leads=leads,
-            rates=rates,
+            strained=strained,
             stresses=x.costly,
             equal=x.equal,
             slacks=slacks,
@@ -234,7 +214,8 @@ class Directions:
 
     def to_edges(self) -> "Directed":
         """The predictor: to the edges of all cones."""
-        return self._roughly(self._ahead, self._start)
+        right = self._ahead.right
+        return self._roughly(self._ahead, self._start, self._system.leaves(right, self._start))
 
     def to_centre(self, mu: float, share: float, ahead: "Directed") -> tuple["Directed", "Aim"]:
         """Towards ``s o z = mu e``, corrected by what the predictor leaves of its own aim."""
@@ -250,7 +231,9 @@ class Directions:
         """The step to an aim, by a single solve of what it is beside one that is known."""
         given = self._given(aim)
         beside = given.right.plus(known.given.right, -1.0)
-        return self._roughly(given, known.x.plus(self._system.once(beside)))
+        more = self._system.once(beside)
+        left = known.left.plus(self._system.leaves(beside, more))
+        return self._roughly(given, known.plain.plus(more), left)
 
     def exactly(self, known: "Directed", tolerance: float) -> Step:
         """A step refined.
@@ -301,11 +284,20 @@ class Directions:
 
 @dataclass(frozen=True)
 class Directed:
-    """A step, and the solution of the equations that it is made of."""
+    """A step, and the solution of the equations that it is made of.
+
+    Attributes:
+        step: what comes of x.
+        given: the equations.
+        x: their solution, with the rates of what flows made exact.
+        plain, left: the solution without that, and what it leaves but for round-off.
+    """
 
     step: Step
     given: _Reduced
     x: Vector
+    plain: Vector
+    left: Vector
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,7 @@ def nothing(place: Place, power: float) -> float:
 
     What is left per a load that vanishes never ends.
     """
-    at, conic, left = place.at, place.conic, place.left
+    at, conic = place.at, place.conic
     scale = at.tau * min(1.0, power)
     loads = scale * float(np.abs(conic.load).sum()) + at.tau * conic.weight
     lost = place.lost / at.tau

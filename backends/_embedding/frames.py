@@ -37,15 +37,15 @@ class Frame:
         return cls(values, vectors, squares.reshape(count, m).sum(axis=0))
 
     def pulled(self, rows: Rows, a: Floats, force: Floats) -> None:
-        """See `backends._embedding.loops.plain.pulled`."""
+        """``matrix^T C a`` added to a force."""
         force += rows.force(rows.loops.framed(self.values, self.vectors, a))
 
     def moved(self, rows: Rows, u: Floats, a: Floats, z: Floats) -> None:
-        """See `backends._embedding.loops.plain.moved`."""
+        """``C (a - matrix u)`` into z."""
         z[:] = rows.loops.framed(self.values, self.vectors, a - rows.at(u))
 
     def applied(self, rows: Rows, u: Floats, z: Floats, force: Floats, found: Floats) -> None:
-        """See `backends._embedding.loops.plain.times`."""
+        """``matrix u + C z`` added to what was found, and ``matrix^T z`` to a force."""
         found += rows.at(u) + rows.loops.framed(self.values, self.vectors, z)
         force += rows.force(z)
 
@@ -57,7 +57,7 @@ class Frame:
         """The function of C that its eigenvalues have."""
         return Frame(function(self.values), self.vectors, self.square)
 
-    def along(self, rows: Rows, steep: float, rates: Floats, z: Floats) -> None:
+    def along(self, steep: float, rates: Floats, z: Floats) -> None:
         """Add what makes up for rates along what flows: more than `steep` times across it."""
         flows = self.values > _STEEP * steep * self.square
         along = np.einsum("mij,im->jm", self.vectors, rates)

@@ -22,7 +22,7 @@ class Step:
     Attributes:
         conic: the program.
         velocity: u, shape (n,).
-        leads, rates: t and y of costly cones, shape (m,) and (d, m) each.
+        strained: t and y of costly cones, shape (1 + d, m) each.
         stresses: z_1 of costly cones, shape (d, m) each.
         equal: p.
         slacks, pressures: x and r of free cones, shape (dim, m) each.
@@ -34,8 +34,7 @@ class Step:
 
     conic: Conic
     velocity: Floats
-    leads: tuple[Floats, ...]
-    rates: tuple[Floats, ...]
+    strained: tuple[Floats, ...]
     stresses: tuple[Floats, ...]
     equal: Floats
     slacks: tuple[Floats, ...]
@@ -55,8 +54,7 @@ class Step:
         return Step(
             self.conic,
             self.velocity + share * other.velocity,
-            sums(self.leads, other.leads),
-            sums(self.rates, other.rates),
+            sums(self.strained, other.strained),
             sums(self.stresses, other.stresses),
             self.equal + share * other.equal,
             sums(self.slacks, other.slacks),
@@ -75,19 +73,19 @@ class Step:
         Of costly cones ``z_0 = c tau + h t`` holds whatever the step is, and ``z_i = c_i tau + B_i
         zeta`` of planes.
         """
-        slacks, multipliers = [], []
-        for one, lead, rate, stress in zip(
-            self.conic.costly, self.leads, self.rates, self.stresses, strict=True
-        ):
-            slacks.append(np.vstack([lead, rate]))
-            multipliers.append(np.vstack([one.cost * self.tau + one.rise * lead, stress]))
+        multipliers = []
+        for one, own, stress in zip(self.conic.costly, self.strained, self.stresses, strict=True):
+            both = np.empty_like(own)
+            both[0] = one.cost * self.tau + one.rise * own[0]
+            both[1:] = stress
+            multipliers.append(both)
         of_planes = [
             part
             for one, bounded in zip(self.conic.planes, self.bounded, strict=True)
             for part in one.multipliers(self.tau, bounded)
         ]
         return (
-            [*slacks, *self.slacks, *self.flows],
+            [*self.strained, *self.slacks, *self.flows],
             [*multipliers, *self.pressures, *of_planes],
         )
 
@@ -154,14 +152,14 @@ class Place:
     @cached_property
     def rising(self) -> float:
         """``sum h t^2``."""
-        pairs = zip(self.conic.costly, self.at.leads, strict=True)
-        return sum(float(one.rise @ (t * t)) for one, t in pairs)
+        pairs = zip(self.conic.costly, self.at.strained, strict=True)
+        return sum(float(one.rise @ (own[0] * own[0])) for one, own in pairs)
 
     @cached_property
     def cost(self) -> float:
         """``c.t + h t^2/(2 tau) - Fd.u``: tau times what is minimised."""
-        pairs = zip(self.conic.costly, self.at.leads, strict=True)
-        plastic = sum(float(one.cost @ t) for one, t in pairs)
+        pairs = zip(self.conic.costly, self.at.strained, strict=True)
+        plastic = sum(float(one.cost @ own[0]) for one, own in pairs)
         plastic += sum(one.cost(flows) for one, flows in self.at.flowing)
         return plastic + self.rising / (2 * self.at.tau) - float(self.conic.dead @ self.at.velocity)
 
@@ -208,7 +206,8 @@ class Place:
             self.force + at.load * conic.load + at.tau * conic.dead,
             conic.equal.at(at.velocity)[0],
             tuple(
-                one.rows.at(at.velocity) - y for one, y in zip(conic.costly, at.rates, strict=True)
+                one.rows.at(at.velocity) - own[1:]
+                for one, own in zip(conic.costly, at.strained, strict=True)
             ),
             tuple(
                 kind.rows.at(at.velocity) + at.tau * kind.offset - x

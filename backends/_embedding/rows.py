@@ -1,12 +1,13 @@
 """Rows of the embedding, point by point."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 
 from backends._embedding.loops.best import Loops
-from lacore.arrays import Floats, Sparse
+from lacore.arrays import Floats, Ints, Sparse
 
 
 @dataclass(frozen=True)
@@ -46,3 +47,38 @@ class Rows:
     def force(self, parts: Floats) -> Floats:
         """``matrix^T parts`` of components of shape (dim, m), shape (n,)."""
         return self.loops.forces(self.matrix, parts)
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Rows of several kinds below each other: one call does what is done to all of them.
+
+    Attributes:
+        matrix: shape (all rows, n).
+        spans: of each kind its dim and count, its first row, its first point, and where in the
+            array of a `Vector` its multipliers are, shape (k, 5).
+        norms: of all points.
+        loops: over points.
+    """
+
+    matrix: Sparse
+    spans: Ints
+    norms: Floats
+    loops: Loops
+
+    @classmethod
+    def of(cls, kinds: Sequence[Rows], places: Sequence[int]) -> "Stack":
+        """Of kinds whose multipliers begin at such places."""
+        sizes = [(rows.dim, rows.count) for rows in kinds]
+        first_row = np.cumsum([0, *(dim * count for dim, count in sizes)])
+        first_point = np.cumsum([0, *(count for _, count in sizes)])
+        spans = [
+            (*size, row, point, place)
+            for size, row, point, place in zip(sizes, first_row, first_point, places, strict=False)
+        ]
+        return cls(
+            csr_matrix(vstack([rows.matrix for rows in kinds])),
+            np.array(spans, dtype=np.int64),
+            np.concatenate([rows.norms for rows in kinds]),
+            kinds[0].loops,
+        )

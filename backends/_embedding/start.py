@@ -26,16 +26,16 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     velocity = system.elastic(costly, equal, free)
     work = float(conic.load @ velocity)
     velocity = velocity / work if work > 0 else velocity
-    rates = tuple(one.rows.at(velocity) for one in conic.costly)
+    rates = [one.rows.at(velocity) for one in conic.costly]
     sizes = [lengths(rate) for rate in rates]
     power = sum(float(one.cost @ size) for one, size in zip(conic.costly, sizes, strict=True))
     power += float(np.abs(conic.dead) @ np.abs(velocity))
     power = max(power, _moving(conic)) or 1.0
     mu = power / (conic.degree + 1)
-    leads = tuple(
-        _lead(np.maximum(one.cost, typical * 1e-6), one.rise, mu) + _AWAY * size
-        for one, size in zip(conic.costly, sizes, strict=True)
-    )
+    strained = []
+    for one, rate, size in zip(conic.costly, rates, sizes, strict=True):
+        lead = _lead(np.maximum(one.cost, typical * 1e-6), one.rise, mu) + _AWAY * size
+        strained.append(np.vstack([lead, rate]))
     slacks, pressures = [], []
     for kind in conic.free:
         x = kind.rows.at(velocity) + kind.offset
@@ -55,8 +55,7 @@ def start(conic: Conic, system: System) -> tuple[Step, float]:
     step = Step(
         conic,
         velocity,
-        leads,
-        rates,
+        tuple(strained),
         tuple(np.zeros((one.rows.dim, one.rows.count)) for one in conic.costly),
         np.zeros(conic.equal.count),
         tuple(slacks),

@@ -14,13 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends._embedding.arrays import Conic
-from backends._embedding.cones import Compliance, Inverse
+from backends._embedding.cones import Compliance, Compliances
 from backends._embedding.frames import Frame
+from backends._embedding.rows import Rows, Stack
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.vectors import Layout, Vector
 from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SymmetricSolver
 
+ROUGH = 1e-3  # of the right-hand side: what `improved` may leave
+_TINY = np.finfo(float).tiny
 _CAP = 1e9  # of compliances of cones: how much stiffer than flowing ones they may get
 _VOLUME = 1e8  # and of rows that hold exactly
 _FLOWING = 1e4  # w.w: compliance along the flow, per that across it
@@ -43,13 +46,34 @@ class Border:
     tau: float
 
 
+@dataclass(frozen=True)
+class _Framed:
+    """Planes of a kind: their rows, where their multipliers are, and what is soft and stiff."""
+
+    rows: Rows
+    own: slice
+    shape: tuple[int, int]
+    soft: Frame
+    stiff: Frame
+
+    def part(self, x: Vector) -> Floats:
+        """Their multipliers, shape (dim, m)."""
+        return x.data[self.own].reshape(self.shape)
+
+
 class System:
     """The equations of a program, with a pattern that stays."""
 
     def __init__(self, conic: Conic, stiffness: Stiffness, solver: SymmetricSolver) -> None:
         self._conic, self._stiffness, self._solver = conic, stiffness, solver
-        self.layout = Layout(conic)
-        self._weights = np.ones(self.layout.size)
+        self.layout = layout = Layout(conic)
+        self._weights = np.ones(layout.size)
+        kinds = list(zip(conic.kinds, layout.parts, strict=True))
+        of_planes = slice(layout.free, len(kinds) - 1)
+        self._planes = [(rows, own) for rows, own in kinds[of_planes]]
+        kinds[of_planes] = []
+        self._stack = Stack.of([rows for rows, _ in kinds], [own.start for _, (own, _) in kinds])
+        self._loops = conic.equal.loops
 
     def elastic(self, costly: Sequence[Floats], equal: Floats, free: Sequence[Floats]) -> Floats:
         """``K^-1 F0`` of springs with stiffnesses of each kind of points, shape (m,) each."""
@@ -74,7 +98,7 @@ class System:
         matrix = self._stiffness.upper(blocks)
         diagonal = matrix.data[self._stiffness.diagonal]
         diagonal[self._conic.loose] = diagonal.mean()  # one as good as another: `_bordered`
-        floor = np.finfo(float).tiny + _LEAST * diagonal.max(initial=1.0)
+        floor = _TINY + _LEAST * diagonal.max(initial=1.0)
         matrix.data[self._stiffness.diagonal] = np.maximum(diagonal * (1 + _SHIFT), floor)
         return matrix, np.asarray(np.maximum(diagonal, floor))
 
@@ -91,15 +115,22 @@ class System:
         """
         conic = self._conic
         self._soft: list[Compliance | Frame] = [*soft, Compliance.none(conic.equal.count)]
-        least = reference / _CAP
-        held = _VOLUME / (reference * conic.equal.norms)
-        self._stiff = [
-            own.inverse(least * rows.norms)
-            for own, rows in zip(soft, conic.kinds[:-1], strict=True)
+        least, held = reference / _CAP, _VOLUME / (reference * conic.equal.norms)
+        self._flat = Compliances.of([own for own in self._soft if isinstance(own, Compliance)])
+        delta = least * self._stack.norms
+        delta[delta.size - held.size :] = 1 / held
+        self._stiff = self._loops.inverted(self._stack, self._flat, delta)
+        frames = [own for own in soft if isinstance(own, Frame)]
+        self._frames = [
+            _Framed(rows, own, shape, frame, frame.inverse(least * rows.norms))
+            for (rows, (own, shape)), frame in zip(self._planes, frames, strict=True)
         ]
-        self._stiff.append(Inverse.of(held))
         weights, rate, slope = (self.layout.zeros() for _ in range(3))
+        added = self.layout.zeros()
         self._least = [*(least * rows.norms for rows in conic.kinds[:-1]), 1 / held]
+        for part, more in zip(added.parts, self._least, strict=True):
+            part[:] = more
+        self._added = added.data
         weights.force[:] = 1 / np.sqrt(self._factorised(reference))
         weights.equal[:] = np.sqrt(held)
         for part, own in zip(weights.parts, soft, strict=False):
@@ -123,14 +154,19 @@ class System:
         small[0, 2:] = small[2:, 0] = conic.load[conic.loose]
         small[1, 2:], small[2:, 1] = -conic.dead[conic.loose], conic.dead[conic.loose]
         self._small = small
-        unit = np.sqrt(abs(work)) + np.finfo(float).tiny
+        unit = np.sqrt(abs(work)) + _TINY
         weights.data[-2:] = 1 / unit, 1 / (1 / unit + np.sqrt(abs(small[1, 1])))
         self._weights = weights.data
         return self._bordered(right, first)
 
     def _factorised(self, reference: float) -> Floats:
         """Factorise what stiffness makes; the diagonal of K."""
-        return self._take([own.blocks for own in self._stiff])
+        return self._take(self._stiff_blocks())
+
+    def _stiff_blocks(self) -> list[Floats]:
+        """Of all kinds, shape (dim, dim, m) each."""
+        *found, equal = self._loops.blocks(self._stack, self._stiff)
+        return [*found, *(own.stiff.blocks for own in self._frames), equal]
 
     def _gap(self, x: Vector) -> float:
         """What all but lambda and tau add to the gap."""
@@ -146,48 +182,63 @@ class System:
         by_load, by_tau = self._columns
         loose = self._conic.loose
         rest = right.load - self._conic.load @ x.force, right.tau - self._gap(x)
-        load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
+        if loose.size:
+            load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
+            x.force[loose] += own  # without them nothing is left there by the load and tau found
+        else:
+            load, tau = _pair(self._small, *rest)
         x.data[:] += load * by_load.data
         x.data[:] += tau * by_tau.data
-        x.force[loose] += own  # without them nothing is left there by the load and tau found
         x.data[-2:] = load, tau
         return x
 
     def _inner(self, *rights: Vector) -> list[Vector]:
-        """Those without lambda and tau, of several right-hand sides in one go."""
+        """Those without lambda and tau, of several right-hand sides."""
         found = []
         for right in rights:  # PARDISO takes up to twice as long for three at once
-            force = -right.force
-            for rows, stiff, part in zip(self._conic.kinds, self._stiff, right.parts, strict=True):
-                stiff.pulled(rows, part, force)
-            found.append(self._moved(right, self._solver.solve(force)))
+            force, x = -right.force, Vector(self.layout, np.empty(self.layout.size))
+            self._loops.pulled(self._stack, self._stiff, right.data, force)
+            for own in self._frames:
+                own.stiff.pulled(own.rows, own.part(right), force)
+            x.force[:] = self._solver.solve(force)
+            self._loops.moved(self._stack, self._stiff, right.data, x.data)
+            for own in self._frames:
+                own.stiff.moved(own.rows, x.force, own.part(right), own.part(x))
+            x.data[-2:] = 0.0
+            found.append(x)
         return found
-
-    def _moved(self, right: Vector, u: Floats) -> Vector:
-        """The solution with such velocities."""
-        x = Vector(self.layout, np.empty(self.layout.size))
-        x.force[:] = u
-        x.data[-2:] = 0.0
-        pairs = zip(self._conic.kinds, self._stiff, right.parts, x.parts, strict=True)
-        for rows, stiff, a, z in pairs:
-            stiff.moved(rows, u, a, z)
-        return x
 
     def times(self, x: Vector) -> Vector:
         """The left-hand sides."""
         load, out = self._conic.load, Vector(self.layout, x.tau * self._rate)
-        u, force = x.force, out.force
-        force += x.load * load
-        for rows, own, z, part in zip(
-            self._conic.kinds, self._soft, x.parts, out.parts, strict=True
-        ):
-            own.applied(rows, u, z, force, part)
-        out.data[-2:] = load @ u - x.tau, self._slope @ x.data
+        out.force[:] += x.load * load
+        self._loops.times(self._stack, self._flat, x.data, out.data)
+        for own in self._frames:
+            own.soft.applied(own.rows, x.force, own.part(x), out.force, own.part(out))
+        out.data[-2:] = load @ x.force - x.tau, self._slope @ x.data
         return out
 
     def left(self, right: Vector, x: Vector) -> Vector:
         """What a solution leaves of the equations."""
         return right.plus(self.times(x), -1.0)
+
+    def leaves(self, right: Vector, x: Vector) -> Vector:
+        """What `once` leaves of the equations but for round-off: of rates, what they add to C."""
+        return Vector(self.layout, self._added * x.data)
+
+    def improved(self, right: Vector, start: Vector, left: Vector) -> tuple[Vector, Vector]:
+        """A solution and what it leaves, from a start: by a single solve where that is too much.
+
+        As `solve`, but of what `leaves` tells.
+        """
+        size = self._size(left)
+        if size <= ROUGH * self._size(right):
+            return start, left
+        more = self.once(left)
+        image = left.plus(self.leaves(left, more), -1.0)
+        taken = self._weights * image.data
+        share = float(taken @ (self._weights * left.data)) / max(float(taken @ taken), _TINY)
+        return start.plus(more, share), left.plus(image, -share)
 
     def solve(self, right: Vector, start: Vector, exactness: float, most: int) -> Vector:
         """The solution from a start, by at most so many solves.
@@ -222,19 +273,32 @@ class System:
             basis.append(image / small[k + 1, k])
         for share, solution, image in zip(best, solutions, images, strict=True):
             x, left = x.plus(solution, share), Vector(self.layout, left.data - share * image)
-        return self._along(x, left)
+        return self.along(x, left)
 
     def _size(self, x: Vector) -> float:
         return float(np.linalg.norm(self._weights * x.data))
 
-    def _along(self, x: Vector, left: Vector) -> Vector:
+    def along(self, x: Vector, left: Vector) -> Vector:
         """The rates of what flows made exact: there z hardly feels it, and cones feel it most.
 
         A flowing cone is as near to its edge as mu is to zero, and what is left of its rate along
         the flow moves it by as much. Stresses that take it up are too small for equilibrium.
         """
         moved = Vector(self.layout, x.data.copy())
-        pairs = zip(self._conic.kinds[:-1], self._soft, left.parts, moved.parts, strict=False)
-        for rows, own, rates, z in pairs:
-            own.along(rows, _FLOWING, rates, z)
+        self._loops.along(self._stack, self._flat, _FLOWING, left.data, moved.data)
+        for own in self._frames:
+            own.soft.along(_FLOWING, own.part(left), own.part(moved))
         return moved
+
+
+def _pair(small: Floats, first: float, second: float) -> tuple[float, float]:
+    """The solution of two equations, a twentieth of the time of a call of LAPACK."""
+    (a, b), (c, d) = small.tolist()
+    if abs(c) > abs(a):
+        a, b, c, d, first, second = c, d, a, b, second, first
+    try:
+        share = c / a
+        other = (second - share * first) / (d - share * b)
+        return (first - b * other) / a, other
+    except ZeroDivisionError as error:
+        raise np.linalg.LinAlgError("the border is singular") from error

@@ -64,7 +64,7 @@ class Whole(System):
         matrix = csr_matrix(vstack(upper))
         matrix.sort_indices()
         self._indefinite.factorise_upper(matrix)
-        return self._summed([own.blocks for own in self._stiff])[1]
+        return self._summed(self._stiff_blocks())[1]
 
     def _inner(self, *rights: Vector) -> list[Vector]:
         n = self._conic.load.size
@@ -76,6 +76,9 @@ class Whole(System):
         z = self._moderate @ (a - self._rows @ u) + self._rest @ q
         both = np.vstack([u, z, np.zeros((2, len(rights)))])
         return [Vector(self.layout, x) for x in np.ascontiguousarray(both.T)]
+
+    def leaves(self, right: Vector, x: Vector) -> Vector:
+        return self.left(right, x)
 
 
 def _rest(c: Floats, delta: Floats, more: Floats) -> Floats:

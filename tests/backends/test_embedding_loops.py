@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from backends._embedding.cones import Compliance, Scaling, product
+from backends._embedding.cones import Compliance, Compliances, Scaling, product
 from backends._embedding.frames import Frame
 from backends._embedding.loops import plain
+from backends._embedding.rows import Rows, Stack
 
 compiled = pytest.importorskip("backends._embedding.loops.compiled")
 SUMS = 1e-12  # sums of a few terms of order one, in another order
@@ -103,43 +104,107 @@ def dense(soft):
     )
 
 
-@pytest.mark.parametrize("dim", [1, 2, 3])
-def test_products_of_the_system_are_the_same(rng, dim):
-    m, n = 9, 11
-    rows = rng.normal(size=(m * dim, n)) * (rng.uniform(size=(m * dim, n)) > 0.6)
-    matrix, u, z, a = csr_matrix(rows), rng.normal(size=n), *rng.normal(size=(2, dim, m))
-    for soft in compliances(rng, dim, m):
-        each = dense(soft)
-        near(soft.times(z), np.einsum("mij,jm->im", each, z))
-        stiff = soft.inverse(np.full(m, 0.5))
-        inverse = np.linalg.inv(each + 0.5 * np.eye(dim))
-        near(stiff.blocks, inverse.transpose(1, 2, 0))
-        for loops in (plain, compiled):
-            force, found = np.ones(n), np.ones((dim, m))
-            loops.times(matrix, u, z, soft, force, found)
-            near(found, 1 + (rows @ u).reshape(m, dim).T + soft.times(z))
-            near(force, 1 + rows.T @ z.T.ravel())
-            force = np.ones(n)
-            loops.pulled(matrix, stiff, a, force)
-            by = np.einsum("mij,jm->im", inverse, a)
-            near(force, 1 + rows.T @ by.T.ravel())
-            loops.moved(matrix, stiff, u, a, found)
-            rest = a - (rows @ u).reshape(m, dim).T
-            near(found, np.einsum("mij,jm->im", inverse, rest))
+@pytest.fixture
+def kinds(rng):
+    """Rows of several kinds, some of no point, their compliances, and where the array has them."""
+    n, sizes = 11, [(2, 9), (3, 4), (1, 7), (2, 0), (1, 5)]
+    each = [rng.normal(size=(m * dim, n)) for dim, m in sizes]
+    each = [own * (rng.uniform(size=own.shape) > 0.6) for own in each]
+    rows = [
+        Rows.of(csr_matrix(own), dim, np.ones(m), plain)
+        for own, (dim, m) in zip(each, sizes, strict=True)
+    ]
+    soft = [compliances(rng, dim, m)[k % 2] for k, (dim, m) in enumerate(sizes[:-1])]
+    soft.append(Compliance.none(sizes[-1][1]))
+    gaps = [0, 0, 3, 0, 2]  # what is not of these kinds
+    places = n + np.cumsum(
+        [gap + a * b for gap, (a, b) in zip(gaps, [(0, 0), *sizes], strict=False)]
+    )
+    stack = Stack.of(rows, places.tolist())
+    return stack, each, soft, int(places[-1]) + 5 + 2
 
 
-@pytest.mark.parametrize("dim", [1, 2, 3])
-def test_what_makes_up_for_rates_along_flows_is_the_same(rng, dim):
-    m, free = 13, 1.0
-    soft, rates = compliances(rng, dim, m)[0], rng.normal(size=(dim, m))
-    flows = np.sum(soft.w**2, axis=0) > free
-    assert 0 < flows.sum() < m
+def of_kind(stack, x, k):
+    dim, count, _, _, place = stack.spans[k]
+    return x[place : place + dim * count].reshape(dim, count)
+
+
+def test_products_of_the_system_are_the_same(rng, kinds):
+    stack, each, soft, size = kinds
+    flat, n = Compliances.of(soft), each[0].shape[1]
+    delta = np.full(stack.spans[:, 1].sum(), 0.5)
+    x, right = rng.normal(size=(2, size))
+    inverses = []
+    for k, own in enumerate(soft):
+        mean = dense(own).reshape(-1, own.w.shape[0], own.w.shape[0])
+        near(own.times(of_kind(stack, x, k)), np.einsum("mij,jm->im", mean, of_kind(stack, x, k)))
+        inverses.append(np.linalg.inv(mean + 0.5 * np.eye(own.w.shape[0])))
     for loops in (plain, compiled):
-        z = np.zeros((dim, m))
-        loops.along(soft, free, rates, z)
-        left = np.sum(soft.w * (rates - soft.times(z)), axis=0)
-        near(left[flows], 0.0)
-        near(z[:, ~flows], 0.0)
+        stiff = loops.inverted(stack, flat, delta)
+        for block, inverse in zip(loops.blocks(stack, stiff), inverses, strict=True):
+            near(block, inverse.transpose(1, 2, 0))
+        out, force, found = np.ones(size), np.ones(n), x.copy()
+        loops.times(stack, flat, x, out)
+        loops.pulled(stack, stiff, right, force)
+        loops.moved(stack, stiff, right, found)
+        forces, pulls, touched = np.ones(n), np.ones(n), np.zeros(size, dtype=bool)
+        for k, (rows, own, inverse) in enumerate(zip(each, soft, inverses, strict=True)):
+            z, a = of_kind(stack, x, k), of_kind(stack, right, k)
+            rates = (rows @ x[:n]).reshape(*z.T.shape).T
+            near(of_kind(stack, out, k), 1 + rates + own.times(z))
+            near(of_kind(stack, found, k), np.einsum("mij,jm->im", inverse, a - rates))
+            forces += rows.T @ z.T.ravel()
+            pulls += rows.T @ np.einsum("mij,jm->im", inverse, a).T.ravel()
+            of_kind(stack, touched, k)[:] = True
+        near(out[:n], forces)
+        near(force, pulls)
+        touched[:n] = True  # of `times`
+        near(out[~touched], 1.0)
+        touched[:n] = False
+        near(found[~touched], x[~touched])
+
+
+def test_what_makes_up_for_rates_along_flows_is_the_same(rng, kinds):
+    stack, _, soft, size = kinds
+    steep, left = 1.0, rng.normal(size=size)
+    for loops in (plain, compiled):
+        x = np.zeros(size)
+        loops.along(stack, Compliances.of(soft), steep, left, x)
+        some = 0
+        for k, own in enumerate(soft):
+            z, rates = of_kind(stack, x, k), of_kind(stack, left, k)
+            if own.first > 0:
+                flows, edge = np.sum(own.w**2, axis=0) > steep, own.w
+            else:
+                flows = (own.w[0] ** 2 > steep) & (own.w.shape[0] > 1)
+                edge = np.vstack(
+                    [np.ones(z.shape[1]), own.w[1:] / np.linalg.norm(own.w[1:], axis=0)]
+                )
+            near(np.sum(edge * (rates - own.times(z)), axis=0)[flows], 0.0)
+            near(z[:, ~flows], 0.0)
+            some += flows.sum()
+        assert some > 3
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_leads_are_eliminated_alike(rng, dim):
+    """And what is left is the whole: t, rates and stresses with ``dz_0 = c dtau + h dt``."""
+    m, tau, dtau, share = 13, 0.7, 0.3, 0.4
+    scaling = plain.scaled(*insides(rng, dim, m))
+    cost, rise, lead = rng.uniform(0.1, 2, (3, m))
+    height, missed, z = rng.normal(size=(dim, m)), *rng.normal(size=(2, dim - 1, m))
+    both = [loops.eliminated(scaling, cost, rise, lead, tau) for loops in (plain, compiled)]
+    for name in ("raised", "by_tau", "across", "rank", "slope"):
+        near(getattr(both[0], name), getattr(both[1], name))
+    for loops in (plain, compiled):
+        own, right = both[0], np.empty((dim - 1, m))
+        given = loops.reduced(own, rise, height, missed, share, right)
+        step = loops.strained(scaling, own, (cost, rise), (given, height), dtau, z)
+        full = np.vstack([cost * dtau + rise * step[0], z])
+        near(step, height - Compliance.twice(scaling).times(full))
+        near(loops.flowed(scaling, height, full), step)
+        soft = Compliance(scaling.square, own.rank, scaling.w[1:])
+        near(step[1:] - share * missed, right - soft.times(z) - dtau * cost * own.across)
 
 
 @pytest.mark.parametrize("dim", [1, 2, 3])

@@ -1,14 +1,19 @@
 """What is done point by point and element by element: compiled where numba is installed."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from functools import cache
 from importlib.util import find_spec
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from backends._embedding.cones import Compliance, Inverse, Scaling
+from backends._embedding.cones import Compliances, Eliminated, Inverses, Scaling
 from backends._embedding.loops import plain
 from backends._embedding.loops.plain import Indices
 from lacore.arrays import Floats, Ints, Sparse
+
+if TYPE_CHECKING:
+    from backends._embedding.rows import Stack
 
 
 class Loops(Protocol):
@@ -39,19 +44,19 @@ class Loops(Protocol):
 
     def forces(self, matrix: Sparse, parts: Floats) -> Floats: ...
 
-    def pulled(self, matrix: Sparse, stiff: Inverse, a: Floats, force: Floats) -> None: ...
+    def pulled(self, stack: Stack, stiff: Inverses, right: Floats, force: Floats) -> None: ...
 
-    def moved(self, matrix: Sparse, stiff: Inverse, u: Floats, a: Floats, z: Floats) -> None: ...
+    def moved(self, stack: Stack, stiff: Inverses, right: Floats, x: Floats) -> None: ...
 
-    def times(
-        self,
-        matrix: Sparse,
-        u: Floats,
-        z: Floats,
-        soft: Compliance,
-        force: Floats,
-        found: Floats,
+    def times(self, stack: Stack, soft: Compliances, x: Floats, out: Floats) -> None: ...
+
+    def along(
+        self, stack: Stack, soft: Compliances, steep: float, left: Floats, x: Floats
     ) -> None: ...
+
+    def inverted(self, stack: Stack, soft: Compliances, delta: Floats) -> Inverses: ...
+
+    def blocks(self, stack: Stack, stiff: Inverses) -> list[Floats]: ...
 
     def framed(self, values: Floats, vectors: Floats, a: Floats) -> Floats: ...
 
@@ -59,9 +64,33 @@ class Loops(Protocol):
         self, first: Scaling, others: Floats, slope: Floats, sheared: int
     ) -> tuple[Floats, Floats]: ...
 
-    def along(self, soft: Compliance, free: float, rates: Floats, z: Floats) -> None: ...
-
     def scaled(self, s: Floats, z: Floats) -> Scaling: ...
+
+    def eliminated(
+        self, scaling: Scaling, cost: Floats, rise: Floats, lead: Floats, tau: float
+    ) -> Eliminated: ...
+
+    def reduced(
+        self,
+        own: Eliminated,
+        rise: Floats,
+        height: Floats,
+        missed: Floats,
+        share: float,
+        right: Floats,
+    ) -> Floats: ...
+
+    def strained(
+        self,
+        scaling: Scaling,
+        own: Eliminated,
+        costs: tuple[Floats, Floats],
+        given: tuple[Floats, Floats],
+        tau: float,
+        z: Floats,
+    ) -> Floats: ...
+
+    def flowed(self, scaling: Scaling, height: Floats, z: Floats) -> Floats: ...
 
     def heights(self, scaling: Scaling, wanted: Floats) -> Floats: ...
 

@@ -3,15 +3,21 @@
 ImportError where numba is not installed: `plain` then does the same in NumPy.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
 
-from backends._embedding.cones import Compliance, Inverse, Scaling
-from backends._embedding.loops import cones, matrices, principal, products
+from backends._embedding.cones import Compliances, Eliminated, Inverses, Scaling
+from backends._embedding.loops import compliances, cones, matrices, principal, products, steps
 from backends._embedding.loops.plain import Indices
 from lacore.arrays import Floats, Ints, Sparse
+
+if TYPE_CHECKING:
+    from backends._embedding.rows import Stack
 
 name = f"numba {numba.__version__}"
 
@@ -68,24 +74,53 @@ def forces(matrix: Sparse, parts: Floats) -> Floats:
     return force
 
 
-def pulled(matrix: Sparse, stiff: Inverse, a: Floats, force: Floats) -> None:
+def pulled(stack: Stack, stiff: Inverses, right: Floats, force: Floats) -> None:
     """See `plain.pulled`."""
-    own = stiff.plain, stiff.one, stiff.two, stiff.w, stiff.first
-    products.pulled(matrix.indptr, matrix.indices, matrix.data, *own, a, force)
+    products.pulled(*_rows(stack), *_inverses(stiff), right, force)
 
 
-def moved(matrix: Sparse, stiff: Inverse, u: Floats, a: Floats, z: Floats) -> None:
+def moved(stack: Stack, stiff: Inverses, right: Floats, x: Floats) -> None:
     """See `plain.moved`."""
-    own = stiff.plain, stiff.one, stiff.two, stiff.w, stiff.first
-    products.moved(matrix.indptr, matrix.indices, matrix.data, *own, u, a, z)
+    products.moved(*_rows(stack), *_inverses(stiff), right, x)
 
 
-def times(
-    matrix: Sparse, u: Floats, z: Floats, soft: Compliance, force: Floats, found: Floats
-) -> None:
+def times(stack: Stack, soft: Compliances, x: Floats, out: Floats) -> None:
     """See `plain.times`."""
-    own = matrix.indptr, matrix.indices, matrix.data
-    products.times(*own, u, z, soft.square, soft.rank, soft.first, soft.w, force, found)
+    products.times(*_rows(stack), *_compliances(soft), x, out)
+
+
+def along(stack: Stack, soft: Compliances, steep: float, left: Floats, x: Floats) -> None:
+    """See `plain.along`."""
+    compliances.along(stack.spans, *_compliances(soft), steep, left, x)
+
+
+def inverted(stack: Stack, soft: Compliances, delta: Floats) -> Inverses:
+    """See `plain.inverted`."""
+    plain, one, two = np.empty((3, delta.size))
+    turned = np.empty(soft.w.size)
+    compliances.inverted(stack.spans, *_compliances(soft), delta, plain, one, two, turned)
+    return Inverses(plain, one, two, turned, soft.first)
+
+
+def blocks(stack: Stack, stiff: Inverses) -> list[Floats]:
+    """See `plain.blocks`."""
+    shapes = [(dim, dim, count) for dim, count, *_ in stack.spans.tolist()]
+    ends = np.cumsum([0, *(a * b * c for a, b, c in shapes)])
+    found = np.empty(ends[-1])
+    compliances.blocks(stack.spans, *_inverses(stiff), found)
+    return [found[a:b].reshape(shape) for a, b, shape in zip(ends, ends[1:], shapes, strict=False)]
+
+
+def _rows(stack: Stack) -> tuple[Indices, Indices, Floats, Ints]:
+    return stack.matrix.indptr, stack.matrix.indices, stack.matrix.data, stack.spans
+
+
+def _compliances(soft: Compliances) -> tuple[Floats, ...]:
+    return soft.square, soft.rank, soft.first, soft.w
+
+
+def _inverses(stiff: Inverses) -> tuple[Floats, ...]:
+    return stiff.plain, stiff.one, stiff.two, stiff.first, stiff.w
 
 
 def framed(values: Floats, vectors: Floats, a: Floats) -> Floats:
@@ -103,16 +138,52 @@ def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple
     return values, vectors
 
 
-def along(soft: Compliance, free: float, rates: Floats, z: Floats) -> None:
-    """See `plain.along`."""
-    cones.along(soft.square, soft.rank, soft.w, free, rates, z)
-
-
 def scaled(s: Floats, z: Floats) -> Scaling:
     """See `plain.scaled`."""
     square, w, middle = np.empty(s.shape[1]), np.empty(s.shape), np.empty(s.shape)
     cones.scaled(s, z, square, w, middle)
     return Scaling(square, w, middle)
+
+
+def eliminated(
+    scaling: Scaling, cost: Floats, rise: Floats, lead: Floats, tau: float
+) -> Eliminated:
+    """See `plain.eliminated`."""
+    raised, by_tau, rank, slope = np.empty((4, cost.size))
+    across = np.empty((scaling.w.shape[0] - 1, cost.size))
+    at = scaling.square, scaling.w, cost, rise, lead, tau
+    steps.eliminated(*at, raised, by_tau, across, rank, slope)
+    return Eliminated(raised, by_tau, across, rank, slope)
+
+
+def reduced(
+    own: Eliminated, rise: Floats, height: Floats, missed: Floats, share: float, right: Floats
+) -> Floats:
+    """See `plain.reduced`."""
+    lead = np.empty(rise.size)
+    steps.reduced(own.raised, own.across, rise, height, missed, share, lead, right)
+    return lead
+
+
+def strained(
+    scaling: Scaling,
+    own: Eliminated,
+    costs: tuple[Floats, Floats],
+    given: tuple[Floats, Floats],
+    tau: float,
+    z: Floats,
+) -> Floats:
+    """See `plain.strained`."""
+    found = np.empty_like(given[1])
+    steps.strained(scaling.square, scaling.w, own.by_tau, own.across, *costs, *given, tau, z, found)
+    return found
+
+
+def flowed(scaling: Scaling, height: Floats, z: Floats) -> Floats:
+    """See `plain.flowed`."""
+    found = np.empty_like(height)
+    steps.flowed(scaling.square, scaling.w, height, z, found)
+    return found
 
 
 def heights(scaling: Scaling, wanted: Floats) -> Floats:

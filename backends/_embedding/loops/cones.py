@@ -5,20 +5,6 @@ from numba import njit
 
 
 @njit(cache=True, error_model="numpy")
-def along(square, rank, w, free, rates, z):  # type: ignore[no-untyped-def]
-    dim, count = z.shape
-    for m in range(count):
-        size = rate = 0.0
-        for i in range(dim):
-            size += w[i, m] * w[i, m]
-            rate += w[i, m] * rates[i, m]
-        if size > free:
-            share = rate / (square[m] * (1 + rank[m] * size) * size)
-            for i in range(dim):
-                z[i, m] += share * w[i, m]
-
-
-@njit(cache=True, error_model="numpy")
 def _turned(m, root, sign, w, x, at, found):  # type: ignore[no-untyped-def]
     """``W x`` of a column of x, or ``W^-1 x`` where root and sign are those of the inverse."""
     across = 0.0

@@ -1,6 +1,9 @@
 """Loops over points and elements in NumPy: what `compiled` beside it does, anywhere."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -8,7 +11,9 @@ from scipy.sparse import csr_matrix
 
 from backends._embedding.cones import (
     Compliance,
-    Inverse,
+    Compliances,
+    Eliminated,
+    Inverses,
     Scaling,
     clipped,
     inner,
@@ -16,6 +21,9 @@ from backends._embedding.cones import (
     quotient,
 )
 from lacore.arrays import Floats, Ints, Sparse
+
+if TYPE_CHECKING:
+    from backends._embedding.rows import Stack
 
 name = "NumPy"
 Indices = npt.NDArray[np.int32]  # of matrices, as PARDISO takes them
@@ -116,22 +124,55 @@ def forces(matrix: Sparse, parts: Floats) -> Floats:
     return np.asarray(matrix.T @ np.ascontiguousarray(parts.T).ravel())
 
 
-def pulled(matrix: Sparse, stiff: Inverse, a: Floats, force: Floats) -> None:
-    """``matrix^T M a`` added to a force."""
-    force += forces(matrix, stiff.times(a))
+def pulled(stack: Stack, stiff: Inverses, right: Floats, force: Floats) -> None:
+    """``matrix^T M a`` added to a force, a in the array of a `Vector`."""
+    parts = [
+        stiff_of.times(a).T.ravel()
+        for stiff_of, a in zip(stiff.parts(stack.spans), _parts(stack, right), strict=True)
+    ]
+    force += stack.matrix.T @ np.concatenate(parts)
 
 
-def moved(matrix: Sparse, stiff: Inverse, u: Floats, a: Floats, z: Floats) -> None:
-    """``M (a - matrix u)`` into z, of shape (dim, m)."""
-    z[:] = stiff.times(a - rates(matrix, z.shape[0], u))
+def moved(stack: Stack, stiff: Inverses, right: Floats, x: Floats) -> None:
+    """``M (a - matrix u)`` into x, where u is, a and x arrays of a `Vector`."""
+    rates = stack.matrix @ x[: stack.matrix.shape[1]]
+    triples = zip(
+        stiff.parts(stack.spans), _parts(stack, right), _parts(stack, x), _split(stack), strict=True
+    )
+    for stiff_of, a, z, own in triples:
+        z[:] = stiff_of.times(a - rates[own].reshape(-1, len(a)).T)
 
 
-def times(
-    matrix: Sparse, u: Floats, z: Floats, soft: Compliance, force: Floats, found: Floats
-) -> None:
-    """``matrix u + C z`` added to `found`, of shape (dim, m), and ``matrix^T z`` to a force."""
-    found += rates(matrix, z.shape[0], u) + soft.times(z)
-    force += forces(matrix, z)
+def times(stack: Stack, soft: Compliances, x: Floats, out: Floats) -> None:
+    """``matrix^T z`` added to the forces in out, and ``matrix u + C z`` to what is beside them."""
+    n = stack.matrix.shape[1]
+    rates = stack.matrix @ x[:n]
+    parts = _parts(stack, x)
+    for soft_of, z, found, own in zip(
+        soft.parts(stack.spans), parts, _parts(stack, out), _split(stack), strict=True
+    ):
+        found += rates[own].reshape(-1, len(z)).T + soft_of.times(z)
+    out[:n] += stack.matrix.T @ np.concatenate([z.T.ravel() for z in parts])
+
+
+def along(stack: Stack, soft: Compliances, steep: float, left: Floats, x: Floats) -> None:
+    """Add what makes up for rates along what flows: more than `steep` times across it."""
+    for soft_of, rates, z in zip(
+        soft.parts(stack.spans), _parts(stack, left), _parts(stack, x), strict=True
+    ):
+        z += soft_of.along(rates, steep)
+
+
+def inverted(stack: Stack, soft: Compliances, delta: Floats) -> Inverses:
+    """``(C + delta)^-1`` of all points, delta of shape (points,)."""
+    ends = np.cumsum(stack.spans[:, 1])[:-1]
+    pairs = zip(soft.parts(stack.spans), np.split(delta, ends), strict=True)
+    return Inverses.of([soft_of.inverse(own) for soft_of, own in pairs])
+
+
+def blocks(stack: Stack, stiff: Inverses) -> list[Floats]:
+    """Of each kind, shape (dim, dim, m)."""
+    return [own.blocks for own in stiff.parts(stack.spans)]
 
 
 def framed(values: Floats, vectors: Floats, a: Floats) -> Floats:
@@ -170,16 +211,66 @@ def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple
     return np.ascontiguousarray(values.T**2), np.ascontiguousarray(turned.transpose(0, 2, 1))
 
 
-def along(soft: Compliance, free: float, rates: Floats, z: Floats) -> None:
-    """Add what makes up for rates along w, of points where ``w.w`` is more than `free`."""
-    size = inner(soft.w, soft.w)
-    own = soft.square * (1 + soft.rank * size) * np.maximum(size, free)
-    z += np.where(size > free, inner(soft.w, rates) / own, 0.0) * soft.w
-
-
 def scaled(s: Floats, z: Floats) -> Scaling:
     """The scaling between points of shape (1 + d, m), inside."""
     return Scaling.between(s, z)
+
+
+def eliminated(
+    scaling: Scaling, cost: Floats, rise: Floats, lead: Floats, tau: float
+) -> Eliminated:
+    """The t of cones with such a scaling, at a place where it is `lead`."""
+    first, square, w = scaling.w[0], scaling.square, scaling.w[1:]
+    both = square * (2 * first**2 - 1)
+    raised, by = 1 + both * rise, square * rise
+    return Eliminated(
+        raised,
+        -both * cost / raised,
+        2 * square * first / raised * w,
+        2 * (1 - by) / (1 + (1 + 2 * inner(w, w)) * by),
+        cost + rise * lead * (2 / tau),
+    )
+
+
+def reduced(
+    own: Eliminated, rise: Floats, height: Floats, missed: Floats, share: float, right: Floats
+) -> Floats:
+    """The ``height_0/raised`` of t, and into `right` what is given of the rest.
+
+    Args:
+        missed: rates, a share of which is to be made up for.
+    """
+    right[:] = height[1:] - rise * height[0] * own.across - share * missed
+    return np.asarray(height[0] / own.raised)
+
+
+def strained(
+    scaling: Scaling,
+    own: Eliminated,
+    costs: tuple[Floats, Floats],
+    given: tuple[Floats, Floats],
+    tau: float,
+    z: Floats,
+) -> Floats:
+    """``(dt, dy)`` of a step of tau and z_1, shape (1 + d, m).
+
+    Products come out as aimed at, whatever the solution leaves: rates that are missed wait for
+    the next step, where cones, whose edges are near, would end this one.
+
+    Args:
+        costs: c and h.
+        given: ``height_0/raised``, and the height.
+    """
+    (cost, rise), (lead, height) = costs, given
+    lead = lead + own.by_tau * tau - inner(own.across, z)
+    found = flowed(scaling, height, np.vstack([cost * tau + rise * lead, z]))
+    found[0] = lead
+    return found
+
+
+def flowed(scaling: Scaling, height: Floats, z: Floats) -> Floats:
+    """``height - W^2 z``."""
+    return np.asarray(height - Compliance.twice(scaling).times(z))
 
 
 def heights(scaling: Scaling, wanted: Floats) -> Floats:
@@ -213,6 +304,19 @@ def farthest(x: Floats, change: Floats) -> float:
     rest = rate[1:] - share * unit[1:]
     fastest = float(np.max(np.sqrt(np.einsum("cm,cm->m", rest, rest)) - along, initial=0.0))
     return 1 / fastest if fastest > 0 else np.inf
+
+
+def _parts(stack: Stack, data: Floats) -> list[Floats]:
+    """Multipliers of each kind in the array of a `Vector`, shape (dim, m)."""
+    return [
+        data[place : place + dim * count].reshape(dim, count)
+        for dim, count, _, _, place in stack.spans.tolist()
+    ]
+
+
+def _split(stack: Stack) -> list[slice]:
+    """Rows of each kind."""
+    return [slice(row, row + dim * count) for dim, count, row, *_ in stack.spans.tolist()]
 
 
 def _summed(rows: Floats, points: Ints, block: Floats) -> Floats:

@@ -53,21 +53,33 @@ def _inverted(plain, one, two, w, first, a, found):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
-def pulled(starts, columns, data, plain, one, two, w, first, a, force):  # type: ignore[no-untyped-def]
-    parts = np.empty(a.shape)
-    _inverted(plain, one, two, w, first, a, parts)
-    forces(starts, columns, data, parts, force)
+def pulled(starts, columns, data, spans, plain, one, two, first, w, right, force):  # type: ignore[no-untyped-def]
+    for k in range(spans.shape[0]):
+        dim, count, row, point, place = spans[k]
+        if count == 0:
+            continue
+        rows, points = slice(row, row + dim * count), slice(point, point + count)
+        a = right[place : place + dim * count].reshape(dim, count)
+        parts, own = np.empty((dim, count)), w[rows].reshape(dim, count)
+        _inverted(plain[points], one[points], two[points], own, first[k], a, parts)
+        forces(starts[row:], columns, data, parts, force)
 
 
 @njit(cache=True)
-def moved(starts, columns, data, plain, one, two, w, first, u, a, z):  # type: ignore[no-untyped-def]
-    dim, count = a.shape
-    rest = np.empty(a.shape)
-    rates(starts, columns, data, u, rest)
-    for i in range(dim):
-        for m in range(count):
-            rest[i, m] = a[i, m] - rest[i, m]
-    _inverted(plain, one, two, w, first, rest, z)
+def moved(starts, columns, data, spans, plain, one, two, first, w, right, x):  # type: ignore[no-untyped-def]
+    for k in range(spans.shape[0]):
+        dim, count, row, point, place = spans[k]
+        if count == 0:
+            continue
+        rows, points = slice(row, row + dim * count), slice(point, point + count)
+        a = right[place : place + dim * count].reshape(dim, count)
+        z = x[place : place + dim * count].reshape(dim, count)
+        rest, own = np.empty((dim, count)), w[rows].reshape(dim, count)
+        rates(starts[row:], columns, data, x, rest)
+        for i in range(dim):
+            for m in range(count):
+                rest[i, m] = a[i, m] - rest[i, m]
+        _inverted(plain[points], one[points], two[points], own, first[k], rest, z)
 
 
 @njit(cache=True)
@@ -86,7 +98,7 @@ def framed(values, vectors, a, found):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def times(starts, columns, data, u, z, square, rank, first, w, force, found):  # type: ignore[no-untyped-def]
+def _times(starts, columns, data, u, z, square, rank, first, w, force, found):  # type: ignore[no-untyped-def]
     dim, count = z.shape
     for m in range(count):
         along = 0.0
@@ -101,3 +113,28 @@ def times(starts, columns, data, u, z, square, rank, first, w, force, found):  #
                 force[np.uintp(columns[at])] += data[at] * part
                 total += data[at] * u[np.uintp(columns[at])]
             found[i, m] += total + square[m] * (sign * part + along * w[i, m])
+
+
+@njit(cache=True)
+def times(starts, columns, data, spans, square, rank, first, w, x, out):  # type: ignore[no-untyped-def]
+    for k in range(spans.shape[0]):
+        dim, count, row, point, place = spans[k]
+        if count == 0:
+            continue
+        rows, points = slice(row, row + dim * count), slice(point, point + count)
+        z = x[place : place + dim * count].reshape(dim, count)
+        found = out[place : place + dim * count].reshape(dim, count)
+        own = w[rows].reshape(dim, count)
+        _times(
+            starts[row:],
+            columns,
+            data,
+            x,
+            z,
+            square[points],
+            rank[points],
+            first[k],
+            own,
+            out,
+            found,
+        )
