@@ -127,10 +127,10 @@ class Translation:
         self._apexes = [Apex(group) for group, own in zip(soils, self._pointed, strict=True) if own]
 
         def rows(matrix: Sparse, dim: int, weights: Floats) -> Rows:
-            return Rows.of(csr_matrix(matrix), dim, weights, loops)
+            return Rows.of(_rowwise(matrix), dim, weights, loops)
 
         def slip(mask: Bools) -> Sparse:
-            return csr_matrix(points.tangential[np.repeat(mask, dim)])
+            return _picked(points.tangential, dim, mask)
 
         costly = [
             Costly(
@@ -147,16 +147,18 @@ class Translation:
         costly.append(Costly(rubbing, contact.bound[rubs], none, weights[rubs]))
 
         shift = weights * contact.shift
-        lifting = rows(points.normal[steady], 1, weights[steady])
-        steep = np.repeat(contact.dilatancy[dilates], dim)
-        sliding = slip(dilates).multiply(steep[:, None])
-        leading = interleaved(csr_matrix(points.normal[dilates]), 1, csr_matrix(sliding), dim)
+        lifting = rows(_picked(points.normal, 1, steady), 1, weights[steady])
+        leading = csr_matrix((0, program.n))
+        if dilates.any():
+            steep = np.repeat(contact.dilatancy[dilates], dim)
+            sliding = csr_matrix(slip(dilates).multiply(steep[:, None]))
+            leading = interleaved(_picked(points.normal, 1, dilates), 1, sliding, dim)
         free = [
             Free(lifting, shift[steady][None]),
             Free(rows(leading, 1 + dim, weights[dilates]), _led(shift[dilates], dim)),
         ]
         volumes = [
-            rows(group.volumetric[own], 1, group.volume_weights[own]).matrix
+            rows(_picked(group.volumetric, 1, own), 1, group.volume_weights[own]).matrix
             for group, own in zip(plain, self._changes, strict=True)
         ]
         dead = program.dead_load.copy()
@@ -267,8 +269,15 @@ def _typical(strengths: Sequence[Floats]) -> float:
 
 
 def _picked(rows: Sparse, dim: int, own: Bools) -> Sparse:
-    """Rows of some of the points."""
-    return rows if own.all() else csr_matrix(rows[np.repeat(own, dim)])
+    """Rows of some of the points; taking none of many takes as long as all of few."""
+    if not own.any():
+        return csr_matrix((0, rows.shape[1]))
+    return _rowwise(rows if own.all() else rows[np.repeat(own, dim)])
+
+
+def _rowwise(rows: Sparse) -> Sparse:
+    """As it is where it is a `csr_matrix`: making one of it takes as long as a product."""
+    return rows if isinstance(rows, csr_matrix) else csr_matrix(rows)
 
 
 def _filled(rows: Sparse) -> Bools:

@@ -1,6 +1,7 @@
 """Rows of the embedding, point by point."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,9 +30,10 @@ class Rows:
     @classmethod
     def of(cls, matrix: Sparse, dim: int, weights: Floats, loops: Loops) -> "Rows":
         """Rows times the weights of their points, shape (m,)."""
-        data = matrix.data * np.repeat(np.repeat(weights, dim), np.diff(matrix.indptr))
-        own = csr_matrix((data, matrix.indices, matrix.indptr), matrix.shape)
-        squares = np.asarray(own.multiply(own).sum(axis=1)).reshape(-1, dim).mean(axis=1)
+        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+        own = copy(matrix)  # what it is made of is checked at every other making
+        own.data = matrix.data * np.repeat(weights, dim)[row]
+        squares = np.bincount(row // dim, own.data**2, weights.size) / dim
         largest = float(squares.max(initial=0.0)) or 1.0
         return cls(own, dim, np.maximum(squares, 1e-12 * largest), loops)
 

@@ -16,6 +16,10 @@ from backends._embedding.rows import Rows
 from lacore.arrays import Floats, Ints, Sparse
 
 
+_RUNS = (1, 2, 3, 4, 6, 7, 12)  # points of an element
+_FIRST = 84 * 4  # points that tell how many they are: a number of runs of each
+
+
 @dataclass(frozen=True)
 class _Bucket:
     """Points with as many unknowns each, those of an element beside each other.
@@ -73,32 +77,32 @@ class Stiffness:
 
 
 def _buckets(rows: Rows, loops: Loops) -> list[_Bucket]:
-    """Points by how many unknowns they touch, and by how many points touch the same."""
-    dim, matrix = rows.dim, rows.matrix
+    """Runs of points by how many unknowns they touch."""
     if not rows.count:
         return []
-    first_of, columns_of = loops.touched(matrix, dim)
-    widths = np.diff(first_of)
+    matrix, dim, run = rows.matrix, rows.dim, _run(rows, loops)
+    starts, every = loops.touched(matrix.indptr, matrix.indices, dim * run, matrix.shape[1])
+    widths = np.diff(starts)
     found = []
-    for width in np.unique(widths):
-        if width == 0:
-            continue
-        points = np.flatnonzero(widths == width)
-        columns = columns_of[first_of[points][:, None] + np.arange(width)]
-        # Rows of unknowns by one number each: sorting the rows themselves takes ten times as long.
-        numbers = columns @ np.random.default_rng(width).integers(1, 2**62, width)
-        _, first, element, sizes = np.unique(
-            numbers, return_index=True, return_inverse=True, return_counts=True
-        )
-        if np.any(columns[first][element] != columns):
-            first = element = np.arange(points.size)
-            sizes = np.ones(points.size, dtype=np.int64)
-        columns = columns[first]
-        order = np.argsort(element, kind="stable")
-        starts = np.concatenate([[0], np.cumsum(sizes)])
-        for size in np.unique(sizes):
-            which = np.flatnonzero(sizes == size)
-            own = points[order[starts[which][:, None] + np.arange(size)]]
-            wide = columns[which].astype(np.int64)
-            found.append(_Bucket(own, loops.dense(matrix, own, wide, dim), wide))
+    for width in np.unique(widths[widths > 0]):
+        which = np.flatnonzero(widths == width)
+        columns = every[starts[which][:, None] + np.arange(width)].astype(np.int64)
+        points = which[:, None] * run + np.arange(run)
+        found.append(_Bucket(points, loops.dense(matrix, points, columns, dim), columns))
     return found
+
+
+def _run(rows: Rows, loops: Loops) -> int:
+    """How many points, one after the other, to sum up before anything is scattered.
+
+    Those of an element touch the same unknowns, but for some whose rates are zero at a point. As
+    many as scatter the fewest entries, of the first points.
+    """
+    starts, first = rows.matrix.indptr[: _FIRST * rows.dim + 1], {}
+    for run in _RUNS:
+        if rows.count % run == 0:
+            count = (starts.size - 1) // (rows.dim * run) * rows.dim * run
+            own = starts[: count + 1]
+            ends, _ = loops.touched(own, rows.matrix.indices, rows.dim * run, rows.matrix.shape[1])
+            first[run] = float(np.sum(np.diff(ends) ** 2.0))
+    return min(first, key=lambda run: first[run])

@@ -56,7 +56,8 @@ def test_rows_of_points_are_taken_apart_alike(rng, dim):
     rows = rng.normal(size=(m * dim, n)) * (rng.uniform(size=(m * dim, n)) > 0.6)
     rows[: 2 * dim] = 0.0
     matrix = csr_matrix(rows)
-    both = [loops.touched(matrix, dim) for loops in (plain, compiled)]
+    given = matrix.indptr, matrix.indices, dim, n
+    both = [loops.touched(*given) for loops in (plain, compiled)]
     for one, other in zip(*both, strict=True):
         np.testing.assert_array_equal(one, other)
     starts, columns = both[0]

@@ -32,9 +32,9 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
     return starts, indices, [matrices.places(own, starts, indices) for own in elements]
 
 
-def touched(matrix: Sparse, dim: int) -> tuple[Indices, Indices]:
+def touched(starts: Indices, columns: Indices, dim: int, n: int) -> tuple[Indices, Indices]:
     """See `plain.touched`."""
-    return matrices.touched(matrix.indptr, matrix.indices, dim, matrix.shape[1])
+    return matrices.touched(starts, columns, dim, n)
 
 
 def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+_FEW = 48  # to put each in its place; more are sorted
+
 
 @njit(cache=True)
 def touched(starts, columns, dim, n):  # type: ignore[no-untyped-def]
@@ -63,31 +65,33 @@ def members(columns, ends, n):  # type: ignore[no-untyped-def]
 def pattern(columns, ends, first, members, n):  # type: ignore[no-untyped-def]
     """Starts and columns of the upper triangle, its diagonal in it."""
     seen = np.full(n, -1, np.int64)
-    starts = np.zeros(n + 1, np.int32)
-    indices = np.empty(0, np.int32)
-    for turn in range(2):
-        if turn:
-            indices = np.empty(starts[n], np.int32)
-        count = 0
-        for i in range(n):
-            begin = count
-            seen[i] = i + turn * n
-            if turn:
-                indices[count] = i
-            count += 1
-            for place in range(first[i], first[i + 1]):
-                e = members[place]
-                for at in range(ends[e], ends[e + 1]):
-                    j = columns[at]
-                    if j > i and seen[j] != i + turn * n:
-                        seen[j] = i + turn * n
-                        if turn:
-                            indices[count] = j
-                        count += 1
-            if turn:
-                indices[begin:count].sort()
-            starts[i + 1] = count
-    return starts, indices
+    starts, most = np.zeros(n + 1, np.int32), n
+    for e in range(ends.size - 1):
+        width = ends[e + 1] - ends[e]
+        most += width * (width - 1) // 2
+    indices = np.empty(most, np.int32)
+    count = 0
+    for i in range(n):
+        begin = count
+        seen[i] = i
+        indices[count] = i
+        count += 1
+        for at_member in range(first[i], first[i + 1]):
+            e = members[at_member]
+            for at in range(ends[e], ends[e + 1]):
+                j = columns[at]
+                if j > i and seen[j] != i:
+                    seen[j] = i
+                    place = count
+                    while count - begin < _FEW and indices[place - 1] > j:
+                        indices[place] = indices[place - 1]
+                        place -= 1
+                    indices[place] = j
+                    count += 1
+        if count - begin > _FEW:
+            indices[begin:count].sort()
+        starts[i + 1] = count
+    return starts, indices[:count].copy()
 
 
 @njit(cache=True)

@@ -59,13 +59,17 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
     return starts, column.astype(np.int32), shaped
 
 
-def touched(matrix: Sparse, dim: int) -> tuple[Indices, Indices]:
-    """Unknowns of points with `dim` rows each, ascending: starts, shape (m + 1,), and all."""
-    every = np.arange(matrix.shape[0])
-    pick = csr_matrix((np.ones(every.size), (every // dim, every)))
-    found = csr_matrix(pick @ abs(matrix))
-    found.sort_indices()
-    return found.indptr, found.indices
+def touched(starts: Indices, columns: Indices, dim: int, n: int) -> tuple[Indices, Indices]:
+    """Of rows, `dim` of them at a time, the n unknowns that they touch, ascending.
+
+    Returns:
+        Starts, shape (m + 1,), and unknowns.
+    """
+    row = np.repeat(np.arange(starts.size - 1) // dim, np.diff(starts))
+    every = np.unique(row * n + columns[: starts[-1]])
+    point, found = np.divmod(every, n)
+    ends = np.searchsorted(point, np.arange((starts.size - 1) // dim + 1))
+    return ends.astype(np.int32), found.astype(np.int32)
 
 
 def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
