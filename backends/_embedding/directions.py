@@ -13,6 +13,7 @@ from backends._embedding.vectors import Vector
 from lacore.arrays import Floats
 
 EXACT, MOST = 1e-5, 5
+_MENDED = 0.1  # of what a solution leaves, by which its forces are mended: of nodal forces all
 _AGAIN = 2  # times a solution is mended whose forces do not balance
 _BALANCED = 0.1  # of the forces out of balance, or of the tolerance: what a step may leave
 
@@ -249,7 +250,7 @@ class Directions:
         for _ in range(_AGAIN):
             if _largest(left.force) <= allowed:
                 break
-            other = x.plus(system.solve(left, system.once(left), EXACT, MOST))
+            other = x.plus(system.solve(left, system.once(left), _MENDED, MOST))
             now = system.left(right, other)
             if not _largest(now.force) < _largest(left.force):
                 break
