@@ -15,7 +15,6 @@ from backends._embedding.loops.best import Loops
 from backends._embedding.rows import Rows
 from lacore.arrays import Floats, Ints, Sparse
 
-
 _RUNS = (1, 2, 3, 4, 6, 7, 12)  # points of an element
 _FIRST = 84 * 4  # points that tell how many they are: a number of runs of each
 

@@ -22,7 +22,7 @@ from backends._embedding.vectors import Layout, Vector
 from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SymmetricSolver
 
-ROUGH = 1e-3  # of the right-hand side: what `improved` may leave
+_ROUGH = 1e-3  # of the right-hand side: what `improved` may leave
 _TINY = np.finfo(float).tiny
 _CAP = 1e9  # of compliances of cones: how much stiffer than flowing ones they may get
 _VOLUME = 1e8  # and of rows that hold exactly
@@ -181,7 +181,7 @@ class System:
         """With lambda and tau, and unknowns that none but they move."""
         by_load, by_tau = self._columns
         loose = self._conic.loose
-        rest = right.load - self._conic.load @ x.force, right.tau - self._gap(x)
+        rest = right.load - float(self._conic.load @ x.force), right.tau - self._gap(x)
         if loose.size:
             load, tau, *own = np.linalg.solve(self._small, [*rest, *right.force[loose]])
             x.force[loose] += own  # without them nothing is left there by the load and tau found
@@ -232,7 +232,7 @@ class System:
         As `solve`, but of what `leaves` tells.
         """
         size = self._size(left)
-        if size <= ROUGH * self._size(right):
+        if size <= _ROUGH * self._size(right):
             return start, left
         more = self.once(left)
         image = left.plus(self.leaves(left, more), -1.0)

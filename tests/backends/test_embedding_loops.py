@@ -8,6 +8,7 @@ from backends._embedding.cones import Compliance, Compliances, Scaling, product
 from backends._embedding.frames import Frame
 from backends._embedding.loops import plain
 from backends._embedding.rows import Rows, Stack
+from backends._embedding.stiffness import Stiffness
 
 compiled = pytest.importorskip("backends._embedding.loops.compiled")
 SUMS = 1e-12  # sums of a few terms of order one, in another order
@@ -48,6 +49,27 @@ def test_stiffness_has_the_same_pattern_and_sum(rng):
                 whole[np.ix_(column, column)] += r.T @ block[:, :, point[e, k]] @ r
     found = csr_matrix((compiled.assembled(*given), columns, starts), (n, n)).toarray()
     near(found, np.triu(whole))
+
+
+@pytest.mark.parametrize("loops", [plain, compiled])
+def test_stiffness_of_elements_and_of_single_points_is_the_sum(rng, loops):
+    """Three points of an element share unknowns, but for some; points of another kind do not."""
+    n, elements = 19, 12
+    each = np.zeros((2, elements, 3, 2, n))
+    for e in range(elements):
+        own = rng.choice(n, 5, replace=False)
+        each[0, e][:, :, own] = rng.normal(size=(3, 2, 5))
+        each[0, e, 1, :, own[0]] = 0.0
+    each[1] = rng.normal(size=each[1].shape) * (rng.uniform(size=each[1].shape) > 0.8)
+    rows = [own.reshape(-1, n) for own in each]
+    m = 3 * elements
+    kinds = [Rows.of(csr_matrix(own), 2, np.ones(m), loops) for own in rows]
+    blocks = [block + block.transpose(1, 0, 2) for block in rng.normal(size=(2, 2, 2, m))]
+    whole = np.zeros((n, n))
+    for own, block in zip(rows, blocks, strict=True):
+        points = own.reshape(m, 2, n)
+        whole += np.einsum("mia,ijm,mjb->ab", points, block, points)
+    near(Stiffness(kinds, loops).upper(blocks).toarray(), np.triu(whole))
 
 
 @pytest.mark.parametrize("dim", [1, 3])

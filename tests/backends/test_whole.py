@@ -15,6 +15,7 @@ from backends._embedding.place import Place
 from backends._embedding.start import start
 from backends._embedding.stiffness import Stiffness
 from backends._embedding.system import System
+from backends._embedding.vectors import Vector
 from backends._embedding.whole import Whole
 from lacore.certificate import certify
 from lacore.numerics.linear_algebra import SuperLU
@@ -56,3 +57,23 @@ def test_both_ways_to_factorise_solve_the_same_equations(solver):
         for first, second in zip(one, other, strict=True):
             # `exactly` leaves a share of EXACT of the right-hand side; conditioned like mu = 0.2.
             assert np.allclose(first, second, atol=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["velocities", "more"])
+def test_what_a_solve_is_known_to_leave_is_what_it_leaves(kind):
+    """But for round-off, which the condition of K times eps bounds: 1e10 and 1e-16."""
+    program, contact = least_program()
+    own = Translation(program, contact, plain)
+    parts = own.conic, Stiffness(own.conic.kinds, plain), symmetric_solver(refined=False)
+    more = (symmetric_solver(refined=False, definite=False),)
+    system = System(*parts) if kind == "velocities" else Whole(*parts, *more)
+    at, _ = start(own.conic, system)
+    Directions(Place(own.conic, at), system)  # factorises
+    right = Vector(system.layout, np.random.default_rng(3).normal(size=system.layout.size))
+    x = system.once(right)
+    known, left = system.leaves(right, x).data, system.left(right, x).data
+    assert np.abs(known).max() > 0
+    assert np.allclose(known, left, atol=1e-6 * np.abs(x.data).max())
+    # One more solve of that mends it.
+    y, rest = system.improved(right, x, Vector(system.layout, left))
+    assert np.allclose(rest.data, system.left(right, y).data, atol=1e-6 * np.abs(y.data).max())

@@ -34,7 +34,8 @@ def pattern(elements: Sequence[Ints], n: int) -> tuple[Indices, Indices, list[In
 
 def touched(starts: Indices, columns: Indices, dim: int, n: int) -> tuple[Indices, Indices]:
     """See `plain.touched`."""
-    return matrices.touched(starts, columns, dim, n)
+    ends, found = matrices.touched(starts, columns, dim, n)
+    return ends, found
 
 
 def dense(matrix: Sparse, points: Ints, columns: Ints, dim: int) -> Floats:
@@ -115,11 +116,11 @@ def _rows(stack: Stack) -> tuple[Indices, Indices, Floats, Ints]:
     return stack.matrix.indptr, stack.matrix.indices, stack.matrix.data, stack.spans
 
 
-def _compliances(soft: Compliances) -> tuple[Floats, ...]:
+def _compliances(soft: Compliances) -> tuple[Floats, Floats, Floats, Floats]:
     return soft.square, soft.rank, soft.first, soft.w
 
 
-def _inverses(stiff: Inverses) -> tuple[Floats, ...]:
+def _inverses(stiff: Inverses) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     return stiff.plain, stiff.one, stiff.two, stiff.first, stiff.w
 
 
