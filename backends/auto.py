@@ -27,9 +27,9 @@ from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
 
 _OWN, _OTHER = "interior_point", "clarabel"
-_LEAST, _COMPILED = 60_000, 8_000  # unknowns from which the first is faster: docs/measured.md
+_LEAST, _COMPILED = 60_000, 5_000  # unknowns from which the first is faster: docs/measured.md
 # Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
-# bounds, less is eliminated, and the first is faster from more unknowns up.
+# bounds, less is eliminated, and the first is faster from as many points up.
 _PER_POINT = 4 / 3
 _MORE = 1.5  # times that: of lower bounds, which have about twice as many
 _NOMINAL = 0.01  # of the tolerance: what the other is asked for, which stops at a looser one
@@ -205,8 +205,8 @@ def _smooth(group: DissipationGroup) -> bool:
 
 
 def _size(program: KinematicProgram) -> float:
-    """Unknowns, or where they are more per point, a mean of them and of those points."""
-    return float(np.sqrt(program.n * min(_PER_POINT * _points(program), program.n)))
+    """Unknowns, or where they are more per point, as many as those points come with elsewhere."""
+    return min(_PER_POINT * _points(program), program.n)
 
 
 def _above(program: KinematicProgram) -> bool:
