@@ -19,6 +19,12 @@ class SingularError(LacoreError):
     """A matrix that cannot be factorised."""
 
 
+def require_numbers(entries: Floats) -> None:
+    """Raise `SingularError` where one is nan or infinite: no pivot is found among such."""
+    if not np.isfinite(entries).all():
+        raise SingularError("an entry of the matrix is no number")
+
+
 class Gram:
     """``K = sum_i R_i^T D_i R_i``, always with the same pattern, whatever zeros D holds."""
 
@@ -91,6 +97,7 @@ class SuperLU:
 
     def factorise(self, matrix: Sparse) -> None:
         """See `SymmetricSolver`."""
+        require_numbers(matrix.data)
         symmetric = csc_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
         try:
             self._factor = splu(

@@ -9,7 +9,7 @@ import numpy as np
 import pypardiso
 
 from lacore.arrays import Floats, Sparse
-from lacore.numerics.linear_algebra import SingularError
+from lacore.numerics.linear_algebra import SingularError, require_numbers
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
@@ -97,6 +97,7 @@ class Pardiso:
         )
 
     def _factorise(self, data: Floats) -> None:
+        require_numbers(data)  # with pivots of both signs it writes beside its memory else
         self._data[:] = data
         self._call(_FACTORISE, np.zeros(self._starts.size - 1))
 

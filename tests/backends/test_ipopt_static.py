@@ -18,6 +18,7 @@ from backends.clarabel_socp import Clarabel, ClarabelOptions
 from backends.ipopt_nlp import Ipopt
 from backends.ipopt_static import IpoptStatic, IpoptStaticOptions
 from lacore.certificate import certify
+from lacore.inner.preparing import preparing
 from lacore.program import (
     DissipationGroup,
     FrozenContact,
@@ -122,8 +123,9 @@ def test_a_point_of_contact(reference, held, load_factor, velocity, t_n, t_t):
 
 
 def both(stated, held):
-    """The answers of this backend and of Clarabel."""
-    return solve(stated, held), Clarabel().prepare(stated, ClarabelOptions()).solve(held)
+    """The answers of this backend and of Clarabel, which is asked as `lacore.solve` asks it."""
+    with preparing(Clarabel(), ClarabelOptions()) as prepare:
+        return solve(stated, held), prepare(stated).solve(held)
 
 
 def leak(program, mean_stress, velocity):

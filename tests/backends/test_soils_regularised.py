@@ -54,7 +54,8 @@ def test_the_exact_value_is_approached_from_below(case, variant, name):
     lost = []
     for r in every:
         answer = backend.prepare(program, backend.Options(r=r)).solve(contact)
-        assert answer.status is la.Status.SOLVED
+        # In space clarabel says "almost": what follows is recomputed, and as sharp.
+        assert answer.status in (la.Status.SOLVED, la.Status.ALMOST_SOLVED)
         values = answer.regularised
         # A gap g leaves elastic shares off by d with K d^2/2 <= g, and C = K e^2/2 by K e d at
         # most; the exact value has a gap of its own, beside the power of a dead load.

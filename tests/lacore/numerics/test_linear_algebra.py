@@ -56,6 +56,19 @@ def test_one_solver_takes_matrices_one_after_the_other(solver):
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("entry", [np.nan, np.inf])
+def test_what_is_no_number_is_refused_before_it_is_factorised(solver, entry):
+    """Looking for a pivot among such PARDISO writes beside its memory: processes end much later."""
+    subject, matrix = solver(), laplacian(30)
+    matrix.data[40] = entry
+    with pytest.raises(SingularError, match="no number"):
+        subject.factorise(matrix)
+    subject.factorise(laplacian(30))
+    assert np.isfinite(subject.solve(np.ones(30))).all()
+    subject.close()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_two_solvers_do_not_share_their_factors(solver):
     first, second, right = solver(), solver(), np.ones(30)
     first.factorise(laplacian(30))
