@@ -116,6 +116,8 @@ def _tells(kind: type) -> bool:
 
 def _wrong_kind(field: str, value: object, kinds: Sequence[type], mend: str | None) -> InputError:
     asked = [kind for kind in kinds if kind not in (str, NoneType)]
+    if isinstance(value, type) and issubclass(value, tuple(asked)):
+        return InputError(field, value.__name__, "the class itself", f"give {value.__name__}(...)")
     own = " or ".join(kind.__name__ for kind in asked)
     why, give = f"no {own}", f"give a lacore.{asked[0].__name__}"
     why, give = next((_KINDS[kind] for kind in _KINDS if issubclass(asked[0], kind)), (why, give))

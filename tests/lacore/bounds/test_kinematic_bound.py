@@ -94,7 +94,7 @@ def test_random_problems():
 
 def test_an_unfinished_solve_proves_a_worse_bound():
     best = la.upper_bound(punch()).load_factor
-    early = la.upper_bound(punch(), options={"max_iterations": 8})
+    early = la.upper_bound(punch(), "clarabel", options={"max_iterations": 8})
     assert early.state.status is not la.Status.SOLVED
     assert early.rigor is la.Rigor.UPPER
     assert best < early.load_factor
