@@ -26,6 +26,7 @@ from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import CapabilityError, InputError, require_positive, typed
 from lacore.limit.solve import solve
+from lacore.limit.stability import Standing
 from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
@@ -210,7 +211,7 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
 
     def certified(weaker: Problem, factor: float) -> float:
         state = solve(weaker, backend)
-        if state.status is Status.UNSAFE:
+        if not _reached_from_dead(state):
             state = solve(_together(weaker), backend)
         if state.status in (Status.SOLVED, Status.LOCKED):
             states[factor] = state
@@ -232,6 +233,16 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
         raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
     note = ends[-1].status.added(ends[-1].message) if ends[-1].status is Status.SOLVED else ""
     return SafetyFactor(lower, upper, history, problem, note, ends, interfaces)
+
+
+def _reached_from_dead(state: LimitState) -> bool:
+    """Whether a load factor of 1 or more is one of loads that grow from dead ones which stand.
+
+    What holds something that falls may be carried at many times its size, and not as it is.
+    """
+    if state.status is Status.UNSAFE:
+        return False
+    return not state.load_factor >= 1 or state.stability.standing is Standing.STANDS
 
 
 def _end(

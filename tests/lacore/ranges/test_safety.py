@@ -1,7 +1,7 @@
 """Factors of safety by strength reduction, against load factors and rotational mechanisms."""
 
 from dataclasses import replace
-from math import atan, isnan, nan, pi, radians, tan
+from math import atan, cos, isnan, nan, pi, radians, sin, tan
 
 import pytest
 from scipy.optimize import brentq
@@ -179,6 +179,27 @@ def test_a_block_slides_where_friction_is_that_of_the_load(pressure, exact):
     if exact < 1:
         with pytest.raises(la.InputError, match=r"friction decides.*interfaces=True"):
             la.safety_factor(problem)
+
+
+def test_a_load_that_holds_what_falls_is_taken_as_it_is():
+    """A block on a slope that is too steep, and a push that does not hold it: it slides down.
+
+    Seven times the push would move it uphill, whose load factor says nothing of the push itself.
+    Held by P it slides where ``mu/F cos(b) = sin(b) - P``.
+    """
+    slope, mu, push = 0.5, 0.3, 0.1
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=1)
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(100.0))},
+        [la.BodyForce("block", (push, 0))],
+        interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle((0, 0), (0, 1)), mu)],
+        dead_loads=[la.BodyForce("block", (-sin(slope), -cos(slope)))],
+    )
+    assert la.solve(problem).load_factor > 7
+    found = la.safety_factor(problem, interfaces=True, tolerance=0.05)
+    exact = mu * cos(slope) / (sin(slope) - push)
+    assert exact < 1
+    assert found.lower < exact < found.upper  # the load factor jumps there, from 0 to hundreds
 
 
 def test_an_end_that_is_not_proven_says_so():
