@@ -134,7 +134,7 @@ def load_cases(
         cases: by name the reference loads of each, in place of those of the problem; or a problem
             where more changes, such as one of `Problem.with_loads`.
         backend: name of one.
-        coupling: see `lacore.solve`.
+        coupling: of states, see `lacore.solve`.
         target_width: of a `lacore.bracket` of each case; None: the state of `lacore.solve`.
         options: of the backend, for states.
         workers: cases solved at a time, of states.
@@ -166,6 +166,9 @@ def load_cases(
         rows = [_of_state(name, state) for name, state in zip(names, states, strict=True)]
     else:
         require_width("target_width", target_width)
+        if coupling is not None:
+            why = "a bracket encloses every load factor, and couples no friction"
+            raise InputError("coupling", coupling, why, "leave it out, or `target_width`")
         rows = []
         for name, one in stated.items():
             found = bracket(one.problem, target_width, backend=backend)
@@ -222,14 +225,20 @@ def _of_state(name: str, state: LimitState) -> dict[str, Any]:
 
 
 def _of_bracket(name: str, found: Bracket) -> dict[str, Any]:
-    statuses = {found.lower_bound.status, found.upper_bound.status}
-    proven = [s for s in (Status.UNSAFE, Status.LOCKED, Status.FREE) if s in statuses]
+    above, below = found.upper_bound.state, found.lower_bound
+    status, load_factor = found.status.label, np.nan
+    lower, upper = found.lower, found.upper
+    # Each by the side that proves it: the other one says so of its own elements, for want of more.
+    if above.status in (Status.UNSAFE, Status.FREE):
+        status, load_factor, (lower, upper) = above.status.label, worth(above), proven(above)
+    elif below.status is Status.LOCKED:
+        status, load_factor, lower = below.status.label, np.inf, np.inf
     return {
         "case": name,
-        "status": proven[0].label if proven else found.status.label,
-        "load_factor": np.nan,
-        "lower": found.lower,
-        "upper": found.upper,
+        "status": status,
+        "load_factor": load_factor,
+        "lower": lower,
+        "upper": upper,
         "rigor": "both bounds strict" if found.strict else Rigor.NOT_CERTIFIED.label,
         "residual": np.nan,
         "seconds": found.history["seconds"].max() if len(found.history) else np.nan,

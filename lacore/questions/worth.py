@@ -6,6 +6,8 @@ from lacore.limit.solve import strict_bound
 from lacore.limit.state import LimitState
 from lacore.status import Rigor, Scope, Status
 
+_STRONGER = ("associated", "stick", "davis")  # what these lock friction as stated may not
+_WEAKER = ("frictionless", "davis")  # what falls of these may stand
 _PROVEN = {Status.LOCKED: np.inf, Status.UNSAFE: -np.inf, Status.FREE: 0.0}
 
 
@@ -37,13 +39,18 @@ def proven(state: LimitState) -> tuple[float, float]:
 
     Of blocks and frames without Coulomb friction the load factor itself, within its error. Of a
     deformable body what is found on one mesh is an upper bound at most, of Coulomb friction one of
-    several load factors, maybe.
+    several load factors, maybe. What a coupling says that answers another problem counts as far as
+    it bounds the one that is stated.
     """
     exact = state.discretisation.scope is Scope.ITSELF
+    full, coupling = state.discretisation.full, state.coupling
+    normal = not (full.contact.coulomb.any() or full.frictional)
     if state.status is Status.LOCKED:
-        return (np.inf, np.inf) if exact else (-np.inf, np.inf)
+        locked = exact and (normal or coupling not in _STRONGER)
+        return (np.inf, np.inf) if locked else (-np.inf, np.inf)
     if state.status is Status.UNSAFE:
-        return -np.inf, -np.inf if strict_bound(state.discretisation) else np.inf
+        falls = strict_bound(state.discretisation) and (normal or coupling not in _WEAKER)
+        return -np.inf, -np.inf if falls else np.inf
     if exact and state.bracket is not None:
         return state.bracket
     if state.rigor is not Rigor.UPPER:
@@ -51,7 +58,4 @@ def proven(state: LimitState) -> tuple[float, float]:
     value = state.load_factor
     # Members under line loads hinge where moments are too large by the tolerance at most.
     near = max(error(state), 2 * state.tolerance * abs(value))
-    normal = not (
-        state.discretisation.full.contact.coulomb.any() or state.discretisation.full.frictional
-    )
     return value - near if exact and normal else -np.inf, value + near

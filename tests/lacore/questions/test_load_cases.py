@@ -1,11 +1,15 @@
 """One structure under several loads: the least governs, and what fails is named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lacore as la
 from tests.lacore.models import punch, under_footing
+from tests.lacore.questions.arches import arch
 from tests.lacore.shown import portal, wall
+from tests.rigid_problems import wedge_extraction
 
 WIND = [la.PointForce("portal", "B", (1, 0))]
 SNOW = [la.Traction("portal", "B-C", (0, -1))]
@@ -87,6 +91,73 @@ def test_a_coulomb_load_factor_of_several_does_not_decide(friction, sure):
     assert found.governing == "half"
     assert found.sure == sure
     assert ("coulomb_range" in found.message) == (not sure)
+
+
+def held_wedge():
+    """CLOSED_FORMS C8b: pulled out of fixed walls it carries its weight, dilatant friction any."""
+    free = wedge_extraction()
+    return la.Problem(
+        free.bodies,
+        free.reference_loads,
+        [la.Fix("blocks", ("base", "left", "right"))],
+        dead_loads=free.dead_loads,
+    )
+
+
+@pytest.mark.parametrize("coupling", ["associated", "stick"])
+def test_what_stronger_friction_locks_proves_nothing_of_the_friction_stated(coupling):
+    problem = held_wedge()
+    pull = problem.reference_loads
+    aside = [la.PointForce("blocks", "wedge", (1, 0)), *pull]
+    found = la.load_cases(problem, {"out": pull, "aside": aside}, coupling=coupling)
+    table = found.table.set_index("case")
+    weight = 1 + np.tan(0.2)  # height times mean width
+    assert table.loc["out", "status"] == "locked"
+    assert table.loc["out", "lower"] < weight < table.loc["out", "upper"]
+    assert not found.sure
+    assert la.load_cases(problem, {"out": pull}).table["load_factor"].item() == pytest.approx(
+        weight
+    )
+
+
+def test_what_falls_without_friction_may_stand_with_it():
+    """Every arch: its dead loads collapse it without friction, and with it they do not."""
+    problem = arch(0.2)
+    push = {"push": problem.reference_loads}
+    without = la.load_cases(problem, push, coupling="frictionless").table.iloc[0]
+    carried = la.load_cases(problem, push).table["load_factor"].item()
+    assert without["status"] == "unsafe"
+    assert without["lower"] < carried < without["upper"]
+
+
+def test_brackets_of_what_is_locked_and_what_falls():
+    """A body in an open box is pressed into it by any weight, and sheared at its top by k."""
+    mesh = la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=2, ny=2)
+    problem = la.Problem(
+        {"soil": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        [la.BodyForce("soil", (0, -1))],
+        [la.Fix("soil", side) for side in ("left", "right", "bottom")],
+    )
+    cases = {"down": problem.reference_loads, "aside": [la.Traction("soil", "top", (1, 0))]}
+    found = la.load_cases(problem, cases, target_width=0.3)
+    down = found.table.set_index("case").loc["down"]
+    assert (down["status"], down["load_factor"], down["lower"]) == ("locked", np.inf, np.inf)
+    assert found.failed == ()
+    assert found.governing == "aside"
+    assert found.sure
+    # A cut of a thousand times its strength in weight falls, however its face is pressed.
+    heavy = replace(problem, supports=[la.Fix("soil", side) for side in ("left", "bottom")])
+    heavy = heavy.with_loads([la.Pressure("soil", "right")], [la.BodyForce("soil", (0, -1e3))])
+    both = la.load_cases(problem, {"heavy": heavy, "aside": cases["aside"]}, target_width=0.3)
+    row = both.table.set_index("case").loc["heavy"]
+    assert (row["status"], row["load_factor"], row["upper"]) == ("unsafe", -np.inf, -np.inf)
+    assert both.governing == "heavy"
+    assert both.sure
+
+
+def test_a_bracket_takes_no_coupling():
+    with pytest.raises(la.InputError, match=r"coupling = 'stick'.*target_width"):
+        la.load_cases(punch(), {"p": punch().reference_loads}, coupling="stick", target_width=0.2)
 
 
 def test_a_case_that_is_not_certified_is_named():
