@@ -85,7 +85,7 @@ class Scope(Enum):
     """Of which problem an interval of Coulomb load factors is proven."""
 
     ITSELF = "the problem: rigid blocks and frames have no discretisation"
-    DISCRETE = "the discrete problem: velocities of the space, on the mesh"
+    DISCRETE = "the discrete problem: velocities on the mesh, cells of joints that crush"
 
     @property
     def phrase(self) -> str:

@@ -69,7 +69,7 @@ class Discretisation(Shown):
     @property
     def scope(self) -> Scope:
         """Of which problem its load factors are."""
-        return Scope.DISCRETE if self.bodies else Scope.ITSELF
+        return Scope.DISCRETE if self.bodies or self.crushing.size else Scope.ITSELF
 
     def worth(self, rigor: Rigor) -> str:
         """What a load factor proves; where nothing is discretised, it bounds no continuum."""

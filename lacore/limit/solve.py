@@ -17,6 +17,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.sticking import opening
 from lacore.backend import find_backend, read_options
+from lacore.bodies.blocks3d.crushing import crushing_of
 from lacore.bodies.continuum.body_forces import linear
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
@@ -369,9 +370,15 @@ def _rigor(
 
 
 def strict_bound(discretisation: Discretisation) -> bool:
-    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact."""
+    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact.
+
+    Of joints that crush: whether cells carry no less than they do (T95).
+    """
     bodies = {name: dofs.body for name, dofs in discretisation.bodies.items()}
     loads = [load for load in discretisation.problem.loads.values() if load.body in bodies]
+    crushing = [crushing_of(dofs.body.crushing) for dofs in discretisation.solids.values()]
+    if any(law is not None and law.side == "below" for law in crushing):
+        return False
     return all(
         SPACES[own.space].strict and own.geometry == "exact" and own.bounded
         for own in bodies.values()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from lacore.adaptive.bracket import Ending
 from lacore.adaptive.refine import bracket
 from lacore.assembly.discretisation import Discretisation
 from lacore.bounds.enclosing import associated, frictionless
@@ -49,9 +50,13 @@ def continuum_range(
     """
     if stated.points.obstacles or not stated.program.homogeneous:
         return ContinuumRange(-inf, inf, "a state within a step of a path has none")
+    if stated.crushing.size:
+        return ContinuumRange(-inf, inf, _CELLS)
     if target_width is not None:
         found = bracket(stated.problem, target_width, backend=backend)
         ends = _strict(found.lower_bound), _strict(found.upper_bound)
+        if found.status is Ending.CROSSED:
+            ends = -inf, inf  # one of them is none
         why = "" if ends[0] > -inf and ends[1] < inf else found.failure or _NOT_STRICT
         return ContinuumRange(*ends, why)
     lower, upper, missing = -inf, inf, []
@@ -73,6 +78,7 @@ def continuum_range(
 
 
 _NOT_STRICT = "straight edges stand for curved ones"
+_CELLS = "cells stand for joints that crush, which lacore.crushing_bracket encloses"
 
 
 def _strict(bound: LowerBound | UpperBound) -> float:

@@ -160,6 +160,25 @@ def test_a_bracket_takes_no_coupling():
         la.load_cases(punch(), {"p": punch().reference_loads}, coupling="stick", target_width=0.2)
 
 
+def test_cells_that_stand_for_crushing_joints_prove_nothing_of_them():
+    """One cell a corner carries 0.2 here, and pressures (0.4 m - 0.08 m)/1 m of the weight."""
+    stone = {"block": (0.4, 0.2, 1.0), "crushing": la.Crushing(1e5, divisions=1)}
+    pier = la.Problem(
+        {"pier": la.masonry3d.wall([[1]], friction=la.Tresca(1e4), **stone)},
+        [la.BodyForce("pier", (20e3, 0, 0))],
+        [la.Fix("pier", "base")],
+        dead_loads=[la.BodyForce("pier", (0, 0, -20e3))],
+    )
+    table = la.load_cases(pier, {"push": pier.reference_loads}).table.iloc[0]
+    exact = la.crushing_bracket(pier, target_width=1e-4).low
+    assert table["load_factor"] < 0.99 * exact
+    assert table["lower"] < exact < table["upper"]
+    assert "exact" not in str(la.solve(pier))
+    found = la.coulomb_range(pier, restarts=0)
+    assert "crushing_bracket" in found.missing
+    assert found.continuum == (-np.inf, np.inf)
+
+
 def test_a_case_that_is_not_certified_is_named():
     cases = {"wind": WIND, "snow": SNOW}
     found = la.load_cases(portal(), cases, options={"max_iterations": 1})
