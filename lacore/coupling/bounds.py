@@ -8,6 +8,7 @@ import numpy as np
 
 from lacore.backend import InnerSolution
 from lacore.certificate import certify
+from lacore.claims.locking_ray import locking_ray
 from lacore.program import (
     FrozenContact,
     KinematicProgram,
@@ -22,11 +23,13 @@ from lacore.status import Status
 def lower_bound(program: KinematicProgram, inner: InnerSolution, tolerance: float) -> float:
     """Bound from stresses and reactions of a solve without friction; -inf where they prove none.
 
-    Less by the power of what is out of balance and of tensions, at the solve's own velocity.
+    Less by the power of what is out of balance and of tensions, at the solve's own velocity; inf
+    where reactions carry the reference load alone.
     """
-    if inner.status is Status.LOCKED:
-        return np.inf
     contact = frictionless_contact(program.contact)
+    if inner.status is Status.LOCKED:
+        ray = locking_ray(program, contact)
+        return np.inf if ray is not None and ray.proves else -np.inf
     if inner.point is None:
         return -np.inf
     seen = certify(program, inner.point, contact)

@@ -212,7 +212,7 @@ class Search:
         state, run = settled
         return self._noted(state, restart, origin, tuple(run.iterates))
 
-    def _known(self, certified: ProgramState) -> Found:
+    def _known(self, certified: ProgramState) -> Found | None:
         """The mechanism of a state that needs no settling, so that its own load is among those."""
         inner = InnerSolution(Status.SOLVED, "certified", 0, 0.0, certified)
         proof = certify(self.program, certified)
@@ -221,8 +221,10 @@ class Search:
 
     def _noted(
         self, state: ProgramState, restart: int, origin: str, iterates: tuple[Iterate, ...]
-    ) -> Found:
+    ) -> Found | None:
         interval = load_factor_interval(self.program, state, self._counted, self.tolerance)
+        if interval.lower.status is EndStatus.NOT_CERTIFIED:  # by round-off of other units
+            return None
         found = Found(restart, origin, interval, iterates)
         for side in (LOW, HIGH):
             best = self.best.get(side)

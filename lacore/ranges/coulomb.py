@@ -304,12 +304,13 @@ def coulomb_range(
         )
     for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
         first, ends = refused, {}
+    none = Status.NOT_CERTIFIED if first.status is Status.SOLVED else first.status
     nothing = np.inf if first.status is Status.LOCKED else np.nan
     si = (bounds[0] * scale, bounds[1] * scale)
     if ends:
         si = _about(si, ends[LOW].load_factor, ends[HIGH].load_factor)
     return CoulombRange(
-        status=Status.SOLVED if ends else first.status,
+        status=Status.SOLVED if ends else none,
         lowest=ends.get(LOW),
         highest=ends.get(HIGH),
         low=ends[LOW].load_factor if ends else nothing,

@@ -8,10 +8,12 @@ import pytest
 
 import lacore as la
 from lacore.certificate import certify
+from lacore.coupling import interval, search
 from lacore.coupling.interval import EndStatus
 from lacore.limit.conversion import point_in_program, point_in_si
 from lacore.program import dimensionless
 from lacore.status import Status
+from tests.lacore.claims.test_claims import on_incline
 from tests.lacore.models import deformable_block
 from tests.rigid_problems import DOWN, block_slide, box, problem, wall, wedge_extraction
 
@@ -179,6 +181,26 @@ def test_a_locked_problem_says_so():
     assert found.ray.proves
     assert "out of balance" in repr(found)
     assert la.coulomb_range(between_walls(), restarts=0).ray is None
+
+
+def test_what_a_solver_calls_locked_is_no_bound():
+    """An adhesion of 1 N on a slope of 1e-9 carries 1e9, which interior points call infinite."""
+    found = la.coulomb_range(on_incline(1e-9, la.Tresca(1.0)), "clarabel", restarts=0)
+    assert found.status is Status.NOT_CERTIFIED
+    assert found.bracket[0] < 1e9
+    assert not found.lowest_proven
+
+
+def test_a_state_that_does_not_hold_again_is_no_end(monkeypatch):
+    """Where the mechanism of a state is not certified the search has found none, and no NaN."""
+    nothing = interval.End(EndStatus.NOT_CERTIFIED, np.nan, None, None)
+    monkeypatch.setattr(
+        search, "load_factor_interval", lambda *_: interval.Interval(nothing, nothing)
+    )
+    found = la.coulomb_range(block_slide(), restarts=0)
+    assert found.status is Status.NOT_CERTIFIED
+    assert found.states.empty
+    assert np.isnan(found.low)
 
 
 def test_an_unproven_bound_proves_nothing():
