@@ -17,12 +17,17 @@ from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.questions.kept import Found, digest, keep, recall
 from lacore.questions.sharing import solved
+from lacore.questions.stable import stable
 from lacore.questions.worth import error, worth
 from lacore.showing import counted
 from lacore.status import Status
 
 ProblemAt = Callable[[float], Problem]
-_HELD = Found(inf, 0.0, Status.LOCKED.label, nan, 0.0)  # whatever the load, supports take it
+_OF_DEAD = {  # by whether they are carried alone
+    True: Found(inf, 0.0, Status.LOCKED.label, nan, 0.0),
+    False: Found(-inf, 0.0, Status.UNSAFE.label, nan, 0.0),
+    None: Found(nan, nan, Status.NOT_CERTIFIED.label, nan, 0.0),
+}
 COLUMNS = ["parameter", "load_factor", "error", "status", "residual", "seconds", "kept"]
 PROBLEM_AT = "give a function of a value that returns the problem at it"
 
@@ -58,7 +63,7 @@ class Along:
         new, stated = [], []
         for value, problem in assembled.items():
             if problem is None:
-                self._note(value, _HELD, kept=False)
+                self._note(value, self._without_power(value), kept=False)
             else:
                 new.append(value)
                 stated.append(problem)
@@ -114,6 +119,17 @@ class Along:
             return self.discretised(value)
         except NoPowerError:
             return None
+
+    def _without_power(self, value: float) -> Found:
+        """What the dead loads alone decide, where supports take the others whatever their size."""
+        problem = self.problem_at(value)
+        if not problem.dead_loads:
+            return _OF_DEAD[True]
+        given = {name: self.given[name] for name in ("backend", "options") if name in self.given}
+        try:
+            return _OF_DEAD[stable(problem.with_loads(problem.dead_loads), **given).stands]
+        except NoPowerError:  # they take these, too
+            return _OF_DEAD[True]
 
     def _note(self, value: float, found: Found, kept: bool) -> None:
         self.rows[value] = {

@@ -42,7 +42,8 @@ def limit_thickness(
     endless. So all joints are closed by one pressure, and opened by another, alike: where the
     structure stands it takes more to open it than what closes it, and where it falls less. On which
     side it is reactions prove at one end, a mechanism that the dead loads drive at the other. What
-    has no joints is asked for the factor of its dead loads, which is to be 1, too.
+    has no joints, or frames on them, is asked for the factor of its dead loads, which is to be 1,
+    too.
 
     Args:
         problem_at: the problem at a value; its dead loads act alone.
@@ -69,21 +70,29 @@ def limit_thickness(
     low, high = read_range(within)
     given = {"backend": backend, "coupling": "associated", "options": options}
     along = Along(problem_at, given, workers, folder_of(folder), on_value=on_value)
-    touching = False
     along.assembled = _opened
-    touching = along.discretised(low).program.contact.count > 0
+    touching = _touching(along.discretised(low))
     if not touching:
         along.assembled = _by_itself
     of = OPENING if touching else DEAD
     return crossing(along, low, high, 1.0, tolerance, scan, of)
 
 
+def _touching(stated: Discretisation) -> bool:
+    """Whether joints are opened by a pressure.
+
+    Beside frames they are not: hinges under loads along members are looked for in the problem as it
+    is stated (`lacore.limit.hinging`).
+    """
+    return stated.program.contact.count > 0 and not stated.frames
+
+
 def _opened(problem: Problem) -> Discretisation:
     """The structure with a pressure that closes all contact, and one that opens it to refer to."""
     require_dead_loads(problem)
     stated = discretise(problem)
-    if not stated.program.contact.count:
-        return stated
+    if not _touching(stated):
+        return _by_itself(problem)
     area = float(stated.full.contact.weights.sum())
     weight = stated.full.dead_load - stated.full.held_shut
     pressure = float(np.abs(weight).sum()) / area

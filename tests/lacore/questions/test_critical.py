@@ -75,6 +75,31 @@ def test_without_joints_the_factor_of_dead_loads_is_one():
     assert found.rises is False
 
 
+@pytest.mark.parametrize(("mu", "exact"), [(0.9, 1.0), (0.2, 1.2)])
+def test_a_portal_whose_feet_rest_on_the_ground(mu, exact):
+    """Under q along its beam: it breaks, q L^2/16, or spreads its feet, q L^2/8 - mu q L h/2.
+
+    A push so large that the portal carries next to none of it plays no part.
+    """
+
+    def portal(moment):
+        frame = la.Frame(
+            {"A": (0, 0), "B": (0, 2), "C": (4, 2), "D": (4, 0)},
+            [("A", "B"), ("B", "C"), ("C", "D")],
+            plastic_moment=moment,
+        )
+        floor = la.RigidObstacle((0, 0), (0, 1))
+        return la.Problem(
+            {"portal": frame},
+            [la.PointForce("portal", "B", (1e3, 0))],
+            interfaces=[la.Interface(("portal", foot), floor, mu) for foot in ("A", "D")],
+            dead_loads=[la.Traction("portal", "B-C", (0, -1))],
+        )
+
+    found = la.limit_thickness(portal, (0.5, 3.0))
+    assert found.value == pytest.approx(exact, rel=2e-6)  # hinges within members: the bar
+
+
 def test_friction_at_which_a_block_just_carries_its_push():
     """CLOSED_FORMS C14, b/h = 4, p = 1: alpha = min(4 mu, 3) is 2 at mu = 1/2."""
     found = la.critical(deformable_block, (0.1, 0.9), target=2.0)
@@ -185,6 +210,18 @@ def test_above_a_support_a_wheel_is_carried_whatever_its_weight():
     row = found.table.set_index("parameter").loc[4.0]
     assert (row["status"], row["load_factor"]) == ("locked", np.inf)
     assert found.load_factor < np.inf
+
+
+@pytest.mark.parametrize(("load", "carried"), [(9.0, np.inf), (11.0, -np.inf)])
+def test_above_a_support_the_dead_loads_decide(load, carried):
+    """Clamped at one end and continuous at the other a span carries q = 16 M_p/L^2 = 10."""
+
+    def loaded(place):
+        dead = [la.Traction("beam", "A-B", (0, -load))]
+        return beam(place).with_loads(dead_loads=dead)
+
+    found = la.worst_position(loaded, (3.0, 5.0), scan=3, tolerance=0.5)
+    assert found.table.set_index("parameter").loc[4.0, "load_factor"] == carried
 
 
 def test_a_position_at_which_all_falls_is_the_worst():
