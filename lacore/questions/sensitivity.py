@@ -380,7 +380,7 @@ def _require_one(state: LimitState) -> None:
     if state.discretisation.program.frictional:
         return
     low, high = state.interval.low, state.interval.high
-    if high - low > 100 * state.tolerance * abs(state.load_factor):
+    if not high - low <= 100 * state.tolerance * abs(state.load_factor):  # false for NaN
         raise InputError(
             "state",
             state.load_factor,

@@ -255,6 +255,15 @@ def test_a_range_of_coulomb_loads_is_no_function():
         la.sensitivity(state)
 
 
+def test_a_range_that_is_not_known_is_none():
+    """Of a mechanism that is not certified again nobody knows which load factors it carries."""
+    state = la.solve(deformable_block(0.5))
+    end = replace(state.interval.lower, load_factor=np.nan)
+    vars(state)["interval"] = replace(state.interval, lower=end, upper=end)
+    with pytest.raises(la.InputError, match="carries every load factor"):
+        la.sensitivity(state)
+
+
 def test_a_field_counts_by_its_factor():
     """Strength alone: its elasticity is 1; how steep it is at most is no strength."""
     varies = la.VonMises(la.Field(lambda x: 1 + 0.1 * x[0], steepest=0.2))
