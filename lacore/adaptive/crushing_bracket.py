@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan
 
@@ -13,9 +13,10 @@ import shapely
 from lacore.arrays import Floats, Geometries, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
-from lacore.bodies.blocks3d.crushing import Cells, Crushing, crushing_of
+from lacore.bodies.blocks3d.crushing import Cells, Crushing
 from lacore.bodies.blocks3d.surface import axes_of
 from lacore.errors import InputError, require_count, require_width, typed
+from lacore.limit.cells import laws_of_crushing, with_cells
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -100,16 +101,15 @@ def crushing_bracket(
     """
     require_width("crushing_bracket.target_width", target_width)
     require_count("crushing_bracket.rounds", rounds)
-    solids = of_kind(problem.bodies, BlockAssembly3D)
-    laws = {name: law for name, own in solids.items() if (law := crushing_of(own.crushing))}
+    laws = laws_of_crushing(problem)
     if not laws:
         mend = "give lacore.BlockAssembly3D(..., crushing=strength in Pa)"
         raise InputError("crushing_bracket.problem", None, "no joint of it crushes", mend)
     rows, kept, lower, upper = [], problem, None, None
     for number in range(rounds):
-        stated = _with(problem, laws, "below")
+        stated = with_cells(problem, laws, "below")
         under = solve(stated, backend, coupling="associated")
-        over = solve(_with(problem, laws, "above"), backend, coupling="associated")
+        over = solve(with_cells(problem, laws, "above"), backend, coupling="associated")
         if lower is None or _proven(under, -inf) > _proven(lower, -inf):
             lower, kept = under, stated
         if upper is None or _proven(over, inf) < _proven(upper, inf):
@@ -129,8 +129,9 @@ def crushing_bracket(
         }
     assert lower is not None  # of the first round
     assert upper is not None
-    ends = [end.status for end in (upper, lower) if end.status is not Status.SOLVED]
-    status = ends[0] if ends else Status.SOLVED
+    status = upper.status
+    if status is Status.SOLVED and lower.status is not status:  # of cells alone, UNSAFE as well
+        status = Status.NOT_CERTIFIED
     known = lower.load_factor, upper.load_factor
     return CrushingBracket(status, *known, lower, upper, kept, pd.DataFrame(rows))
 
@@ -138,13 +139,6 @@ def crushing_bracket(
 def _proven(state: LimitState, otherwise: float) -> float:
     """Its load factor, if that is certified."""
     return otherwise if np.isnan(state.load_factor) else state.load_factor
-
-
-def _with(problem: Problem, laws: Mapping[str, Crushing], side: str) -> Problem:
-    """The problem with these cells, on one side."""
-    solids = of_kind(problem.bodies, BlockAssembly3D)
-    cut = {name: solids[name].crushed(replace(law, side=side)) for name, law in laws.items()}
-    return replace(problem, bodies={**problem.bodies, **cut})
 
 
 def _finer(

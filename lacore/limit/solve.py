@@ -17,7 +17,6 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
 from lacore.assembly.sticking import opening
 from lacore.backend import find_backend, read_options
-from lacore.bodies.blocks3d.crushing import crushing_of
 from lacore.bodies.continuum.body_forces import linear
 from lacore.bodies.continuum.spaces import SPACES
 from lacore.certificate import certify
@@ -40,6 +39,7 @@ from lacore.coupling.run import Coupled, CouplingOptions, Iterate
 from lacore.errors import SolveError, typed
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
+from lacore.limit import cells
 from lacore.limit.conversion import point_in_si, ray_in_si
 from lacore.limit.driven_corners import driven_corners
 from lacore.limit.engines import engine_for, stated
@@ -322,7 +322,8 @@ def limit_state(
     if ranging:
         message += f"; {_ONE_OF_MANY}"
     apart = opening(discretisation.problem, coupled.status)
-    notes = (corners, reached, apart, warning(coupled, load_factor), coupled.note)
+    falls = cells.told_of_fall(discretisation.problem, coupled.status)
+    notes = (corners, reached, apart, warning(coupled, load_factor), falls, coupled.note)
     message += "".join(f"; {note}" for note in notes if note)
     if inner.message:
         message += f" ({inner.message})"
@@ -370,19 +371,17 @@ def _rigor(
 
 
 def strict_bound(discretisation: Discretisation) -> bool:
-    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact.
-
-    Of joints that crush: whether cells carry no less than they do (T95).
-    """
+    """Whether dissipation is nowhere below that of the continuum, and the power of loads exact."""
     bodies = {name: dofs.body for name, dofs in discretisation.bodies.items()}
     loads = [load for load in discretisation.problem.loads.values() if load.body in bodies]
-    crushing = [crushing_of(dofs.body.crushing) for dofs in discretisation.solids.values()]
-    if any(law is not None and law.side == "below" for law in crushing):
-        return False
-    return all(
-        SPACES[own.space].strict and own.geometry == "exact" and own.bounded
-        for own in bodies.values()
-    ) and all(linear(load, bodies[load.body]) for load in loads)
+    return (
+        not cells.from_below(discretisation.problem)
+        and all(
+            SPACES[own.space].strict and own.geometry == "exact" and own.bounded
+            for own in bodies.values()
+        )
+        and all(linear(load, bodies[load.body]) for load in loads)
+    )
 
 
 _ONE_OF_MANY = "one of several, maybe: flow is not associated; lacore.soil_range looks for others"

@@ -24,6 +24,7 @@ from lacore.claims.carrying import carrying
 from lacore.coupling.interval import Prepare
 from lacore.coupling.run import Coupled
 from lacore.inner.preparing import JUDGE, preparing
+from lacore.limit import cells
 from lacore.limit.checking import laws_of, program_of
 from lacore.limit.conversion import point_in_si
 from lacore.limit.driven_corners import driven_corners
@@ -70,7 +71,7 @@ class Stability(Shown):
         point: SI units: where it stands, stresses and reactions under the dead loads alone, without
             a velocity; where it falls, the mechanism, at ``Fd.u = 1``. None where undecided.
         residual: largest one of that proof; NaN where undecided.
-        why: what keeps it from being decided; empty where it is.
+        why: what keeps it from being decided, or of what it is proven; else empty.
     """
 
     standing: Standing
@@ -155,7 +156,8 @@ def stability_of(
         if corners := driven_corners(discretisation, point.velocity, tolerance):
             return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
         known += _carried_ends(discretisation, program, laws, prepare, tolerance)
-    return _stability(Standing.FALLS, known, load_factor, point, found.residual)
+    why = cells.told_of_fall(discretisation.problem, Status.UNSAFE)
+    return _stability(Standing.FALLS, known, load_factor, point, found.residual, why)
 
 
 def warning(coupled: Coupled, load_factor: float) -> str:

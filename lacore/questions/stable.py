@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import pandas as pd
 from lacore import views
 from lacore.assembly.discretise import discretise
 from lacore.errors import InputError, require_positive, typed
+from lacore.limit import cells
 from lacore.limit.stability import Stability, Standing, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -82,7 +83,8 @@ def stable(
 
     That it stands means that stresses within all strengths and reactions within all friction cones
     carry the dead loads; with friction that is not associated they need not be those that there are
-    (T14b). Where it falls no friction of these coefficients can hold it.
+    (T14b). Where it falls no friction of these coefficients can hold it, and no pressures up to the
+    strength of joints that crush.
 
     Args:
         problem: with dead loads; its reference loads do not act.
@@ -102,7 +104,12 @@ def stable(
     require_dead_loads(problem)
     discretisation = discretise(problem)
     built = time.perf_counter()
-    found = stability_of(discretisation, backend, options or {}, "associated", tolerance, np.nan)
+    given = backend, options or {}, "associated", tolerance, np.nan
+    found = stability_of(discretisation, *given)
+    if found.standing is Standing.FALLS and cells.from_below(problem):
+        more = cells.with_cells(problem, cells.laws_of_crushing(problem), "above")
+        falls = stability_of(discretise(more), *given).standing is Standing.FALLS
+        found = replace(found, why="") if falls else _undecided(found)
     status = _STATUS[found.standing]
     state = LimitState(
         status=status,
@@ -125,6 +132,10 @@ def stable(
     )
     answer = {Standing.STANDS: True, Standing.FALLS: False, Standing.UNDECIDED: None}
     return Stable(answer[found.standing], found, state)
+
+
+def _undecided(found: Stability) -> Stability:
+    return replace(found, standing=Standing.UNDECIDED, point=None, residual=np.nan)
 
 
 @typed()

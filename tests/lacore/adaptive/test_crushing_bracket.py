@@ -90,3 +90,26 @@ def test_a_weight_that_crushes_its_joint_is_unsafe():
 def test_what_does_not_crush_is_refused():
     with pytest.raises(la.InputError, match="crushes"):
         la.crushing_bracket(shaken(la.BlockAssembly3D(PIER, 0.5), "floor"))
+
+
+@pytest.mark.parametrize(("lean", "stands"), [(0.25, True), (0.45, False)])
+def test_dead_loads_that_crush_cells_need_not_crush_their_joint(lean, stands):
+    """A pier of 0.4 m x 0.2 m x 1 m: its weight, off by lean/2, may be off by (0.4 m - 0.08 m)/2.
+
+    Of one cell a corner it crushes some at 0.2 m/2.
+    """
+    stone = {"block": (0.4, 0.2, 1.0), "crushing": la.Crushing(1e5, divisions=1)}
+    problem = la.Problem(
+        {"pier": la.masonry3d.wall([[1]], friction=0.7, **stone)},
+        [la.BodyForce("pier", (0, 20e3, 0))],
+        [la.Fix("pier", "base")],
+        dead_loads=[la.BodyForce("pier", (lean * 20e3, 0, -20e3))],
+    )
+    state = la.solve(problem)
+    assert state.status is la.Status.UNSAFE
+    assert "cells of joints that crush" in state.message
+    assert "cells of joints that crush" in str(state.stability)
+    found = la.stable(problem)
+    assert found.stands is (None if stands else False)
+    once = la.crushing_bracket(problem, rounds=1)
+    assert once.status is (la.Status.NOT_CERTIFIED if stands else la.Status.UNSAFE)
