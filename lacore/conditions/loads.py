@@ -45,8 +45,8 @@ class Fix(Compact):
         where: which part, see `lacore.types.Where`; it ends where facets do. Of a frame its nodes.
         components: ``all`` directions, which a problem reads as ``xy``, in space as ``xyz``; or
             ``x``, ``y``, ``xy``, or ``normal`` / ``tangential`` to the boundary; of nodes of a
-            frame also ``rotation``, and ``clamped`` for all three, but no normal. Of blocks in
-            space ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
+            frame also ``rotation``, and ``clamped`` for all three, but no normal. In space
+            ``x``, ``y``, ``z``, two of them but ``xy``, ``xyz``, or ``normal``.
 
     Example:
         >>> clamped, roller = la.Fix("soil", "bottom"), la.Fix("soil", "left", "x")

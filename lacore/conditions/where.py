@@ -11,7 +11,7 @@ Where = str | tuple[str, ...] | Callable[[Floats], Bools]
 """A part of a body: the name of a boundary, names of blocks, nodes or members, or which places.
 
 Places are told by a function of coordinates of shape (2, n), in space (3, n), that returns yes or
-no for each, or by `lacore.Within`, `lacore.Along`, `lacore.Beyond`.
+no for each, or in the plane by `lacore.Within`, `lacore.Along`, `lacore.Beyond`.
 """
 
 
@@ -70,6 +70,8 @@ def asked(where: Callable[[Floats], Bools], places: Floats, field: str) -> Bools
     shape = f"({len(places)}, n)"
     try:
         inside = np.asarray(where(places))
+    except InputError as error:  # of our own
+        raise InputError(field, error.field, error.why, error.mend) from error
     except Exception as error:  # of others
         raise InputError(
             field,

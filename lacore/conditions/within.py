@@ -56,6 +56,7 @@ class Within(Compact):
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie in it, shape (n,)."""
+        _require_plane("Within", places)
         slack = _slack(places)
         inside = np.ones(places.shape[1], dtype=bool)
         for own, values in zip((self.x, self.y), places, strict=True):
@@ -102,6 +103,7 @@ class Along(Compact):
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie on it, shape (n,)."""
+        _require_plane("Along", places)
         slack = _slack(places)
         (x, y), (u, v) = self.start, (b - a for a, b in zip(self.start, self.end, strict=True))
         length = hypot(u, v)
@@ -149,6 +151,7 @@ class Beyond(Compact):
 
     def __call__(self, places: Floats) -> Bools:
         """Which of the places of shape (2, n) lie there, shape (n,)."""
+        _require_plane("Beyond", places)
         (x, y), (u, v) = self.point, self.normal
         away = ((places[0] - x) * u + (places[1] - y) * v) / hypot(u, v)
         return np.asarray(away >= -_slack(places))
@@ -158,6 +161,14 @@ def _said(extent: Extent) -> str:
     if isinstance(extent, tuple):
         return f"{extent[0]:.4g} to {extent[1]:.4g}"
     return f"{extent:.4g}"
+
+
+def _require_plane(field: str, places: Floats) -> None:
+    """Raise `InputError` of places in space: a line or a box there is another thing."""
+    if len(places) != 2:
+        why = "says places of the plane, and the body is one in space"
+        mend = "give a function of coordinates (3, n): lambda x: x[2] == 0"
+        raise InputError(field, None, why, mend)
 
 
 def _slack(places: Floats) -> float:

@@ -76,7 +76,7 @@ def _footing(load: Footing, body: "BlockAssembly") -> Carried:
 def refuse_footing(load: Footing) -> InputError:
     """What is wrong with a footing on blocks."""
     return InputError(
-        "RigidFooting.body", load.body, "its blocks are rigid already", "load the blocks"
+        f"{type(load).__name__}.body", load.body, "its blocks are rigid already", "load the blocks"
     )
 
 
