@@ -99,7 +99,7 @@ class Sensitivity(Shown):
         told = {"status": self.message}
         most = self.table.dropna(subset="elasticity").head(3)
         rows = zip(most["parameter"], most["elasticity"], strict=True)
-        told["most"] = "; ".join(f"{cut(name, 40)} {size:+.3f}" for name, size in rows)
+        told["most"] = "; ".join(f"{cut(name, 40)} {size:+z.3f}" for name, size in rows)
         told["solved by"] = f"{counted(self.solves, 'more solve')} in {self.solve_time:.3g} s"
         title = f"Sensitivity: load factor {self.state.load_factor:.7g},"
         return Facts(f"{title} {counted(len(self.table), 'parameter')}", told)

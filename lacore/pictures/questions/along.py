@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from lacore.questions.critical import Critical, Search
 from lacore.questions.position import WorstPosition
-from lacore.showing import cut, listed
+from lacore.showing import listed
 
 _SIZE = (7.0, 3.8)  # inches
 _LINE, _FOUND, _WRONG = "#2b6a99", "#b2182b", "#999999"
@@ -25,7 +25,7 @@ def plot_critical(found: Critical, parameter: str = "parameter") -> Figure:
         found: the answer.
         parameter: what the axis is called.
     """
-    figure, axes = _axes(cut(f"{_heading(found)}", 95))
+    figure, axes = _axes(_heading(found))
     _curve(axes, found.table, found.target)
     axes.axhline(found.target, color="black", lw=0.8, ls="--", zorder=1)
     axes.annotate(
@@ -70,7 +70,7 @@ def _heading(found: Critical) -> str:
 def _axes(heading: str) -> tuple[Figure, Axes]:
     figure = Figure(figsize=_SIZE, layout="constrained")
     figure.set_facecolor("white")
-    figure.suptitle(heading, fontsize=11, x=0.01, ha="left")
+    figure.suptitle(heading, fontsize=11, x=0.01, ha="left", wrap=True)
     axes = figure.add_subplot()
     axes.tick_params(labelsize=8)
     axes.grid(color="#dddddd", lw=0.5)

@@ -9,7 +9,6 @@ from scipy.spatial import ConvexHull
 
 from lacore.arrays import Floats
 from lacore.questions.yield_surface.envelope import Envelope
-from lacore.showing import cut
 
 _SIZE, _PANEL = (6.4, 5.2), (4.2, 4.6)  # inches: of one picture, and of one of several
 _INSIDE, _OUTSIDE = "#7fa6c9", "#b2182b"
@@ -24,7 +23,7 @@ def plot_envelope(found: Envelope) -> Figure:
     size = _SIZE if len(pairs) == 1 else (_PANEL[0] * len(pairs), _PANEL[1])
     figure = Figure(figsize=size, layout="constrained")
     figure.set_facecolor("white")
-    figure.suptitle(cut(found.message, 90), fontsize=11, x=0.01, ha="left")
+    figure.suptitle(found.message, fontsize=11, x=0.01, ha="left", wrap=True)
     for place, pair in enumerate(pairs):
         axes = figure.add_subplot(1, len(pairs), place + 1)
         _draw(axes, found, np.array(pair))

@@ -19,7 +19,7 @@ def plot_load_cases(cases: LoadCases) -> Figure:
     table = cases.table
     figure = Figure(figsize=(_WIDTH, _REST + _ROW * len(table)), layout="constrained")
     figure.set_facecolor("white")
-    figure.suptitle(cut(cases.message, 90), fontsize=11, x=0.01, ha="left")
+    figure.suptitle(cut(cases.message, 200), fontsize=11, x=0.01, ha="left", wrap=True)
     axes = figure.add_subplot()
     low = table["load_factor"].where(np.isfinite(table["load_factor"]), table["lower"])
     high = table["load_factor"].where(np.isfinite(table["load_factor"]), table["upper"])

@@ -23,7 +23,7 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
     figure.set_facecolor("white")
     methods = " and ".join(dict.fromkeys(found.table["method"]))
     heading = f"load factor {found.state.load_factor:.6g}: what it depends on, by {methods}"
-    figure.suptitle(heading, fontsize=11, x=0.01, ha="left")
+    figure.suptitle(heading, fontsize=11, x=0.01, ha="left", wrap=True)
     axes = figure.add_subplot()
     for place, row in enumerate(table.to_dict("records")):
         colour = _COLOURS[row["kind"]]
@@ -35,7 +35,7 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
         axes.barh(place, sides[0], height=0.62, color=colour)
         far = max(sides, key=abs)
         axes.annotate(
-            " / ".join(f"{side:+.3f}" for side in sides), (far, place),
+            " / ".join(f"{side:+z.3f}" for side in sides), (far, place),
             (4 if far >= 0 else -4, 0), textcoords="offset points", va="center",
             ha="left" if far >= 0 else "right", fontsize=8,
         )  # fmt: skip

@@ -23,6 +23,6 @@ def plot_stable(found: Stable, units: Units | None = None) -> Figure:
     heading = cut(f"{standing.label.upper()}: {standing.value}", 95)
     residual = found.stability.residual
     told = f"{found.state.backend}, largest residual of the proof {residual:.1e}"
-    figure.suptitle(f"{heading}\n{told}", fontsize=11, x=0.01, ha="left")
+    figure.suptitle(f"{heading}\n{told}", fontsize=11, x=0.01, ha="left", wrap=True)
     figure.draw_without_rendering()
     return figure

@@ -28,7 +28,7 @@ _OPEN = "what is proven so far encloses no volume (see the table)"
 _NOTHING = f"in {_TRIES} directions nothing was proven (see the table)"
 _CORNERS = (
     "all corners of the outer side lie along directions that were asked: what is left is between"
-    " the bounds of each, and takes a smaller target_width"
+    " the bounds of each, and takes narrower ones"
 )
 
 

@@ -61,6 +61,9 @@ def test_portal_frame_is_its_polygon():
     # That it needed no more is said.
     assert f"ended after {len(found.table)} directions: all corners" in found.message
     assert found.polyhedral_width <= 1e-6
+    figure = found.plot()
+    figure.draw_without_rendering()
+    assert figure._suptitle.get_window_extent().x1 <= figure.bbox.x1  # the title is there in full
 
 
 def test_a_dead_load_moves_the_surface_by_itself():
