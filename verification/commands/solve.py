@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from lacore.errors import InputError
 from verification.commands.options import json_option, print_json
 
 _STOPPED = 130
@@ -123,7 +124,11 @@ def solve(
         writing.require_writable(folder)
         with stated.locating():
             answer = answers.answered(stated.problem, question, progress.status)
-        page = writing.written(stated, question, answer, folder, progress.status)
+        page, unwritten = None, None
+        try:
+            page = writing.written(stated, question, answer, folder, progress.status)
+        except InputError as error:  # the answer is told all the same
+            unwritten = error
     except KeyboardInterrupt:
         click.echo("stopped: there is no answer yet", err=True)
         ctx.exit(_STOPPED)
@@ -133,5 +138,8 @@ def solve(
         click.echo(stated.title)
         for name, text in words.lines(answer, stated.units).items():
             click.echo(f"  {name:<12}{text}")
-        click.echo(f"  {'page':<12}{page}")
+        if page is not None:
+            click.echo(f"  {'page':<12}{page}")
+    if unwritten is not None:
+        raise unwritten
     ctx.exit(0 if answer.good else 1)

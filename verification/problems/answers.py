@@ -135,7 +135,10 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     safety = bool(more.get("safety") or own.safety)
     interfaces = bool(more.get("interfaces") or own.interfaces)
     if interfaces and not safety:
-        raise InputError("--interfaces", True, "nothing divides their friction", "ask for --safety")
+        why, mend = "nothing divides their friction", "ask for --safety"
+        if own.interfaces:
+            raise stated.source.error(("solve", "interfaces"), True, why, mend)
+        raise InputError("--interfaces", None, why, mend)
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,

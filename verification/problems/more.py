@@ -134,6 +134,8 @@ def check(name: str, stated: Stated, varied: Varied | None) -> None:
     if MORE[name].varies and varied is None:
         why = "says nothing of which number varies"
         mend = "say it by --vary, or vary in [solve], such as arch.thickness='5 cm:20 cm'"
+        if getattr(stated.asked, name) not in (None, False):
+            raise stated.source.error(("solve", name), None, why, mend)
         raise InputError(f"--{name}", None, why, mend)
     if MORE[name].dead:
         with stated.locating():

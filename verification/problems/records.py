@@ -12,7 +12,7 @@ from verification.problems.more import MORE
 from verification.problems.words import mechanism
 
 
-def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
+def document(stated: Stated, answer: Answer, page: Path | None) -> dict[str, Any]:
     """All numbers of an answer, and where its files are."""
     state = answer.state
     found: dict[str, Any] = {
@@ -29,7 +29,7 @@ def document(stated: Stated, answer: Answer, page: Path) -> dict[str, Any]:
         "certificate": None if state.certificate is None else asdict(state.certificate),
         "elements": state.discretisation.n_elements,
         "seconds": answer.seconds,
-        "page": str(page),
+        "page": None if page is None else str(page),
         "units": _units(stated.units),
     }
     if answer.interval is not None:

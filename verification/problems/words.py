@@ -112,7 +112,10 @@ def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
         dofs = state.discretisation.bodies[name]
         shares = power * dofs.volumes
         if not shares.sum() > 0:
-            yield f"{name} is at rest, or rigid"
+            own = float(np.abs(state.velocity[name]).max(initial=0.0))
+            yield (
+                f"{name} moves as it is" if own > _MOVES * _fastest(state) else f"{name} is at rest"
+            )
             continue
         order = np.argsort(-shares)
         few = order[: int(np.searchsorted(np.cumsum(shares[order]), _MOST * shares.sum())) + 1]
@@ -124,13 +127,17 @@ def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
         )
 
 
+def _fastest(state: la.LimitState) -> float:
+    """The largest velocity of all bodies."""
+    return max(float(np.abs(own).max(initial=0.0)) for own in state.velocity.values())
+
+
 def _moving(state: la.LimitState) -> Iterator[str]:
     for name, dofs in state.discretisation.assemblies.items():
         motion = state.velocity[name]
         turn = np.abs(motion[2]) * dofs.body.radius
         size = np.hypot(motion[0], motion[1]) + turn
-        largest = max(float(np.abs(own).max(initial=0.0)) for own in state.velocity.values())
-        moves = size > _MOVES * largest
+        moves = size > _MOVES * _fastest(state)
         if not moves.any():
             yield f"{name} is at rest"
             continue

@@ -40,7 +40,11 @@ def written(
     _write(folder / SCRIPT, as_python(stated, question, folder))
     (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
-        answer.state.to_vtu(folder / STATE)
+        try:
+            answer.state.to_vtu(folder / STATE)
+        except InputError:
+            (folder / STATE).unlink(missing_ok=True)  # half of it
+            raise
         files[STATE] = "velocities and stresses for ParaView, in SI"
     with doing("drawing"):
         text = stated.source.file.read_text(encoding="utf-8")

@@ -76,7 +76,14 @@ def read_varied(source: Source, text: str, field: Path | str) -> Varied:
     last = _AMOUNT.fullmatch(high)
     if last is not None and last["unit"] and _NUMBER.fullmatch(low):
         low = f"{low} {last['unit']}"
-    first, second = (_read(source, path, own) for own in (low, high))
+    try:
+        first, second = (_read(source, path, own) for own in (low, high))
+    except InputError as error:
+        if not isinstance(field, str):
+            raise
+        value = "" if error.value is None else f" = {error.value!r}"
+        why = f"{error.field}{value}: {error.why}"
+        raise InputError(field, text, why, error.mend) from error
     if first[1] != second[1]:
         why = f"one end in {first[1] or 'no unit'}, the other in {second[1] or 'no unit'}"
         raise _error(source, field, text, why, "give both in units of one kind")

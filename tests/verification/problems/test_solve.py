@@ -157,6 +157,7 @@ def test_bad_input_is_a_sentence_and_exit_code_2(tmp_path):
         ("bracket = 5", "bracket = 5.*: not a share of the load factor; give 0.05 for 5 %"),
         ("range = 1", "range = 1: neither true nor false|range"),
         ('backend = "newton"\nrange = true', "--backend = 'newton': is regularised"),
+        ("interfaces = true", r"footing.toml:\d+: solve.interfaces = True: nothing divides"),
     ],
 )
 def test_what_is_asked_for_in_the_file_is_checked_before_it_is_solved(
@@ -184,6 +185,38 @@ def test_what_is_seen_when_it_is_solved_is_said_with_its_line_too(tmp_path):
     result = lacore("solve", file, "--out", tmp_path / "out")
     assert result.exit_code == 2
     assert "footing.toml:22: reference_loads[0] = 'clay: footing': a support" in result.stderr
+
+
+def test_an_answer_that_cannot_be_written_is_told(tmp_path, monkeypatch):
+    """What was found is not lost with the disk that is full."""
+
+    def full(state, place):
+        place.write_text("half of it")
+        raise la.InputError("path", str(place), "cannot be written", "free space")
+
+    monkeypatch.setattr(la.LimitState, "to_vtu", full)
+    file, out = tmp_path / "footing.toml", tmp_path / "out"
+    file.write_text(footing.TEXT, encoding="utf-8")
+    result = lacore("solve", file, "--out", out)
+    assert result.exit_code == 2
+    assert re.search(r"load factor \d", result.stdout)
+    assert "page" not in result.stdout
+    assert "cannot be written; free space" in result.stderr
+    assert not (out / "state.vtu").exists()
+    document = json.loads(lacore("solve", file, "--out", out, "--json").stdout)
+    assert document["page"] is None
+    assert document["load_factor"] > 0
+
+
+def test_what_moves_without_flowing_is_not_said_to_rest(tmp_path):
+    """A body that nothing holds."""
+    file = tmp_path / "footing.toml"
+    text = footing.TEXT
+    held = text[text.index("[[supports]]") : text.index("[[reference_loads]]")]
+    file.write_text(text.replace(held, ""), encoding="utf-8")
+    result = lacore("solve", file, "--out", tmp_path)
+    assert result.exit_code == 1
+    assert re.search(r"mechanism +clay moves as it is", result.stdout)
 
 
 def test_ctrl_c_is_a_sentence(tmp_path, monkeypatch):
