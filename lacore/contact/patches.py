@@ -148,7 +148,7 @@ def _check_obstacle(body: BlockAssembly3D, faces: Ints, interface: Interface, fi
     normal = plane.normal(body.face_centroid[:, faces])
     if np.any(np.sum(normal * body.faces.normal[:, faces], axis=0) > 0):
         raise InputError(
-            field,
+            f"{field}.master.normal",
             tuple(normal[:, 0].tolist()),
             "the obstacle's normal points out of the body",
             "give the normal from the obstacle into the body",

@@ -163,7 +163,7 @@ def _check_obstacle(
     outward = np.flatnonzero(np.sum(normal * edges.normal, axis=0) > 0)
     if outward.size:
         raise InputError(
-            field,
+            f"{field}.master.normal",
             tuple(normal[:, outward[0]].tolist()),
             "the obstacle's normal points out of the body",
             "give the normal from the obstacle into the body",

@@ -208,23 +208,24 @@ class ConicForm(Compact):
         if self.frictional:
             raise InputError(
                 "Body.space",
-                "flow that is not associated",
-                "velocities that jump have a strength of their own beside it (T62): two laws",
+                None,
+                "flow is not associated, and velocities that jump have a strength of their own"
+                " beside it (T62): two laws",
                 "take 'p2-gauss', in three dimensions 'p2-vertex', or leave dilation_angle at the"
                 " friction angle",
             )
         if len(self.surfaces) > 1 or not self.surfaces[0].normed:
             raise InputError(
                 "Body.space",
-                f"a criterion of {len(self.surfaces)} planes",
-                "velocities that jump need the strength of a layer, which cut-offs make curved, and"
-                " plane stress and revolution do not have",
+                None,
+                "velocities that jump need a criterion that is one cone: cut-offs make the strength"
+                " of a layer curved, and plane stress and revolution have none",
                 "take 'p2-vertex', or 'p2-gauss'; or MohrCoulomb without cut-offs in plane strain",
             )
         if not self.opens:
             raise InputError(
                 "Body.space",
-                f"a cone of slope {np.max(self.surfaces[0].slope[0]):.4g}",
+                None,
                 "too much friction for velocities that jump: nothing opens fast enough to slip",
                 "take 'p2-vertex', or less friction",
             )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
 
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.meshes.polygonal import geometry_of, labelled
 from lacore.meshes.solid.roundness import solid_geometry_of
 
@@ -18,6 +18,7 @@ _OUTLINES = {2: geometry_of, 3: solid_geometry_of}
 _NAMES = {"boundaries": "with_boundaries", "subdomains": "with_subdomains"}
 
 
+@typed()
 def save(mesh: Any, path: str | PathLike[str]) -> None:
     """Write a mesh as ``.npz``: `load` gives the same one, to the last digit.
 
@@ -43,6 +44,7 @@ def save(mesh: Any, path: str | PathLike[str]) -> None:
         raise InputError("path", str(place), why, "free space, or name another place") from error
 
 
+@typed()
 def load(path: str | PathLike[str]) -> Any:
     """A mesh that `save` wrote; nothing of the file is run.
 

@@ -60,7 +60,7 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
     check_used(mesh, field)
     _check_shapes(mesh, field)
     _check_facets(mesh, field)
-    _check_hanging(mesh, field)
+    check_hanging(mesh, field)
     _check_overlaps(mesh, field)
     check_connected(mesh, field)
 
@@ -140,7 +140,7 @@ def _check_curved(mesh: MeshTri | MeshQuad, field: str) -> None:
     _check_crowded(mesh, field)
     check_connected(mesh, field)
     straight = subdivided(mesh)
-    _check_hanging(straight, field)
+    check_hanging(straight, field)
     _check_overlaps(straight, field)
 
 
@@ -204,7 +204,7 @@ def _folded_facets(mesh: MeshTri | MeshQuad) -> Ints:
     return np.asarray(inner[side(mesh.f2t[0, inner]) == side(mesh.f2t[1, inner])])
 
 
-def _check_hanging(mesh: MeshTri | MeshQuad, field: str) -> None:
+def check_hanging(mesh: MeshTri | MeshQuad, field: str) -> None:
     """No vertex inside the edge of an element that does not have it; both are on the boundary."""
     facets = mesh.boundary_facets()
     vertices = np.unique(mesh.facets[:, facets])

@@ -11,7 +11,7 @@ from skfem.mapping import MappingIsoparametric
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.showing import Compact
 
 _SHARES = np.linspace(0.0, 1.0, 4)
@@ -23,6 +23,7 @@ def is_curved(mesh: Mesh) -> bool:
     return isinstance(mesh, MeshTri2 | MeshQuad2)
 
 
+@typed()
 def isoparametric(
     mesh: MeshTri | MeshQuad, onto: Callable[[Floats], Floats] | None = None
 ) -> MeshTri2 | MeshQuad2:

@@ -13,6 +13,7 @@ from skfem import MeshTri
 
 from lacore.arrays import Floats
 from lacore.errors import InputError, is_plane_vector, require_place
+from lacore.meshes.checks import check_hanging
 from lacore.meshes.structured import rectangle
 from lacore.showing import Compact
 
@@ -85,7 +86,8 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
         crossed: see `lacore.meshes.rectangle`.
 
     Raises:
-        InputError: no part. What does not fit together is refused by the body that is made of it.
+        InputError: no part, sides that touch with other cells. What else does not fit together is
+            refused by the body that is made of it.
 
     Example:
         >>> left = la.meshes.Patch([(0, 0), (1, 0), (1, 1), (0, 1)], nx=2, ny=2)
@@ -105,6 +107,11 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
     number = connected_components(links, directed=False)[1]
     _, kept = np.unique(number, return_index=True)
     glued = MeshTri(np.ascontiguousarray(points[:, kept]), np.ascontiguousarray(number[triangles]))
+    try:
+        check_hanging(glued, "parts")
+    except InputError as error:
+        mend = "let parts share whole sides, with as many cells (nx, ny) on both, graded alike"
+        raise InputError("parts", None, error.why, mend) from error
     counts = np.cumsum([0, *(mesh.nelements for mesh in own)])
     names: dict[str, list[Floats]] = {}
     for part, begin, end in zip(parts, counts[:-1], counts[1:], strict=True):

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from skfem import MeshTet, MeshTri
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, is_number, require_range, suggest_all
+from lacore.errors import InputError, is_number, require_range, suggest_all, typed
 
 _FLAT = 1e-9  # of a length: what counts as plane or straight in files with 16 digits
 _CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "tetra": 4, "tetra10": 4}
@@ -31,6 +31,7 @@ _NAMES = {
 _FIRST_ORDER = "save a mesh of first order (of gmsh: Mesh.ElementOrder = 1)"
 
 
+@typed()
 def read(
     path: str | PathLike[str], surface: str | None = None, merge: float = 1e-9
 ) -> MeshTri | MeshTet:

@@ -61,8 +61,8 @@ def sequential(
             hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
             ``implicit-euler`` (order 1, iterated); T30.
         control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
-        approaching: interfaces with obstacles, planes or shapes, that bodies do not touch yet, or in
-            part. How a corner that two interfaces share splits its reaction between them has no
+        approaching: interfaces with obstacles, planes or shapes, that bodies do not touch yet, or
+            in part. How a corner that two interfaces share splits its reaction between them has no
             meaning.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening

@@ -57,6 +57,10 @@ def dimension_of(bodies: Mapping[str, Spatial]) -> int:
 
 def check_load_dimension(load: Load, field: str, dimension: int) -> None:
     """Raise `InputError` where a vector or a place of a load is of another space than its body."""
+    if isinstance(load, Twist) and dimension == 2:
+        why = "a plate that twists turns about an axis in space, and the body is one of the plane"
+        mend = "give a body in space, or another load"
+        raise InputError(field, "Twist", why, mend)
     for name, given in _vectors(load).items():
         _require(f"{field}.{name}", given, dimension)
 

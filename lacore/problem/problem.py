@@ -126,6 +126,8 @@ class Problem(Shown):
                 "give bodies={'name': Body(...)}",
             )
         for name, body in self.bodies.items():
+            if not isinstance(name, str):
+                raise InputError("Problem.bodies", name, "not a name", "give a text, 'soil'")
             if not isinstance(body, KINDS):
                 raise InputError(
                     f"Problem.bodies[{name!r}]",

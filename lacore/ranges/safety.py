@@ -161,8 +161,11 @@ def safety_factor(
     require_positive("tolerance", tolerance)
     bodies = of_kind(problem.bodies, Body)
     if not bodies:
-        why = "without cohesion all loads together have no size: the load factor is 0 or endless"
-        mend = "give a body with a criterion; `lacore.critical` finds friction at which it falls"
+        why = "no body deforms: what is divided is the strength of criteria, and here is none"
+        mend = (
+            "give a lacore.Body; of a frame whose loads are all reference loads the load factor is"
+            " that of its strength, and `lacore.critical` finds friction at which blocks fall"
+        )
         raise InputError("Problem.bodies", list(problem.bodies), why, mend)
     for name, body in bodies.items():
         _check(name, body)

@@ -13,7 +13,7 @@ from numbers import Integral
 import numpy as np
 
 from lacore.arrays import Floats
-from lacore.errors import InputError, require_count, require_known, require_whole
+from lacore.errors import InputError, is_number, require_count, require_known, require_whole
 
 FIRST = ("full", "halves")
 ROUND_OFF = 1e-9  # of the width of a row: widths written in decimals add up to this
@@ -179,6 +179,10 @@ def _require_holes(field: str, openings: Sequence[Opening], wide: int, courses: 
     for hole in openings:
         if not isinstance(hole, Opening):
             raise InputError(field, hole, "not an opening", "give lacore.masonry.Opening")
+        if not (is_number(hole.left) and is_number(hole.width)):
+            raise InputError(
+                field, hole, "its left and width are no numbers", "give both in blocks"
+            )
         within = hole.left >= 0 and hole.left + hole.width <= wide and hole.width > 0
         whole = isinstance(hole.sill, Integral) and isinstance(hole.height, Integral)
         if not whole:

@@ -9,11 +9,12 @@ import numpy as np
 from lacore.arrays import Bools, Floats, Ints
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.conditions.loads import PointForce
-from lacore.errors import InputError, is_number, require_positive, require_range
+from lacore.errors import InputError, is_number, require_positive, require_range, typed
 
 _UPWARDS = 1e-9  # of a unit normal: above round-off of a vertical face
 
 
+@typed()
 def fill(
     body: str,
     blocks: BlockAssembly,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from lacore.files.problem.schema.document import Asked
 
 _LARGEST = 10_000_000  # bytes
+_TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")  # of tomllib
 
 
 @dataclass(frozen=True)
@@ -210,5 +212,6 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     found = text.splitlines()[line - 1 : line]
     value = found[0].strip() if found else None
     mend = "write key = value, texts in quotes, tables as [name], each key once"
+    why = _TWICE.sub("a key is there twice", why)
     said = f"is no TOML: {why[:1].lower()}{why[1:]}"
     return InputError(f"{shown}:{line}: line", value, said, mend)

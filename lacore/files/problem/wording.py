@@ -32,6 +32,12 @@ _WORDS: Sequence[tuple[str, str]] = (
     (rf"{_L}Coulomb\((\S+)\)", r"{ mu = \1 }"),
     (rf"{_L}(?:coulomb|soil)_range", "--range"),
     (rf"ask {_L}lower_bound", "ask for --bracket"),
+    (
+        rf"give a {_L}Body on a skfem.MeshTri, or a MeshTet",
+        'give a body of kind "continuum", not of q2',
+    ),
+    (rf"give a {_L}Body\b", 'give a body of kind "continuum"'),
+    (rf"`{_L}critical` finds", "--critical finds, along a number that varies, the"),
     (rf"{_L}WaterTable\(height\)", "{ height = ... }"),
     (rf"a {_L}Pressure", 'load = "pressure"'),
     (r"\ba PointForce\b", 'load = "point-force"'),

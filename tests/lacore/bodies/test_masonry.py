@@ -77,7 +77,8 @@ def test_openings_cut_blocks():
         ([Opening(2.5, 1, 1, 1)], ("leaves the wall",)),
         ([Opening(1, 1, 3, 2)], ("leaves the wall",)),
         ([Opening(1, 0, 1, 1)], ("leaves the wall",)),
-        ([Opening(1, np.nan, 1, 1)], ("leaves the wall",)),
+        ([Opening(1, np.nan, 1, 1)], ("Opening(", "no numbers", "in blocks")),
+        ([Opening("1", 1, 1, 1)], ("left='1'", "no numbers")),
         ([Opening(0.5, 1, 1, 2), Opening(1, 1, 2, 1)], ("overlap in course 3", "apart")),
     ],
 )
@@ -176,6 +177,7 @@ def test_arch(embrace):
         lambda: masonry.stack([(1, 0)], 0.5),
         lambda: masonry.running_bond([[1, 1]], 0.5, block=(1, 0)),
         lambda: masonry.running_bond([[1, 1]], -0.5),
+        lambda: masonry.fill("wall", [[0, 0], [1, 0], [1, 1]], unit_weight=18e3, level=2),
     ],
 )
 def test_builders_refuse(wrong):

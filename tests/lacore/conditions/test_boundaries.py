@@ -72,6 +72,16 @@ def test_refused(where, parts):
     assert all(part in str(caught.value) for part in parts), str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "where", [la.Within(x=0), la.Along((0, 0), (0, 1)), la.Beyond((0, 0), (1, 0))]
+)
+def test_places_of_the_plane_are_none_in_space(where):
+    """A line there is no line: (x, y) on it would be a plane, and z be left out."""
+    box = la.Body(la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1), la.VonMises(1.0), "3d")
+    with pytest.raises(la.InputError, match=r"supports\[0\].where = .* in space; give a function"):
+        la.Problem({"box": box}, [la.Pressure("box", "top")], [la.Fix("box", where)])
+
+
 def test_a_mesh_without_names():
     bare = la.Body(BODY.mesh.refined(0).with_boundaries({}), la.VonMises(shear_strength=1.0))
     object.__setattr__(bare.mesh, "_boundaries", None)

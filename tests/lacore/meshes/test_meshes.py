@@ -245,3 +245,27 @@ def test_meshes_without_crossed_cells_stay():
 def test_centres_stay_within_and_off_the_diagonals(to):
     with pytest.raises(la.InputError, match="off its diagonals"):
         la.meshes.unaligned(la.meshes.rectangle((0, 2), (0, 1), 3, 2), to)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda: la.meshes.read(["soil.msh"]), "path = .*no path"),
+        (lambda: la.meshes.load(3), "path = 3: no path"),
+        (lambda: la.meshes.save(la.meshes.rectangle((0, 1), (0, 1), 1, 1), None), "path: None: no"),
+        (
+            lambda: la.meshes.isoparametric(la.meshes.rectangle((0, 1), (0, 1), 1, 1), 2),
+            "onto = 2: cannot be called",
+        ),
+    ],
+)
+def test_what_is_of_another_kind_is_refused_by_name(wrong, said):
+    with pytest.raises(la.InputError, match=said):
+        wrong()
+
+
+def test_patches_with_other_cells_on_a_side_say_so():
+    left = la.meshes.Patch([(0, 0), (1, 0), (1, 1), (0, 1)], nx=2, ny=2)
+    right = la.meshes.Patch([(1, 0), (2, 0), (2, 1), (1, 1)], nx=2, ny=3)
+    with pytest.raises(la.InputError, match=r"parts: hanging nodes, .* as many cells \(nx, ny\)"):
+        la.meshes.patches([left, right])

@@ -52,6 +52,7 @@ def test_the_sound_one_is_taken():
     [
         ({"bodies": {}}, ("Problem.bodies", "there is none", "bodies={")),
         ({"bodies": {"block": "steel"}}, ("Problem.bodies['block'] = 'steel'", "lacore.Body")),
+        ({"bodies": {1: "steel"}}, ("Problem.bodies = 1", "not a name", "give a text")),
         ({"reference_loads": []}, ("Problem.reference_loads", "at least one load")),
         (
             {"reference_loads": [la.Pressure("block", "top", 0), la.BodyForce("block", (0, 0))]},
@@ -59,6 +60,10 @@ def test_the_sound_one_is_taken():
         ),
         ({"reference_loads": [HOLD]}, ("Problem.reference_loads[0]", "lacore.Traction")),
         ({"dead_loads": [PUSH, 9.81]}, ("Problem.dead_loads[1] = 9.81", "not a load")),
+        (
+            {"reference_loads": [la.Twist("block", "top", (0, 0, 1))]},
+            ("Problem.reference_loads[0] = 'Twist'", "an axis in space", "another load"),
+        ),
         (
             {"reference_loads": [la.Traction("blok", "left", (1, 0))]},
             ("Problem.reference_loads[0].body = 'blok'", "did you mean 'block'?"),
@@ -126,7 +131,11 @@ def test_interface_that_touches_at_one_end_only():
 
 
 def test_obstacle_turned_inside_out():
-    refuses(lambda: problem(interfaces=[plane((0, 0), (0, -1))]), "from the obstacle into the body")
+    refuses(
+        lambda: problem(interfaces=[plane((0, 0), (0, -1))]),
+        "Problem.interfaces[0].master.normal",
+        "from the obstacle into the body",
+    )
 
 
 def test_obstacle_that_touches():

@@ -144,6 +144,10 @@ class Weight(_Load):
         if self.unit_weight is None and self.where is not None:
             why = "without unit_weight, by densities, it is the weight of all blocks"
             raise refused(why, "add unit_weight, or leave it out", "where")
+        weights = getattr(self.unit_weight, "values", (self.unit_weight,))
+        if any(isinstance(weight, float) and weight < 0 for weight in weights):
+            mend = "give it >= 0; what acts upwards has direction = [0, 1]"
+            raise refused("a weight below 0", mend, "unit_weight")
         return self
 
     def call(self, at: Path) -> Any:

@@ -49,6 +49,13 @@ class MeshFile(Entry):
     """The physical group whose triangles are taken."""
     merge: Number | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _no_shape(cls, given: Any) -> Any:
+        if isinstance(given, dict) and "shape" in given:
+            raise refused("is there beside a file", "give one of the two", "shape")
+        return given
+
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""
         given = super().arguments(at)

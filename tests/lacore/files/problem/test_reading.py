@@ -54,8 +54,17 @@ def test_a_file_states_the_problem_that_python_would(tmp_path):
         ("[0, -1]\npre", "[0]\npre", 26, r"reference_loads\[0\].direction = \[0\]: too few values"),
         ("18 kN/m3", "18 kPa", 32, r"dead_loads\[0\].unit_weight = '18 kPa': 'kPa' does not fit"),
         ("18 kN/m3", "1e90 kN/m3", 32, r"dead_loads\[0\].unit_weight = .*: outside of"),
+        ("18 kN/m3", "-18 kN/m3", 32, r"unit_weight = '-18 kN/m3': a weight below 0; give"),
+        (
+            '"18 kN/m3"',
+            "{ levels = [-2, 0], values = [-1, 1] }",
+            32,
+            r"dead_loads\[0\].unit_weight.*: a weight below 0; give",
+        ),
+        ('shape = "rect', 'file = "soil.msh", shape = "rect', 5, r"shape = .*: is there beside a"),
         ('title = "Footing"', 'title = "Foo', 1, r"is no TOML"),
         ("[[supports]]", "[[supports]", 9, r"is no TOML"),
+        ("nx = 6", "x.nx = 6", 5, r"is no TOML: a key is there twice; write key"),
         ("[[reference_loads]]", "[[dead_loads]]", 1, r"reference_loads: missing; add reference"),
     ],
 )  # fmt: skip

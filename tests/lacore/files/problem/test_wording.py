@@ -19,7 +19,12 @@ PYTHON = re.compile(r"\b(la|lacore)\.|\w\(|SMOOTH|STICK|BOND|True|False|\bNone\b
         ("masonry-wall", "height = 3", "height = 9", r":11: bodies.wall.openings: it leaves the"),
         ("masonry-wall", 'where = "base"', "where = { y = 5 }", r":17: .*the blocks lie in x = 0"),
         ("retaining-wall", '"30 deg" }\nmesh', "0.52 }\nmesh", r":7: .*angle = 0.52: radians, b"),
-        ("retaining-wall", "normal = [0, 1]", "normal = [0, -1]", r"\[1\] = \[0, -1\]: the obst"),
+        (
+            "retaining-wall",
+            "normal = [0, 1]",
+            "normal = [0, -1]",
+            r"\[1\].master.normal = \[0, -1\]: t",
+        ),
         ("retaining-wall", "[bodies.wall]", "[body.wall]", r":10: body: unknown.*'bodies'"),
         ("arch", 'at = "7"', "at = 7", r":25: reference_loads\[0\].at = 7: not a text; write it"),
         ("arch", '"180 deg"', "3.14159", r":10: bodies.arch.embrace = 3.14159: radians"),
