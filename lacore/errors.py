@@ -17,6 +17,7 @@ import numpy as np
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
 _MOST = 2**31 - 1
+_JUDGED = ("lacore", "skfem")  # whose classes tell what is meant
 _LONGEST = 300  # characters of a value in a message
 _RANGE = (1e-60, 1e60)  # products of five such numbers, areas times strengths, are still finite
 
@@ -72,8 +73,8 @@ _KINDS: dict[Any, tuple[str, str]] = {
 def typed(**mends: str) -> Callable[[Callable[Given, Answer]], Callable[Given, Answer]]:
     """A function that first raises `InputError` where an argument is not of its annotation's kind.
 
-    Judged are kinds of things: classes of lacore, functions, mappings and paths, and None beside
-    them. Numbers, names and arrays are judged by their values, where they are read.
+    Judged are kinds of things: classes of lacore, meshes, functions, mappings and paths, and None
+    beside them. Numbers, names and arrays are judged by their values, where they are read.
 
     Args:
         mends: what to give, for arguments of which more can be said than their kinds.
@@ -110,16 +111,21 @@ def kinds_of(hint: object) -> tuple[type, ...]:
 
 def _tells(kind: type) -> bool:
     """Whether what is no instance of a class cannot be meant: others take numbers and arrays."""
-    ours = kind.__module__.startswith("lacore.") and not getattr(kind, "_is_protocol", False)
+    ours = _package(kind) in _JUDGED and not getattr(kind, "_is_protocol", False)
     return ours or issubclass(kind, tuple(_KINDS))
+
+
+def _package(kind: type) -> str:
+    return kind.__module__.partition(".")[0]
 
 
 def _wrong_kind(field: str, value: object, kinds: Sequence[type], mend: str | None) -> InputError:
     asked = [kind for kind in kinds if kind not in (str, NoneType)]
     if isinstance(value, type) and issubclass(value, tuple(asked)):
         return InputError(field, value.__name__, "the class itself", f"give {value.__name__}(...)")
-    own = " or ".join(kind.__name__ for kind in asked)
-    why, give = f"no {own}", f"give a lacore.{asked[0].__name__}"
+    names = [kind.__name__.removesuffix("1") for kind in asked]  # MeshTri1 is written MeshTri
+    why, give = f"no {' or '.join(names)}", f"give a {_package(asked[0])}.{names[0]}"
+    give = f"{give}; that of a body is body.mesh" if hasattr(value, "mesh") else give
     why, give = next((_KINDS[kind] for kind in _KINDS if issubclass(asked[0], kind)), (why, give))
     why = f"None: {why}" if value is None else why
     give = f"{give}, or leave it out" if NoneType in kinds else give

@@ -45,7 +45,7 @@ _NOTHING = 1e-3  # gain, per target width
 _ZERO = 1e-3  # of the target width, per natural load factor: what is no load any more
 
 
-@typed()
+@typed(lower_mesh="give a skfem.MeshTri, such as a lacore.meshes.fan")
 def bracket(
     problem: Problem,
     target_width: float = 0.01,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skfem.mesh import MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
+from skfem.mesh import Mesh, MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
 
 from lacore.errors import InputError, typed
 from lacore.meshes.polygonal import geometry_of, labelled
@@ -19,7 +19,7 @@ _NAMES = {"boundaries": "with_boundaries", "subdomains": "with_subdomains"}
 
 
 @typed()
-def save(mesh: Any, path: str | PathLike[str]) -> None:
+def save(mesh: Mesh, path: str | PathLike[str]) -> None:
     """Write a mesh as ``.npz``: `load` gives the same one, to the last digit.
 
     Raises:

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import MeshQuad, MeshTet, MeshTri
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.errors import InputError, require_range
+from lacore.errors import InputError, require_range, typed
 from lacore.meshes.curved import is_curved, jacobians, subdivided
 from lacore.meshes.solid.shape import shapes
 
@@ -22,6 +22,7 @@ _FACET = {2: "edge", 3: "face"}
 _NO_AREA = 1e-12  # of the squared size: overlaps by the round-off of coordinates
 
 
+@typed()
 def quality(mesh: MeshTri | MeshQuad | MeshTet) -> Floats:
     """Shape of elements, shape (elements,): 1 of an equilateral triangle, 0 of one without area.
 

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from skfem import MeshQuad, MeshTri
 
-from lacore.errors import InputError, is_number
+from lacore.errors import InputError, is_number, typed
 from lacore.meshes.structured import graded, named_sides
 
 
+@typed(layers="give {name: (from, to)}")
 def layered(
     x: tuple[float, float],
     layers: Mapping[str, tuple[float, float]],

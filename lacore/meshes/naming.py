@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from skfem import Mesh
 
 from lacore.arrays import Bools, Floats, Ints
 from lacore.conditions.where import edges_inside
-from lacore.errors import InputError
+from lacore.errors import InputError, typed
 from lacore.meshes.curved import edge_curves
 from lacore.meshes.polygonal import geometry_of, labelled
 from lacore.showing import spanned
@@ -21,8 +22,9 @@ Places = Callable[[Floats], Bools]
 """Which of n places, coordinates of shape (2, n) or (3, n), are meant."""
 
 
+@typed()
 def named(
-    mesh: Any,
+    mesh: Mesh,
     boundaries: Mapping[str, Places] | None = None,
     regions: Mapping[str, Places] | None = None,
 ) -> Any:

@@ -15,7 +15,7 @@ from skfem import Mesh
 from skfem.mesh import MeshTri1, MeshTri2
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.errors import InputError, require_positive
+from lacore.errors import InputError, require_positive, typed
 from lacore.meshes.curved import edge_curves
 
 _CORNER = np.cos(np.radians(20.0))  # between edges that are parts of one smooth side
@@ -37,6 +37,7 @@ class _Outline:
     old: Ints
 
 
+@typed()
 def remeshed(mesh: Mesh, size: float, keep: Sequence[tuple[float, float]] = ()) -> MeshTri2:
     """Triangles of a length `size` in the outline of a mesh, with its boundary names.
 

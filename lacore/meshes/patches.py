@@ -95,8 +95,10 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
         >>> la.meshes.patches([left, right]).nelements
         32
     """
-    if not parts:
-        raise InputError("parts", None, "there is none", "give at least one lacore.meshes.Patch")
+    listed = isinstance(parts, Sequence) and len(parts) > 0
+    if not listed or not all(isinstance(part, Patch) for part in parts):
+        why = "no list of patches" if parts else "there is none"
+        raise InputError("parts", parts or None, why, "give [lacore.meshes.Patch(...), ...]")
     own = [part.mesh(crossed) for part in parts]
     points = np.concatenate([mesh.p for mesh in own], axis=1)
     first = np.cumsum([0, *(mesh.nvertices for mesh in own)])

@@ -14,7 +14,7 @@ import numpy as np
 from skfem import MeshQuad, MeshTri
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError, is_number, is_vector, require_range
+from lacore.errors import InputError, is_number, is_vector, require_range, typed
 from lacore.meshes.polygonal import geometry_of, labelled
 from lacore.meshes.refinement import with_named_elements
 
@@ -216,6 +216,7 @@ def quarter_ring(
     return ring
 
 
+@typed()
 def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
     """The mesh with elements split in three about their centroids; all names are kept.
 
@@ -251,6 +252,7 @@ def split(mesh: MeshTri, elements: Sequence[int]) -> MeshTri:
     return labelled(named, geometry_of(mesh))
 
 
+@typed()
 def unaligned(mesh: MeshTri, to: tuple[float, float] = (0.7, 0.64)) -> MeshTri:
     """The mesh with every vertex moved at which four triangles meet along two straight lines.
 

@@ -47,7 +47,7 @@ def written(
             raise
         files[STATE] = "velocities and stresses for ParaView, in SI"
     with doing("drawing"):
-        text = stated.source.file.read_text(encoding="utf-8")
+        text = stated.source.file.read_text(encoding="utf-8-sig")
         machine = describe([question.backend])
         told = lines(answer, stated.units)
         return write(page(stated.title, answer, told, stated.units, files, text, machine), folder)

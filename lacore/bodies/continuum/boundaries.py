@@ -103,6 +103,9 @@ def facet_geometry(body: "Body", facets: Ints) -> tuple[Floats, Floats, Floats]:
 
 def vertex_at(body: "Body", at: tuple[float, ...] | str, where: str) -> int:
     """Index of the mesh vertex at a point; raises `InputError` where there is none."""
+    if body.dimension == 3:
+        why = "no single force acts on a body of tetrahedra"
+        raise InputError(where, at, why, "give a lacore.Traction on some of its faces")
     if isinstance(at, str):
         raise InputError(where, at, "a continuum has no named points", "give (x, y)")
     if not is_plane_vector(at):

@@ -146,7 +146,7 @@ class Source:
         if raw is None:
             raise InputError("path", shown, "is no problem file: too large", "name another one")
         try:
-            text = raw.decode()
+            text = raw.decode("utf-8-sig")  # editors of Windows put a mark before it
             data = tomllib.loads(text)
         except UnicodeDecodeError as error:
             line = raw.count(b"\n", 0, error.start) + 1
@@ -211,7 +211,7 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     line = numbers[0] if numbers else text.count("\n") + 1
     found = text.splitlines()[line - 1 : line]
     value = found[0].strip() if found else None
-    mend = "write key = value, texts in quotes, tables as [name], each key once"
+    mend = "write key = value, texts and amounts with units in quotes, tables as [name], a key once"
     why = _TWICE.sub("a key is there twice", why)
     said = f"is no TOML: {why[:1].lower()}{why[1:]}"
     return InputError(f"{shown}:{line}: line", value, said, mend)

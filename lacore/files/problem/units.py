@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 DEGREES = "deg"
 """Of angles, with or without a unit."""
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*")
+_COMMA = re.compile(r"\s*[+-]?\d+,\d")
 _ONE = r"([A-Za-zµμ_]+)(?:\^?(-?\d))?"  # kN, m3, m^3, s-1: what is raised further has no end
 _TAKEN = re.compile(rf"{_ONE}(?:\s*[*/ ]\s*{_ONE})*")
 _LONGEST = 40
@@ -104,6 +105,8 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
         WrongUnitError: no number, none or an unknown unit, one of another dimension.
     """
     mend = _mend(accepted)
+    if accepted and _COMMA.match(text):
+        raise WrongUnitError("a comma in a number", "write a point: 20.5")
     match = _AMOUNT.fullmatch(text)
     if match is None or not accepted:
         raise WrongUnitError("not a number" if accepted else "a text in place of a number", mend)

@@ -213,6 +213,8 @@ def test_what_problems_of_the_plane_have_and_these_not_is_refused_with_a_mend():
     ):
         with pytest.raises(la.InputError):
             ask()
+    with pytest.raises(la.InputError, match=r"no single force .*; give a lacore.Traction"):
+        problem.with_loads([la.PointForce("block", (0, 0, 1), (0, 0, -1))])
 
 
 def test_pictures_show_the_faces_that_one_sees():

@@ -252,6 +252,11 @@ def test_centres_stay_within_and_off_the_diagonals(to):
     [
         (lambda: la.meshes.read(["soil.msh"]), "path = .*no path"),
         (lambda: la.meshes.load(3), "path = 3: no path"),
+        (lambda: la.meshes.layered((0, 1), [(0, 1)], 2, 2), "layers = .*no mapping; give {name:"),
+        (
+            lambda: la.meshes.patches(la.meshes.rectangle((0, 1), (0, 1), 1, 1)),
+            "no list of patches",
+        ),
         (lambda: la.meshes.save(la.meshes.rectangle((0, 1), (0, 1), 1, 1), None), "path: None: no"),
         (
             lambda: la.meshes.isoparametric(la.meshes.rectangle((0, 1), (0, 1), 1, 1), 2),
@@ -269,3 +274,20 @@ def test_patches_with_other_cells_on_a_side_say_so():
     right = la.meshes.Patch([(1, 0), (2, 0), (2, 1), (1, 1)], nx=2, ny=3)
     with pytest.raises(la.InputError, match=r"parts: hanging nodes, .* as many cells \(nx, ny\)"):
         la.meshes.patches([left, right])
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        la.meshes.quality,
+        la.meshes.unaligned,
+        la.meshes.named,
+        lambda mesh: la.meshes.remeshed(mesh, size=0.5),
+        lambda mesh: la.meshes.split(mesh, [0]),
+        lambda mesh: la.meshes.save(mesh, "mesh.npz"),
+    ],
+)
+def test_a_body_in_place_of_its_mesh_is_told_so(asked):
+    body = la.Body(la.meshes.rectangle((0, 1), (0, 1), 1, 1), la.VonMises(1.0))
+    with pytest.raises(la.InputError, match=r"mesh = .*: no Mesh.*; give .* is body\.mesh"):
+        asked(body)

@@ -17,7 +17,7 @@ from lacore.bodies.blocks.drawings.geojson import read_geojson
 from lacore.bodies.blocks.drawings.joints import LayerFriction, assembled
 from lacore.bodies.blocks.drawings.outlines import outlines
 from lacore.bodies.blocks.drawings.strokes import Drawing, Stroke, metres
-from lacore.errors import InputError, require_positive, suggest_all
+from lacore.errors import InputError, require_positive, suggest_all, typed
 
 SNAP = 1e-5  # of the size of the drawing: a tenth of a millimetre on ten metres
 _RESERVED = str.maketrans(
@@ -25,6 +25,7 @@ _RESERVED = str.maketrans(
 )  # joints are called "a|b#2", layers of references "plan|stone"
 
 
+@typed(layers="give {'stone': la.masonry.Layer(friction=0.6, density=2400)}")
 def read(
     path: str | PathLike[str],
     layers: Mapping[str, Layer],

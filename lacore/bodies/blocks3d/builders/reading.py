@@ -20,7 +20,7 @@ from lacore.bodies.blocks.joints import JointFriction
 from lacore.bodies.blocks3d.block_assembly import BlockAssembly3D
 from lacore.bodies.blocks3d.crushing import Crushing
 from lacore.bodies.blocks3d.polyhedron import Polyhedron
-from lacore.errors import InputError, require_known, require_positive
+from lacore.errors import InputError, require_known, require_positive, typed
 from lacore.materials.friction import Friction
 from lacore.meshes.reading import loaded
 
@@ -29,6 +29,7 @@ _SNAP = 1e-5  # of the size of the file: a tenth of a millimetre on ten metres
 _SURFACES = (".obj", ".ply", ".stl")
 
 
+@typed()
 def read(
     path: str | PathLike[str],
     friction: float | Friction,

@@ -36,6 +36,7 @@ def test_a_file_states_the_problem_that_python_would(tmp_path):
         ('shape = "rectangle", ', "", 5, r"bodies.clay.mesh: missing; add shape"),
         ("von-mises", "mises", 6, r"material.criterion = 'mises': unknown; did you mean 'von-m"),
         ("20 kPa", "-20 kPa", 6, r"material.shear_strength = '-20 kPa': not a positive number"),
+        ("20 kPa", "20,5 kPa", 6, r"strength = '20,5 kPa': a comma in a number; write a point"),
         (", shear_strength = \"20 kPa\"", "", 6, r"bodies.clay.material: needs exactly one of"),
         ("[0, 0.5]", "[0, 0.51]", 7, r"boundaries.footing: ends inside the edge of the mesh"),
         ("y = 0 }", "y = 1 }", 7, r"boundaries.footing: no edge of the boundary is there; the me"),
@@ -92,6 +93,13 @@ def test_what_is_no_problem_file_is_refused(tmp_path, content, said):
         file.write_bytes(content)
     with pytest.raises(la.InputError, match=said):
         la.read_problem(file)
+
+
+def test_a_mark_before_the_text_is_no_part_of_it(tmp_path):
+    """Editors of Windows write one."""
+    file = tmp_path / "footing.toml"
+    file.write_text(footing.TEXT, encoding="utf-8-sig")
+    assert list(la.read_problem(file).bodies) == ["clay"]
 
 
 def test_meshes_are_found_from_the_folder_of_the_file(tmp_path, monkeypatch):
