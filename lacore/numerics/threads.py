@@ -2,18 +2,48 @@
 
 from contextlib import AbstractContextManager
 from functools import cache
+from threading import Lock
+from types import TracebackType
 from typing import Any
 
 from threadpoolctl import ThreadpoolController
 
 
-def one_thread_each() -> AbstractContextManager[Any]:
+class _Shared:
+    """A limit that many enter and leave, in any order."""
+
+    def __init__(self) -> None:
+        self._lock, self._inside = Lock(), 0
+        self._limit: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if not self._inside:
+                self._limit = _controller().limit(limits=1, user_api="blas")
+            self._inside += 1
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with self._lock:
+            self._inside -= 1
+            if not self._inside:
+                self._limit.restore_original_limits()
+
+
+_OF_THE_PROCESS = _Shared()  # as the number of threads is
+
+
+def one_thread_each() -> AbstractContextManager[None]:
     """While it is entered, BLAS takes one thread a caller: more would wait for each other.
 
-    Of the whole process: entered once, around all that run at a time.
+    Of the whole process: the last of all that are within gives back as many threads as there were
+    when the first came.
     """
-    limits: AbstractContextManager[Any] = _controller().limit(limits=1, user_api="blas")
-    return limits
+    return _OF_THE_PROCESS
 
 
 @cache
