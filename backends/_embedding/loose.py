@@ -16,14 +16,11 @@ from scipy.linalg import qr
 from scipy.sparse import csr_matrix, diags_array, vstack
 
 from backends._embedding.arrays import Conic
-from backends._embedding.rigid import without_strain
+from backends._embedding.rigid import softest, without_strain
 from backends._embedding.rows import Rows
 from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 
-_SOUGHT = 7  # motions, those of both loads among them
-_SHIFT = 1e-10  # of the diagonal: next to the least stiffness, nothing
-_TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
 _WORKS = 1e-6  # of the nodal forces of a load, times the fastest: less is in balance
 _STRAINED = 1e-8  # of those of the dead ones: so much may be what round-off strains of a motion
 
@@ -90,21 +87,8 @@ def _modes(conic: Conic, solver: SymmetricSolver) -> Floats:
         for kind in conic.kinds
     ]
     rows = csr_matrix(vstack(each))
-    stiffness = csr_matrix(rows.T @ rows)
-    diagonal = stiffness.diagonal()
-    diagonal[diagonal == 0] = 1.0
-    shifted = csr_matrix(stiffness + diags_array(_SHIFT * diagonal))
-    shifted.sort_indices()
-    solver.factorise(shifted)
-    found = diagonal[:, None] * np.random.default_rng(0).normal(size=(diagonal.size, _SOUGHT))
-    found[:, 0], found[:, 1] = conic.load, conic.dead
-    for _ in range(_TIMES):
-        found = solver.solve(found)
-        fastest = np.abs(found).max(axis=0)
-        found = diagonal[:, None] * found / np.where(fastest > 0, fastest, 1.0)
-    if not np.all(np.isfinite(found)):
-        return np.zeros((diagonal.size, 0))
-    return without_strain(rows, found / diagonal[:, None])
+    loads = np.column_stack([conic.load, conic.dead])
+    return without_strain(rows, softest(csr_matrix(rows.T @ rows), solver, loads))
 
 
 def _stated(conic: Conic, kept: Floats, basis: Sparse, loose: Ints, balanced: Bools) -> Conic:

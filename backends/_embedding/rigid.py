@@ -19,7 +19,7 @@ from lacore.arrays import Floats, Ints, Sparse
 from lacore.numerics.linear_algebra import SingularError, SymmetricSolver
 from lacore.program import KinematicProgram
 
-_MOST = 7  # motions of a body that are looked for: one more than there are in space
+_MOST = 7  # motions that are looked for: of a body one more than there are in space
 _SHIFT = 1e-10  # of the diagonal: next to the least stiffness of a body, nothing
 _TIMES = 3  # solves, each of which leaves a millionth of what is no motion as one
 _STRAINS = 1e-10  # of a row and a velocity: more is a strain
@@ -84,7 +84,7 @@ def motions(program: KinematicProgram, solver: SymmetricSolver) -> Motions | Non
     inner = csr_matrix(stiffness[moved][:, moved])
     count, body = connected_components(inner, directed=False)
     try:
-        found = _soft(inner, solver)
+        found = softest(inner, solver, np.zeros((moved.size, 0)))
     except SingularError:
         return None
     columns, own = [], []
@@ -113,23 +113,40 @@ def _straining(program: KinematicProgram) -> Sparse:
     return csr_matrix(diags_array(1 / np.where(sizes > 0, sizes, 1.0)) @ rows)
 
 
-def _soft(stiffness: Sparse, solver: SymmetricSolver) -> Floats:
-    """Velocities that resist least, shape (n, `_MOST`)."""
+def softest(stiffness: Sparse, solver: SymmetricSolver, forces: Floats) -> Floats:
+    """Velocities that resist least, by inverse iteration, shape (n, `_MOST`).
+
+    Args:
+        stiffness: semidefinite, n rows; without any for an unknown it is free.
+        solver: takes it with a shift.
+        forces: what some of the velocities are looked for from, shape (n, k).
+
+    Raises:
+        SingularError: it cannot be factorised, or they are no numbers.
+    """
     diagonal = stiffness.diagonal()
+    diagonal[diagonal == 0] = 1.0
     shifted = csr_matrix(stiffness + diags_array(_SHIFT * diagonal))
     shifted.sort_indices()
     solver.factorise(shifted)
     found = np.random.default_rng(0).normal(size=(diagonal.size, _MOST))
+    pulled = diagonal[:, None] * found
+    pulled[:, : forces.shape[1]] = forces
     for _ in range(_TIMES):
-        found = solver.solve(diagonal[:, None] * found)
-        found = found / np.abs(found).max(axis=0)
+        found = solver.solve(pulled)
+        fastest = np.abs(found).max(axis=0)
+        found = found / np.where(fastest > 0, fastest, 1.0)
+        pulled = diagonal[:, None] * found
+    if not np.all(np.isfinite(found)):
+        raise SingularError("a motion is no number")
     return found
 
 
 def without_strain(rows: Sparse, found: Floats) -> Floats:
     """Of velocities of a body those that strain nothing, orthonormal, shape (n, k)."""
     basis, _ = np.linalg.qr(found)
-    _, strains, turn = np.linalg.svd(rows @ basis, full_matrices=False)
+    none = np.zeros((basis.shape[1], basis.shape[1]))  # so that there are as many rows as motions
+    _, strains, turn = np.linalg.svd(np.vstack([rows @ basis, none]), full_matrices=False)
     return np.asarray(basis @ turn[strains <= _STRAINS * np.sqrt(rows.shape[0])].T)
 
 

@@ -20,6 +20,7 @@ from lacore.numerics.linear_algebra import SuperLU
 from lacore.numerics.symmetric import symmetric_solver
 from lacore.program import associated_contact
 from lacore.status import Status
+from tests.backends import hand_made
 from verification.fuzz.programs.drawn import draw_program
 from verification.fuzz.programs.judge import ask
 
@@ -81,6 +82,29 @@ def test_loads_that_carry_each_other_leave_no_stress(weight, material):
     assert found.native_status == "in balance"
     assert found.point.load_factor == pytest.approx(weight, rel=1e-9, abs=1e-9)
     assert not any(stress.any() for stress in found.point.stress)
+    assert left_over(program, found.point, contact)[1] <= BAR
+
+
+def test_little_weight_along_the_rails_is_what_the_load_balances():
+    """A thousandth of what presses to them: no round-off, which is left out below 1e-8 of it."""
+    little = 1e-3 * ACROSS
+    found = solved(*sliding(RAILS, (ACROSS, -little)))
+    assert found.status is Status.SOLVED
+    # Judged per power, of which this is all, and to a hundred tolerances.
+    assert found.point.load_factor == pytest.approx(little, rel=BAR)
+
+
+@pytest.mark.parametrize("touching", [0, 1])
+def test_more_ways_to_move_than_rows_are_found(touching):
+    """A rigid block (x, y, turn) in the air, or on one smooth point, drawn along against 0.3."""
+    arm = 0.2
+    rows = hand_made.contact([[0, 1, arm]], [[1, 0, 0]], [1.0]) if touching else None
+    dead = [-0.3, -touching, -arm * touching]
+    program = hand_made.program([1.0, 0.0, 0.0], rows=rows, dead=dead)
+    contact = hand_made.frozen(touching * [0.0])
+    found = solved(program, contact)
+    assert found.status is Status.SOLVED
+    assert found.point.load_factor == pytest.approx(0.3, rel=BAR)
     assert left_over(program, found.point, contact)[1] <= BAR
 
 
