@@ -34,6 +34,7 @@ def left_over(
         if not np.any(program.dead_load):
             # No stress at all is in equilibrium: the load factor is between zero and this power.
             found = {name: found[name] for name in _POSSIBLE}
+            found["load"] = abs(point.load_factor) / (max(power, least) or 1.0)
     if not np.all(np.isfinite(list(found.values()))):
         return next(name for name, size in found.items() if not np.isfinite(size)), np.inf
     name = max(found, key=lambda one: found[one])
@@ -47,7 +48,7 @@ def judged_left(
     name, left = certify(program, point, contact).worst
     if not left <= bar and idle(program, point, contact):
         return left_over(program, point, contact)
-    return name, left
+    return name, left if np.isfinite(left) else np.inf
 
 
 def idle(program: KinematicProgram, point: ProgramState, contact: FrozenContact) -> bool:

@@ -8,7 +8,7 @@ import pytest
 import lacore as la
 from lacore.backend import find_backend, read_options
 from lacore.certificate import certify
-from lacore.inner.left_over import idle, impossible, left_over
+from lacore.inner.left_over import idle, impossible, judged_left, left_over
 from lacore.inner.preparing import preparing
 from lacore.inner.rescaling import RescalingSolver, good_for, proven
 from lacore.program import associated_contact
@@ -52,6 +52,37 @@ def test_flow_that_is_not_possible_is_a_rate_where_no_power_is_turned_over(free)
     moved = replace(answer.point, velocity=answer.point.velocity + shrinking)
     assert impossible(program, moved) > 0.1
     assert left_over(program, moved, contact)[1] > BAR
+
+
+def test_the_load_factor_of_a_motion_that_takes_no_power_is_zero():
+    """Nothing of it was asked: without dead loads any load factor beside it was proven."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    problem = la.Problem(
+        bodies={"block": la.Body(mesh, la.VonMises(1.0))},
+        supports=[la.Fix("block", "left", "x")],
+        reference_loads=[la.BodyForce("block", (0.0, 1.0))],
+    )
+    program = la.discretise(problem).program
+    contact = associated_contact(program.contact)
+    answer = find_backend("interior_point")
+    solver = answer.prepare(program, read_options(answer, {}))
+    point = solver.solve(contact).point
+    solver.close()
+    assert idle(program, point, contact)
+    assert judged_left(program, point, contact, BAR)[1] <= BAR
+    for claimed in (1e-3, -1.0, 1e3):
+        name, left = judged_left(program, replace(point, load_factor=claimed), contact, BAR)
+        assert name == "load"
+        assert left > BAR
+
+
+def test_what_overflows_is_above_every_bar(free):
+    program, contact, answer = free
+    stress = tuple(1e200 * (1 + stress) for stress in answer.point.stress)
+    velocity = 1e200 * (1 + answer.point.velocity)
+    off = replace(answer.point, stress=stress, velocity=velocity)
+    with np.errstate(all="ignore"):
+        assert judged_left(program, off, contact, BAR)[1] == np.inf
 
 
 def test_soil_that_nothing_holds_is_free():
