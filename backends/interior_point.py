@@ -7,6 +7,7 @@ of the bodies, positive definite, and of one pattern.
 
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar
@@ -30,6 +31,7 @@ from lacore.arrays import Floats, Sparse
 from lacore.backend import Capabilities, InnerSolution, PreparedSolver
 from lacore.errors import require_count, require_positive
 from lacore.inner.left_over import judged_left
+from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
@@ -64,7 +66,7 @@ class InteriorPointOptions:
 
     Attributes:
         tolerance: on the gap, per power, nodal forces, per load, and velocities, per the fastest.
-        max_iterations: factorisations.
+        max_iterations: factorisations, each way that is tried: of velocities alone, or with more.
         time_limit: s, one inner solve.
     """
 
@@ -159,14 +161,15 @@ class InteriorPointSolver:
         self, contact: FrozenContact, own: Translation, stiffness: Stiffness, goal: Goal
     ) -> InnerSolution:
         """By the first way that is sure of its answer, or else by the last that ends anywhere."""
-        iterations, answer = 0, None
-        for native, count, point in self._ways(own, stiffness, goal):
-            iterations += count
-            found = self._answer(native, point, contact)
-            answer = found if answer is None or found.status not in _NOWHERE else answer
-            if found.status in _SURE:
-                break
-        assert answer is not None  # of one way at least
+        iterations, answer = 0, InnerSolution(Status.FAILED, "singular matrix", 0, 0.0, None)
+        with suppress(SingularError):  # where a way begins
+            for native, count, point in self._ways(own, stiffness, goal):
+                iterations += count
+                found = self._answer(native, point, contact)
+                if answer.status is Status.FAILED or found.status not in _NOWHERE:
+                    answer = found
+                if found.status in _SURE:
+                    break
         return replace(answer, iterations=iterations)
 
     def _ways(self, own: Translation, stiffness: Stiffness, goal: Goal) -> Iterator[_Way]:
@@ -176,8 +179,9 @@ class InteriorPointSolver:
         then; with more unknowns. The first two go on with more from where forces are lost.
         """
         conic, basis = own.conic, None
-        if not conic.load.size:  # held all over, as a rigid body is whose every motion is
-            yield "locked", 0, self._unstressed(np.zeros(0), 0.0)
+        # No velocity has a power of it: of what is held all over there is none.
+        if not conic.load.any():
+            yield "locked", 0, self._unstressed(np.zeros(conic.load.size), 0.0)
             return
 
         def whole() -> Whole:
@@ -234,7 +238,7 @@ class InteriorPointSolver:
         program, points = self._program, self._program.contact
         return self._moved(
             ProgramState(
-                velocity=velocity[: program.n],
+                velocity=velocity,
                 load_factor=load_factor,
                 stress=tuple(np.zeros((g.weights.size, g.dim)) for g in program.groups),
                 mean_stress=tuple(np.zeros(g.volumetric.shape[0]) for g in program.groups),

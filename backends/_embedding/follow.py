@@ -8,7 +8,7 @@ import numpy as np
 
 from backends._embedding.arrays import Multipliers
 from backends._embedding.directions import Directions
-from backends._embedding.place import Place, Step
+from backends._embedding.place import Place, Step, largest
 from backends._embedding.system import System
 from backends._goal import Goal
 from lacore.arrays import Floats
@@ -59,7 +59,7 @@ def follow(
         place = Place(conic, at)
         native = judged(place, goal, power)
         every = residuals(place, power)
-        left = max(every)
+        left = largest(*every)
         if native or left < least:
             best, least = place, left
         if native:
@@ -124,18 +124,18 @@ def judged(place: Place, goal: Goal, power: float) -> str:
     at, conic, left = place.at, place.conic, place.left
     if nothing(place, power) <= goal.tolerance:
         return "nothing to overcome"
-    if max(residuals(place, power)) <= goal.tolerance:
+    if largest(*residuals(place, power)) <= goal.tolerance:
         return "solved"
     # A ray of multipliers: whatever has F0.u = 1 would do more work than nothing at no cost.
     gain = place.bound + place.rising / (2 * at.tau)
     force = np.abs(place.force + at.load * conic.load).max(initial=0.0)
     size = float(np.abs(conic.load).max(initial=0.0))
-    if gain > 0 and max(force / size, at.tau * power) <= goal.tolerance * gain:
+    if gain > 0 and largest(force / size, at.tau * power) <= goal.tolerance * gain:
         return "locked"
     # A ray of velocities: the dead loads work more than it dissipates.
-    missed = max(place.missed, abs(left.load) / size, at.tau / size)
+    missed = largest(place.missed, abs(left.load) / size, at.tau / size)
     if place.cost < 0 and missed <= goal.tolerance * place.fastest:
-        gained = -goal.tolerance * max(place.cost, place.dissipating)
+        gained = -goal.tolerance * largest(place.cost, place.dissipating)
         if at.tau * power <= gained:
             return "unsafe"
     return ""
@@ -150,8 +150,8 @@ def nothing(place: Place, power: float) -> float:
     scale = at.tau * min(1.0, power)
     loads = scale * float(np.abs(conic.load).sum()) + at.tau * conic.weight
     lost = place.lost / at.tau
-    return max(
-        max(abs(place.cost), abs(place.bound), lost) / scale / _NOTHING,
+    return largest(
+        largest(abs(place.cost), abs(place.bound), lost) / scale / _NOTHING,
         place.unbalanced / loads,
         residuals(place, power)[2],
     )
@@ -171,4 +171,4 @@ def residuals(place: Place, power: float) -> tuple[float, float, float]:
     loads += conic.weight
     force = place.unbalanced / at.tau / max(loads, 1e-300)
     slow = place.missed / max(place.fastest, 1e-300)
-    return gap, max(force, lost / _SUMMED), max(slow, abs(left.load) / at.tau)
+    return gap, largest(force, lost / _SUMMED), largest(slow, abs(left.load) / at.tau)

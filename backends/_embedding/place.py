@@ -229,7 +229,7 @@ class Place:
                 conic.kinds[:-1], (*left.costly, *left.free, *left.planes), strict=True
             )
         ]
-        return max(float(part.max(initial=0.0)) for part in sizes)
+        return largest(*(part.max(initial=0.0) for part in sizes))
 
     @cached_property
     def unbalanced(self) -> float:
@@ -273,3 +273,8 @@ class Place:
             at.equal / at.tau,
             at.load / at.tau,
         )
+
+
+def largest(*sizes: float) -> float:
+    """Of sizes the largest; NaN where there is one (the built-in max may drop it)."""
+    return float(np.max(sizes))

@@ -15,6 +15,7 @@ from backends._embedding.least import least_program
 from backends._embedding.loops import plain
 from backends._embedding.place import Place
 from backends._embedding.rigid import motions
+from backends._goal import Goal
 from backends.interior_point import InteriorPoint
 from lacore.backend import find_backend
 from lacore.certificate import certify
@@ -22,10 +23,12 @@ from lacore.numerics.linear_algebra import SuperLU
 from lacore.program import associated_contact, dimensionless
 from lacore.reduction import reduced
 from lacore.status import Status
+from tests.backends import hand_made
 from tests.lacore.models import punch, square
 from tests.lacore.random_programs import (
     CONES,
     POINTS,
+    N,
     frozen,
     random_program,
     random_soil,
@@ -109,8 +112,9 @@ def test_a_punch_has_the_load_factor_of_clarabel(smooth):
     assert own.point.load_factor == pytest.approx(other.point.load_factor, rel=BAR)
 
 
-def test_residuals_know_forces_out_of_balance(smooth, monkeypatch):
-    """A thousandth more stress leaves a thousandth of the power unbalanced, and not much more."""
+@pytest.fixture
+def last(smooth, monkeypatch):
+    """Where the punch ends."""
     places = []
 
     def remembering(place, goal, power):
@@ -119,11 +123,26 @@ def test_residuals_know_forces_out_of_balance(smooth, monkeypatch):
 
     monkeypatch.setattr(way, "judged", remembering)
     answer("interior_point", *smooth)
-    at = places[-1].at
+    return places[-1]
+
+
+def test_residuals_know_forces_out_of_balance(last):
+    """A thousandth more stress leaves a thousandth of the power unbalanced, and not much more."""
+    at = last.at
     more = replace(at, stresses=tuple(1.001 * z for z in at.stresses))
-    assert residuals(places[-1], 1.0)[1] <= BAR
+    assert residuals(last, 1.0)[1] <= BAR
     # Of their power a hundredth counts, as certificates allow.
     assert 1e-5 <= residuals(Place(at.conic, more), 1.0)[1] <= 1e-3
+
+
+@pytest.mark.parametrize("part", ["equal", "stresses", "velocity"])
+def test_what_is_no_number_has_no_name(last, part):
+    """Forces of a pressure that is no number were none, beside a gap that is zero."""
+    goal, at = Goal(BAR, 1, np.inf), last.at
+    assert judged(last, goal, 1.0) == "solved"
+    known = getattr(at, part)
+    lost = tuple(np.nan * x for x in known) if isinstance(known, tuple) else np.nan * known
+    assert judged(Place(at.conic, replace(at, **{part: lost})), goal, 1.0) == ""
 
 
 @pytest.mark.slow
@@ -321,6 +340,68 @@ def test_all_loops_are_compiled_before_a_solve():
     assert [own.signatures for own in loops] == known
 
 
+def test_solves_one_after_the_other_are_fresh_ones():
+    """What is kept of the last contact is the pattern of its rows, where they are the same.
+
+    Of one point nothing opens: there the sign of a shift says which rows there are.
+    """
+    rng, program = np.random.default_rng(0), random_program(0)
+    rows = program.contact
+    normal = csr_matrix(rows.normal.multiply([[0.0], [1.0], [1.0]]))
+    program = replace(
+        program, contact=replace(rows, normal=normal), dead_load=0.1 * program.dead_load
+    )
+    solver, solved = InteriorPoint().prepare(program, InteriorPoint.Options()), 0
+    for _ in range(12):
+        contact = frozen(
+            rng.choice([0.0, 1.0, np.inf], POINTS),
+            rng.choice([0.0, 0.3, 0.6], POINTS),
+            rng.choice([0.0, 0.1], POINTS),
+        )
+        again, fresh = solver.solve(contact), answer("interior_point", program, contact)
+        assert again.status is fresh.status
+        assert (again.point is None) == (fresh.point is None)
+        if again.point is not None:
+            # The same numbers in the same order.
+            assert again.point.load_factor == fresh.point.load_factor
+            solved += 1
+    solver.close()
+    assert solved >= 6
+
+
+@pytest.mark.parametrize("more", [1e3, 1e8])
+def test_a_load_that_is_many_times_what_is_weak_is_not_locked(more):
+    """One of four cones is as much stronger, and the load has to overcome it."""
+    program, contact = stated("friction", 1)
+    (group,) = program.groups
+    strengths = group.bound * np.array([1.0, 1.0, more, 1.0])
+    program = replace(program, groups=(replace(group, bound=strengths),))
+    own, other = (answer(name, program, contact) for name in ("interior_point", "clarabel"))
+    assert own.status is other.status is Status.SOLVED
+    assert own.point.load_factor > 0.1 * more
+    assert own.point.load_factor == pytest.approx(other.point.load_factor, rel=BAR)
+
+
+@pytest.mark.parametrize("share", [1 - 1e-5, 1.01])
+def test_dead_loads_next_to_collapse_are_borne_or_not(share):
+    """A clamped beam, its load in the middle; what pulls up and down beside it holds neither."""
+    beam = hand_made.clamped_beam(hand_made.mid_load)
+    dead = share * 8 * hand_made.M_P / hand_made.LENGTH * beam.reference_load
+    across = np.array([0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0])
+    program = replace(beam, reference_load=across, dead_load=dead)
+    found = answer("interior_point", program, hand_made.NO_CONTACT)
+    assert found.status is (Status.SOLVED if share < 1 else Status.UNSAFE)
+
+
+def test_time_that_is_over_is_a_status(smooth):
+    options = replace(InteriorPoint.Options(), time_limit=1e-9)
+    solver = InteriorPoint().prepare(smooth[0], options)
+    found = solver.solve(smooth[1])
+    solver.close()
+    assert found.status is Status.TIME_LIMIT
+    assert found.iterations == 0
+
+
 def test_the_least_program_has_a_load():
     program, contact = least_program()
     found = answer("interior_point", program, contact)
@@ -332,3 +413,19 @@ def test_what_is_held_all_over_is_locked():
     """Strong bodies are asked as rigid ones, and those may have no motion: it ended in an error."""
     program = reduced(replace(random_program(1), groups=()), csr_matrix((9, 0)))
     assert answer("interior_point", program, frozen(1.0)).status is Status.LOCKED
+
+
+def test_a_load_that_is_none_is_locked():
+    """No velocity has a power of it, as Clarabel says; it was divided by."""
+    program = replace(random_program(1), reference_load=np.zeros(N))
+    for name in ("interior_point", "clarabel"):
+        assert answer(name, program, frozen(1.0)).status is Status.LOCKED
+
+
+def test_strengths_that_no_number_holds_end_in_a_status():
+    """Squares of rows overflow, where the method begins: it ended in an error."""
+    program = random_program(1)
+    (group,) = program.groups
+    large = replace(program, groups=(replace(group, rows=1e200 * group.rows),))
+    with np.errstate(over="ignore"):
+        assert answer("interior_point", large, frozen(1.0)).status is Status.FAILED
