@@ -14,7 +14,7 @@ from backends._embedding.loops import plain
 from backends._embedding.place import Place
 from backends._embedding.start import start
 from backends._embedding.stiffness import Stiffness
-from backends._embedding.system import System
+from backends._embedding.system import System, _pair
 from backends._embedding.vectors import Vector
 from backends._embedding.whole import Whole
 from lacore.certificate import certify
@@ -57,6 +57,14 @@ def test_both_ways_to_factorise_solve_the_same_equations(solver):
         for first, second in zip(one, other, strict=True):
             # `exactly` leaves a share of EXACT of the right-hand side; conditioned like mu = 0.2.
             assert np.allclose(first, second, atol=1e-4)
+
+
+@pytest.mark.parametrize("small", [1e-17, 1.0, 1e17])
+def test_the_border_is_solved_whichever_of_its_entries_is_small(small):
+    """Its determinant is far from zero; by a pivot of 1e-17 the other unknown was lost."""
+    matrix, x = np.array([[small, 1.0], [1.0, 1.0 - small]]), np.array([2.0, 3.0])
+    # Round-off of a solution by the larger pivot is that of the right-hand side.
+    assert _pair(matrix, *(matrix @ x)) == pytest.approx(x, rel=1e-14)
 
 
 @pytest.mark.parametrize("kind", ["velocities", "more"])

@@ -96,6 +96,21 @@ def test_a_body_that_yields_is_none():
     assert state.load_factor == pytest.approx(2.0, rel=0.1)  # 2 k, on a coarse mesh
 
 
+def test_a_body_that_yields_before_it_slides_is_none():
+    """Squeezed 1e6 times as much as pushed: at mu W it would slide at 3, and is crushed at 2 k."""
+    mesh = la.meshes.rectangle((0, 1), (0, 1), 2, 2)
+    problem = la.Problem(
+        {"block": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        [la.Traction("block", "left", (1.0, 0)), la.Traction("block", "right", (-1 + 1e-6, 0))],
+        interfaces=[la.Interface(("block", "bottom"), la.RigidObstacle((0, 0), (0, 1)), MU)],
+        dead_loads=[la.BodyForce("block", (0, -1e-5))],
+    )
+    state = la.solve(problem)
+    assert state.status is la.Status.SOLVED
+    # Friction and weight take part by 1e-5 of it.
+    assert state.load_factor == pytest.approx(2.0, rel=1e-4)
+
+
 def test_a_weak_floor_under_a_strong_guided_block():
     """Exact: the limit of friction; it was called free, beside a strength of 1e12."""
     mesh = la.meshes.rectangle((0, 1), (0, 1), 4, 4)
