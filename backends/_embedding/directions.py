@@ -157,7 +157,7 @@ class Directions:
         )
         gap -= sum(planes.cost(cones) for planes, cones in of_planes)
         right.data[-2:] = -share * left.load, gap
-        return _Reduced(right, tuple(leads), heights, kappa)
+        return _Reduced(right, leads, heights, kappa)
 
     def _roughly(self, given: _Reduced, start: Vector, left: Vector) -> "Directed":
         """The step from such a start, and what that leaves."""

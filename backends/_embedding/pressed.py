@@ -94,13 +94,14 @@ class Planes:
         order = np.argsort(-surfaces.normed, kind="stable")
         steepest = np.abs(surfaces.slope).max(axis=1)
         gain = 1 / np.where(steepest > 0, steepest, 1.0)
-        by = gain * group.volume_weights.reshape(m, volumes) / group.weights[:, None]
-        changes = csr_matrix(group.volumetric.multiply(by.reshape(-1, 1)))
+        changes = csr_matrix(group.volumetric.multiply(gain.reshape(-1, 1)))
         both = interleaved(group.rows, group.dim, changes, volumes)
-        given = group.weights[:, None] * by * surfaces.besides.reshape(m, volumes)
+        given = group.weights[:, None] * gain * surfaces.besides.reshape(m, volumes)
         return cls(
             rows=Rows.of(both, group.dim + volumes, group.weights, loops),
-            slope=np.ascontiguousarray((surfaces.slope[:, order] * by[:, None]).transpose(1, 2, 0)),
+            slope=np.ascontiguousarray(
+                (surfaces.slope[:, order] * gain[:, None]).transpose(1, 2, 0)
+            ),
             strength=np.ascontiguousarray(surfaces.strength[:, order].T),
             normed=int((surfaces.normed > 0).sum()),
             given=np.ascontiguousarray(given.T),

@@ -67,7 +67,6 @@ class System:
     def __init__(self, conic: Conic, stiffness: Stiffness, solver: SymmetricSolver) -> None:
         self._conic, self._stiffness, self._solver = conic, stiffness, solver
         self.layout = layout = Layout(conic)
-        self._weights = np.ones(layout.size)
         kinds = list(zip(conic.kinds, layout.parts, strict=True))
         of_planes = slice(layout.free, len(kinds) - 1)
         self._planes = [(rows, own) for rows, own in kinds[of_planes]]
