@@ -16,7 +16,9 @@ from backends._embedding.cones import (
     Inverses,
     Scaling,
     clipped,
+    determinant,
     inner,
+    lengths,
     product,
     quotient,
 )
@@ -211,7 +213,8 @@ def frames(first: Scaling, others: Floats, slope: Floats, sheared: int) -> tuple
     sides[:, :, sheared:] = slope[normed:].transpose(2, 0, 1)
     sides *= np.sqrt(others).reshape(k - normed, m).T[:, :, None]
     none = np.zeros((m, dim, dim))  # so that there are as many rows as columns
-    _, values, turned = np.linalg.svd(np.concatenate([rows, sides, none], axis=1))
+    every = np.concatenate([rows, sides, none], axis=1)
+    _, values, turned = np.linalg.svd(every, full_matrices=False)
     return np.ascontiguousarray(values.T**2), np.ascontiguousarray(turned.transpose(0, 2, 1))
 
 
@@ -300,13 +303,11 @@ def banded(
 
 def farthest(x: Floats, change: Floats) -> float:
     """Largest share of a change that stays in all cones, x inside; inf where all of it does."""
-    length = np.sqrt(np.einsum("cm,cm->m", x[1:], x[1:]))
-    size = np.sqrt((x[0] - length) * (x[0] + length))
+    size = np.sqrt(determinant(x))
     unit, rate = x / size, change / size
-    along = unit[0] * rate[0] - np.einsum("cm,cm->m", unit[1:], rate[1:])
+    along = unit[0] * rate[0] - inner(unit[1:], rate[1:])
     share = (along + rate[0]) / (unit[0] + 1)
-    rest = rate[1:] - share * unit[1:]
-    fastest = float(np.max(np.sqrt(np.einsum("cm,cm->m", rest, rest)) - along, initial=0.0))
+    fastest = float(np.max(lengths(rate[1:] - share * unit[1:]) - along, initial=0.0))
     return 1 / fastest if fastest > 0 else np.inf
 
 
