@@ -12,6 +12,7 @@ from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.body_forces import require_linear
 from lacore.bodies.continuum.regions.region import Region
 from lacore.errors import InputError
+from lacore.materials.criterion import Criterion
 from lacore.materials.friction import Coulomb, Friction, friction_law
 from lacore.problem.problem import Problem
 
@@ -40,6 +41,26 @@ def associated(problem: Problem) -> Problem:
         return replace(law, associated=True) if isinstance(law, Coulomb) else law
 
     return _with_laws(problem, dilating)
+
+
+def with_associated_flow(problem: Problem) -> Problem:
+    """With flow of soils normal to their surfaces: stresses that are admissible are the same."""
+
+    def normal(criterion: Criterion) -> Criterion:
+        if getattr(criterion, "dilation_angle", None) is None:
+            return criterion
+        return replace(criterion, dilation_angle=None)  # type: ignore[type-var]
+
+    soils = {}
+    for name, body in of_kind(problem.bodies, Body).items():
+        own = body.criterion
+        flows = (
+            {part: normal(one) for part, one in own.items()}
+            if isinstance(own, Mapping)
+            else normal(own)
+        )
+        soils[name] = replace(body, criterion=flows)
+    return replace(problem, bodies={**problem.bodies, **soils})
 
 
 def require_associated_flow(bodies: Mapping[str, Body]) -> None:

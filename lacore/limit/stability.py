@@ -41,6 +41,7 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
+_DISCRETE = "of the discrete problem; `lacore.stable` asks for stresses in balance everywhere"
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
 
@@ -148,7 +149,9 @@ def stability_of(
             point = point_in_si(discretisation, found.carried)
             if span_excess(discretisation, point) > tolerance:
                 return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
-            return _stability(Standing.STANDS, [0.0, *known], load_factor, point, found.residual)
+            why = _DISCRETE if discretisation.bodies else ""
+            own = [0.0, *known]
+            return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
         if found.falling is None:
             return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
         point = point_in_si(discretisation, found.falling)

@@ -11,9 +11,16 @@ import numpy as np
 import pandas as pd
 
 from lacore import views
+from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.discretise import discretise
-from lacore.errors import InputError, require_positive, typed
+from lacore.backend import find_backend
+from lacore.bounds.enclosing import associated, with_associated_flow
+from lacore.bounds.lower import lower_bound
+from lacore.bounds.upper import upper_bound
+from lacore.errors import CapabilityError, InputError, require_positive, typed
+from lacore.inner.preparing import JUDGE
 from lacore.limit import cells
+from lacore.limit.solve import strict_bound
 from lacore.limit.stability import Stability, Standing, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
@@ -39,7 +46,8 @@ class Stable(Shown):
             that they drive; None where neither is proven.
         stability: the proof, and which load factors of the reference loads are carried.
         state: what there is to look at: where it stands the stresses and reactions under the dead
-            loads, nothing moves; where it falls the mechanism, at ``Fd.u = 1``.
+            loads, nothing moves; where it falls the mechanism, at ``Fd.u = 1``; where neither is
+            proven what the discrete problem has of both, if anything.
     """
 
     stands: bool | None
@@ -84,7 +92,8 @@ def stable(
     That it stands means that stresses within all strengths and reactions within all friction cones
     carry the dead loads; with friction that is not associated they need not be those that there are
     (T14b). Where it falls no friction of these coefficients can hold it, and no pressures up to the
-    strength of joints that crush.
+    strength of joints that crush. Deformable bodies stand by stresses of a `lacore.lower_bound`, in
+    balance in each element: where those of the mesh carry less than the dead loads, refine it.
 
     Args:
         problem: with dead loads; its reference loads do not act.
@@ -109,7 +118,8 @@ def stable(
     if found.standing is Standing.FALLS and cells.from_below(problem):
         more = cells.with_cells(problem, cells.laws_of_crushing(problem), "above")
         falls = stability_of(discretise(more), *given).standing is Standing.FALLS
-        found = replace(found, why="") if falls else _undecided(found)
+        found = replace(found, why="") if falls else _undecided(found, found.why)
+    found = _of_the_continuum(problem, discretisation, found, backend, options or {})
     status = _STATUS[found.standing]
     state = LimitState(
         status=status,
@@ -134,8 +144,41 @@ def stable(
     return Stable(answer[found.standing], found, state)
 
 
-def _undecided(found: Stability) -> Stability:
-    return replace(found, standing=Standing.UNDECIDED, point=None, residual=np.nan)
+def _of_the_continuum(
+    problem: Problem,
+    discretisation: Discretisation,
+    found: Stability,
+    backend: str,
+    options: Mapping[str, Any],
+) -> Stability:
+    """What is proven of deformable bodies, where velocities of one mesh alone prove less.
+
+    Equilibrium with these is none in each element, and flow in some spaces dissipates more than
+    their points say. All dead loads together are carried from zero up to their load factor.
+    """
+    sure = found.standing is Standing.FALLS and strict_bound(discretisation)
+    if not discretisation.bodies or found.standing is Standing.UNDECIDED or sure:
+        return found
+    if find_backend(backend).capabilities.regularised:
+        backend, options = JUDGE, {}
+    try:
+        alone = associated(with_associated_flow(problem.with_loads(problem.dead_loads, [])))
+        if found.standing is Standing.STANDS:
+            below = lower_bound(alone, backend, options=options)
+            carried = below.rigor is Rigor.LOWER and below.load_factor >= 1
+            proven, why = carried or below.status is Status.LOCKED, below.message
+        else:
+            above = upper_bound(alone, backend, options=options)
+            proven = above.rigor is Rigor.UPPER and above.load_factor < 1
+            why = above.message
+    except (InputError, CapabilityError) as refused:
+        proven, why = False, str(refused)
+    said = f"of the discrete problem it {found.standing.label}, of the continuum not proven: {why}"
+    return found if proven else _undecided(found, said)
+
+
+def _undecided(found: Stability, why: str) -> Stability:
+    return replace(found, standing=Standing.UNDECIDED, residual=np.nan, why=why)
 
 
 @typed()
