@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from lacore.limit.hinging import excess
 from lacore.limit.solve import strict_bound
 from lacore.limit.state import LimitState
 from lacore.status import Rigor, Scope, Status
@@ -56,6 +57,7 @@ def proven(state: LimitState) -> tuple[float, float]:
     if state.rigor is not Rigor.UPPER:
         return -np.inf, np.inf
     value = state.load_factor
-    # Members under line loads hinge where moments are too large by the tolerance at most.
-    near = max(error(state), 2 * state.tolerance * abs(value))
+    near = error(state)
+    if excess(state) > 0:  # members under line loads: by the tolerance at most
+        near = max(near, 2 * state.tolerance * abs(value))
     return value - near if exact and normal else -np.inf, value + near

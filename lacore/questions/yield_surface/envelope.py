@@ -94,7 +94,7 @@ class Envelope(Shown):
         size = np.abs(self.planes[:, :-1]) @ np.abs(given) + np.abs(self.planes[:, -1])
         if np.any(room < -_ROUND * size):
             return False
-        far = gauge(self.inner, self.centre, given[None, :])
+        far = gauge(self.inner, self.centre, given[None, :]) if len(self.inner) else None
         return True if far is not None and far[0] <= 1 else None
 
     @property
@@ -121,9 +121,9 @@ class Envelope(Shown):
                 f"{self.bound_width:.2%} between bounds along the directions asked,"
                 f" {self.polyhedral_width:.2%} by corners between directions"
             )
-        low, high = self.inner.min(axis=0), self.inner.max(axis=0)
-        spans = zip(self.names, low, high, strict=True)
-        told["carried"] = ", ".join(f"{name} {a:.4g} to {b:.4g}" for name, a, b in spans)
+        spans = zip(self.names, self.inner.T, strict=True)
+        carried = [f"{name} {own.min():.4g} to {own.max():.4g}" for name, own in spans if own.size]
+        told["carried"] = ", ".join(carried) or "nothing is proven to be"
         told["solved by"] = f"{counted(len(self.table), 'direction')} in {self.solve_time:.3g} s"
         return Facts(f"Envelope: of {', '.join(self.names)}, {len(self.inner)} points", told)
 
@@ -222,7 +222,7 @@ def envelope(
     return Envelope(
         names=components.names,
         convex=convex,
-        inner=np.array(run.points) if found is None else found.inner,
+        inner=np.array(run.points).reshape(-1, k) if found is None else found.inner,
         outer=np.zeros((0, k)) if found is None else found.outer,
         planes=planes,
         bounded=found is not None and found.bounded,

@@ -8,15 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from lacore.adaptive.bracket import crossing
 from lacore.adaptive.refine import bracket
 from lacore.arrays import Floats
 from lacore.bounds.lower import lower_bound
 from lacore.bounds.upper import upper_bound
 from lacore.errors import InputError
+from lacore.limit.cells import from_below, laws_of_crushing
 from lacore.limit.solve import solve
 from lacore.numerics.threads import one_thread_each
 from lacore.problem.problem import Problem
-from lacore.questions.worth import error, worth
+from lacore.questions.worth import error, proven, worth
 from lacore.questions.yield_surface.components import Components
 from lacore.questions.yield_surface.directions import apart, corners, spread
 from lacore.questions.yield_surface.hulls import Hulls, gauge, hulls
@@ -96,13 +98,6 @@ class Asking:
             lower, upper, status, rigors, plane = self._bounds(stated, jobs)
         else:
             lower, upper, status, rigors, plane = self._state(stated)
-        if status == Status.UNSAFE.label:
-            raise InputError(
-                "Problem.dead_loads",
-                None,
-                "they alone collapse the structure, so that no surface has them inside",
-                "reduce them, or add what holds them up",
-            )
         return Answer(
             centre=centre,
             direction=direction,
@@ -122,14 +117,19 @@ class Asking:
         rigors = frozenset({state.rigor} if solved else ())
         if state.status is Status.LOCKED:
             return np.inf, np.inf, label, rigors, None
+        if state.status is Status.UNSAFE:
+            raise _falling()
         if not np.isfinite(value):
             return np.nan, np.nan, label, rigors, None
         if not self.convex:
             return value, np.nan, label, rigors, None
-        plane = None
-        if solved and state.point is not None:
-            plane = state.discretisation.problem, state.point.velocity
-        return value - wrong, value + wrong, label, rigors, plane
+        if not solved or state.point is None:
+            return value - wrong, value + wrong, label, rigors, None
+        if from_below(stated):  # a point: mechanisms of cells bound nothing
+            return value - wrong, np.nan, label, rigors, None
+        lower, upper = proven(state)
+        plane = state.discretisation.problem, state.point.velocity
+        return lower if np.isfinite(lower) else np.nan, upper, label, rigors, plane
 
     def _bounds(self, stated: Problem, jobs: int) -> "_Found":
         """Strict bounds of the continuum, on the mesh or on refined ones."""
@@ -143,13 +143,24 @@ class Asking:
             above = upper_bound(stated, self.backend, options=self.options)
             ends = {below.status, above.status} - {Status.SOLVED}
             status = min((end.label for end in ends), default=Status.SOLVED.label)
-        proven = below.status in (Status.SOLVED, Status.LOCKED)
-        lower = below.load_factor if proven else np.nan
-        if above.status is not Status.SOLVED:
+        if above.status is Status.UNSAFE:  # below it says so of its elements, for want of others
+            raise _falling()
+        holds = below.status in (Status.SOLVED, Status.LOCKED) and not crossing(below, above)
+        lower = below.load_factor if holds else np.nan
+        if above.status is not Status.SOLVED or crossing(below, above):
             return lower, np.nan, status, frozenset(), None
         rigors = frozenset({above.rigor} | ({below.rigor} if np.isfinite(lower) else set()))
         plane = above.discretisation.problem, above.velocity
         return lower, above.load_factor, status, rigors, plane
+
+
+def _falling() -> InputError:
+    return InputError(
+        "Problem.dead_loads",
+        None,
+        "they alone collapse the structure, so that no surface has them inside",
+        "reduce them, or add what holds them up",
+    )
 
 
 _Found = tuple[float, float, str, frozenset[Rigor], tuple[Problem, Floats] | None]
@@ -319,7 +330,9 @@ class Search:
             if self.asking.deforms:
                 return Rigor.DISCRETE.phrase
             return "certified Coulomb states"
+        if laws_of_crushing(self.asking.components.problem):
+            return "from one side, by cells of joints that crush"
         if not self.asking.deforms:
             return "exact but for the residuals of certificates"
-        strict = self.rigors <= {Rigor.LOWER, Rigor.UPPER}
+        strict = self.rigors == {Rigor.LOWER, Rigor.UPPER}
         return "both sides by strict bounds of the continuum" if strict else "not all bounds strict"

@@ -301,6 +301,48 @@ def test_dead_loads_that_fall_have_no_envelope():
         la.envelope(unsafe(), loads)
 
 
+def test_a_mesh_too_coarse_for_its_dead_loads_does_not_make_them_fall():
+    """These carry a weight of 3.15 of a cut with k = h = 1, which falls above 3.7."""
+    cut = la.Body(la.meshes.rectangle((0, 3), (0, 1), 3, 1), la.VonMises(shear_strength=1.0))
+    problem = la.Problem(
+        {"cut": cut, "block": square()},
+        PUSHED["V"],
+        [la.Fix("cut", "left"), la.Fix("cut", "bottom"), la.Fix("block", "left")],
+        dead_loads=[la.BodyForce("cut", (0, -3.5))],
+    )
+    assert la.lower_bound(problem).status is la.Status.UNSAFE
+    assert la.stable(problem).stands is None
+    found = la.envelope(problem, PUSHED, n=5)
+    assert found.table["lower"].isna().all()
+    assert found.table["upper"].notna().all()
+    assert "strict bounds" not in found.rigor  # with none below
+    assert found.contains((0, 0)) is None
+
+
+PUSHED = {
+    "V": [la.Traction("block", "right", (0, -1))],
+    "H": [la.Traction("block", "right", (1, 0))],
+}
+
+
+def test_cells_of_joints_that_crush_have_points_and_no_outer_side():
+    """One cell a corner carries 0.2 of the weight sideways, where pressures carry 0.32."""
+    stone = {"block": (0.4, 0.2, 1.0), "crushing": la.Crushing(1e5, divisions=1)}
+    problem = la.Problem(
+        {"pier": la.masonry3d.wall([[1]], friction=la.Tresca(1e4), **stone)},
+        [la.BodyForce("pier", (20e3, 0, 0))],
+        [la.Fix("pier", "base")],
+        dead_loads=[la.BodyForce("pier", (0, 0, -20e3))],
+    )
+    loads = {
+        axis: [la.BodyForce("pier", 20e3 * way)]
+        for axis, way in zip("xy", np.eye(2, 3), strict=True)
+    }
+    found = la.envelope(problem, loads, n=8)
+    assert found.contains((0.3, 0.0)) is not False
+    assert "exact" not in found.rigor
+
+
 def test_the_width_is_where_both_are_farthest_apart():
     """A diamond in a square with one corner cut off: at the others twice as far from the middle."""
     diamond = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
