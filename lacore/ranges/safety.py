@@ -31,7 +31,7 @@ from lacore.limit.state import LimitState
 from lacore.materials.criterion import Criterion
 from lacore.materials.weakening import Weakening
 from lacore.problem.problem import Problem
-from lacore.showing import Facts, Shown, counted
+from lacore.showing import Facts, Shown, counted, listed
 from lacore.status import Rigor, Status
 
 Weakened = Callable[[float], Problem | None]
@@ -99,6 +99,14 @@ class SafetyFactor(Shown):
         return f", of which {number} failed and prove{'s' * (number == 1)} nothing" * bool(number)
 
     @property
+    def _weakened(self) -> str:
+        """What is divided, for its text."""
+        weaker, every = of_kind(self.problem.bodies, Body), list(self.problem.bodies)
+        if len(weaker) == len(every):
+            return "all bodies"
+        return f"{listed(weaker)}; {listed([one for one in every if one not in weaker])} as stated"
+
+    @property
     def _beside(self) -> str:
         """What becomes of friction of interfaces, for its text."""
         if not self.problem.interfaces:
@@ -115,7 +123,7 @@ class SafetyFactor(Shown):
         told = {
             "rigor": f"not proven: {' and '.join(missing)} end" if missing else proven,
             "given": f"{counted(len(self.problem.loads), 'load')}, at their full size",
-            "divided": "strength of all bodies" + self._beside,
+            "divided": f"strength of {self._weakened}" + self._beside,
             "solved by": counted(len(self.history), kind) + self._failed,
         }
         told |= {"note": self.note} if self.note else {}
@@ -141,7 +149,7 @@ def safety_factor(
     Args:
         problem: its reference and dead loads count alike, at their full size (load factor 1).
         of: what is divided: ``strength``, that is cohesion, ``tan(phi)``, shear strength and
-            cut-offs of all bodies.
+            cut-offs of all deformable bodies; members of frames and joints of blocks keep theirs.
         interfaces: divide the friction of interfaces as well.
         tolerance: of each end, relative, to which it is looked for.
         backend: name of an exact backend.

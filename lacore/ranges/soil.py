@@ -89,9 +89,12 @@ class SoilRange(Shown):
         """What was found, and what of it is proven."""
         found = f"load factors {self.low:.6g} to {self.high:.6g} of the discrete problem"
         below, above = self.bracket
-        below = 0.0 if abs(below) <= _BEYOND * abs(above) else below
+        if np.isfinite(above) and abs(below) <= _BEYOND * abs(above):
+            below = 0.0
         within = f"in [{below:.6g}, {above:.6g}]" if below > -np.inf else f"at most {above:.6g}"
         proven = f"all of this mesh are {within} (T54)"
+        if below == -np.inf and above == np.inf:
+            proven = "no bound of any"
         if np.isfinite(self.davis):
             proven += f"; Davis's strength: {self.davis:.6g}, no bound"
         states = counted(len(self._certified), "certified state")

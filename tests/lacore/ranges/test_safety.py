@@ -202,6 +202,17 @@ def test_a_load_that_holds_what_falls_is_taken_as_it_is():
     assert found.lower < exact < found.upper  # the load factor jumps there, from 0 to hundreds
 
 
+def test_what_is_not_divided_is_named():
+    """A portal keeps its plastic moment on weaker ground."""
+    frame = la.Frame({"A": (1, 1), "B": (1, 2)}, [("A", "B")], plastic_moment=1.0)
+    problem = cut(1.0, la.VonMises(2.0), cells=1)
+    found = la.safety_factor(problem, tolerance=0.5)
+    assert "strength of all bodies" in repr(found)
+    held = [*problem.supports, la.Fix("mast", "A", "clamped")]
+    beside = replace(problem, bodies={**problem.bodies, "mast": frame}, supports=held)
+    assert "strength of soil; mast as stated" in repr(replace(found, problem=beside))
+
+
 def test_an_end_that_is_not_proven_says_so():
     """No mesh, no solve: a factor whose lower end was not found."""
     found = la.safety_factor(cut(1.0, la.VonMises(1.0), cells=1), tolerance=0.5)
