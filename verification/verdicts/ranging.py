@@ -1,15 +1,15 @@
-"""Verdicts on ranges: both ends must be right, and none above what is proven of the mesh."""
+"""Verdicts on ranges: both ends must be right, and between what is proven of the mesh."""
 
 from math import isfinite
 
 import lacore as la
 from verification.case import Band, Reference
 from verification.runs.row import Row
-from verification.verdicts.allowed import allowed_values, cannot_judge
+from verification.verdicts.allowed import Allowed, allowed_values, cannot_judge
 from verification.verdicts.words import FAIL, NO_REFERENCE, PASS
 
 _SOLVED = la.Status.SOLVED.label
-_BEYOND = 1e-6  # of the associated load factor: the round-off of two solves
+_BEYOND = 1e-6  # of the larger load factor: the round-off of two solves
 
 
 def judge_range(row: Row, reference: Reference, band: Band) -> tuple[str, str]:
@@ -24,8 +24,11 @@ def judge_range(row: Row, reference: Reference, band: Band) -> tuple[str, str]:
     if row.status != _SOLVED or not (isfinite(row.lowest) and isfinite(row.highest)):
         return FAIL, f"no load factor is certified: {row.message}"
     found = f"{row.lowest:.6g} to {row.highest:.6g}, gaps at most {row.gap:.1e}"
-    if row.highest > row.upper + _BEYOND * abs(row.upper) or row.lowest > row.highest:
-        return FAIL, f"{found}: above the associated load factor of the mesh, {row.upper:.6g} (T54)"
+    slack = _BEYOND * max(abs(row.lowest), abs(row.highest))
+    proven = Allowed(row.lower - slack, row.upper + slack)
+    if not (row.lowest <= row.highest and proven.holds(row.lowest) and proven.holds(row.highest)):
+        told = f"[{row.lower:.6g}, {row.upper:.6g}]"
+        return FAIL, f"{found}: not between the associated load factors of the mesh, {told} (T54)"
     if reference.unknown:
         return NO_REFERENCE, f"{found}; there is nothing to compare with"
     allowed = allowed_values(reference, band)

@@ -66,11 +66,14 @@ def test_both_ends_are_certified_and_below_the_associated_load(searched):
 @pytest.mark.parametrize(
     ("fields", "told"),
     [
-        ({"highest": 60.0}, "above the associated"),
-        ({"lowest": 40.0, "highest": 39.0}, "above the associated"),
+        ({"highest": 60.0}, "not between the associated"),
+        ({"lowest": 40.0, "highest": 39.0}, "not between the associated"),
+        ({"upper": nan}, "not between the associated"),  # nothing is proven of the mesh
+        ({"lower": nan}, "not between the associated"),
+        ({"lower": 38.9}, "not between the associated"),
         ({"lowest": nan}, "no load factor is certified"),
         ({"status": "not certified"}, "no load factor is certified"),
-        ({"lowest": 10.0}, "not in"),
+        ({"lower": 5.0, "lowest": 10.0}, "not in"),
     ],
 )
 def test_planted_errors_are_found(searched, fields, told):
