@@ -15,25 +15,28 @@ from lacore.errors import InputError
 from lacore.program import KinematicProgram, Scales
 
 
-def strengths_of(
-    groups: Sequence[DissipationGroup], dead_load: Floats, length: float
-) -> list[float]:
+def strengths_of(groups: Sequence[DissipationGroup], dead_load: Floats, area: float) -> list[float]:
     """Stresses by which groups yield, in tension, Pa: cohesion, or what the dead load presses.
 
     The apex of a cone is none: it is far away where friction is small (T48).
+
+    Args:
+        groups: of a program.
+        dead_load: on its unknowns, N; per unit thickness N/m.
+        area: that it presses, m^2; m.
     """
-    strengths = [_carried(group, dead_load, length) for group in groups]
+    strengths = [_carried(group, dead_load, area) for group in groups]
     if not max(strengths, default=0.0) > 0:  # what no tension and crushing leave
         pressed = [group.surfaces for group in groups if group.surfaces is not None]
         strengths += [float(surfaces.strength.max()) for surfaces in pressed]
     return strengths
 
 
-def _carried(group: DissipationGroup, dead_load: Floats, length: float) -> float:
+def _carried(group: DissipationGroup, dead_load: Floats, area: float) -> float:
     own = sqrt(3) * float(group.bound.max())
     if group.surfaces is None:
         return own
-    return max(own, float(group.surfaces.slope.max()) * fsum(np.abs(dead_load)) / length)
+    return max(own, float(group.surfaces.slope.max()) * fsum(np.abs(dead_load)) / area)
 
 
 def _between(strengths: Sequence[float]) -> float:
@@ -72,11 +75,16 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
     extent = fsum(own.extent for own in unknowns.dofs.values())
     solid = unknowns.dimension == 3
     length = cbrt(extent) if solid else sqrt(extent)
-    across = length if solid else 1.0
     bodies = unknowns.continua
+    across = length if solid else 1.0
+    if any(body.axisymmetric for body in bodies.values()):
+        volume = sum(float(body.weights.sum()) for body in bodies.values())
+        across = volume / sum(body.extent for body in bodies.values())
     pressed = solid and bool(np.any(program.dead_load))
     yielding = program.groups[: region_count(bodies)] or program.groups
-    strengths = [] if pressed and not bodies else strengths_of(yielding, program.dead_load, length)
+    strengths: list[float] = []
+    if bodies or not pressed:
+        strengths = strengths_of(yielding, program.dead_load, length * across)
     if bodies and len(strengths) == len(yielding):
         strengths = [_between(own) for _, _, own in by_body(bodies, strengths)]
     if not strengths:
@@ -94,7 +102,4 @@ def natural_scales(program: KinematicProgram, unknowns: Unknowns, velocity: floa
             "give dead_loads (the own weight: BodyForce), a Tresca friction, or a body that yields:"
             " a cohesion, a compressive_strength",
         )
-    volume = sum(float(body.weights.sum()) for body in bodies.values())
-    area = sum(body.extent for body in bodies.values())
-    thickness = volume / area if any(b.axisymmetric for b in bodies.values()) else across
-    return Scales(length, max(strengths), velocity, thickness)
+    return Scales(length, max(strengths), velocity, across)

@@ -171,6 +171,7 @@ def static_model(problem: Problem) -> StaticModel:
         _check_left(name, own, groups)
     extent = sum(float(element_geometry(d.body)[0].sum()) for d in bodies.values())
     length = cbrt(extent) if solid else sqrt(extent)
+    thickness = length if solid else 1.0
     return StaticModel(
         problem=problem,
         full=full,
@@ -182,9 +183,9 @@ def static_model(problem: Problem) -> StaticModel:
         bulging=bulging,
         natural=Scales(
             length=length,
-            stress=max(strengths_of(full.groups, full.dead_load, length)),
+            stress=max(strengths_of(full.groups, full.dead_load, length * thickness)),
             velocity=1 / size,
-            thickness=length if solid else 1.0,
+            thickness=thickness,
         ),
     )
 

@@ -206,3 +206,31 @@ def test_strength_in_other_units(factor):
     """Pa or MPa: the whole statement in either."""
     states = [la.solve(problem(stress=s, load=s), throw=True) for s in (1.0, factor)]
     assert states[1].load_factor == pytest.approx(states[0].load_factor, rel=LOOPED)
+
+
+@pytest.mark.parametrize("kinematics", ["plane_strain", "axisymmetric", "3d"])
+def test_scales_are_those_of_the_problem_in_any_unit_of_length(kinematics):
+    """m or mm: stresses by N/m^2, and the weight's share of them, are 1e-6 as large in the other.
+
+    By them residuals are judged: a scale that grows with the unit lets errors pass.
+    """
+
+    def stress(unit):
+        side, force = (0, unit), -18e3 / unit**3
+        if kinematics == "3d":
+            mesh, down = la.meshes.box(side, side, side, 1, 1, 1), (0.0, 0.0)
+            space = "p2-vertex"
+            soil = la.DruckerPrager(1e3 / unit**2, 20.0)
+        else:
+            mesh, down = la.meshes.rectangle(side, side, 2, 2), (0.0,)
+            space = "p2-gauss"
+            soil = la.MohrCoulomb(1e3 / unit**2, 30.0)
+        stated = la.Problem(
+            bodies={"soil": la.Body(mesh, soil, space=space, kinematics=kinematics)},
+            reference_loads=[la.Traction("soil", "top", (*down, -1.0))],
+            supports=[la.Fix("soil", "bottom")],
+            dead_loads=[la.BodyForce("soil", (*down, force))],
+        )
+        return la.discretise(stated).natural.stress
+
+    assert stress(1e3) * 1e6 == pytest.approx(stress(1.0), rel=1e-12)  # round-off
