@@ -13,11 +13,11 @@ from lacore.bodies.touching import Edges
 from lacore.conditions.loads import Fix
 from lacore.contact.interfaces import Interface
 from lacore.contact.touching import in_plane, where_touching
-from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction
+from lacore.materials.friction import SMOOTH, STICK, Bonded, Coulomb, Friction, Tresca
 from lacore.numerics.quantities import Units
 from lacore.pictures.axis import has_axis
 from lacore.pictures.contact import GROUND
-from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced, typeset
+from lacore.pictures.sketch.sheet import Label, Sheet, middle, quantity, spaced
 
 _HELD = "#3c3c3c"
 _LAWS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#b15928")
@@ -157,9 +157,7 @@ def joint_laws(body: BlockAssembly, units: Units) -> list[str]:
             adhesion = float(limit + mu * tension)
             laws.append(law_text(Coulomb(mu, bool(dilatancy > 0), adhesion, float(tension)), units))
         else:
-            laws.append(
-                "stick" if np.isinf(limit) else "smooth" if limit <= 0 else f"${typeset(limit)}$"
-            )
+            laws.append(law_text(Tresca(float(limit)), units))
     return laws
 
 

@@ -186,7 +186,11 @@ def test_friction_of_each_kind(law, text):
 
 
 @pytest.mark.parametrize(
-    "law", one_in(4, [0.25, la.Coulomb(0.25, associated=True), la.SMOOTH, la.STICK])
+    "law",
+    [
+        la.Tresca(2e3),
+        *one_in(4, [0.25, la.Coulomb(0.25, associated=True), la.SMOOTH, la.STICK]),
+    ],
 )
 def test_joints_have_the_text_of_their_law(law):
     blocks = la.BlockAssembly({"a": la.masonry.rectangle(0, 1, 0, 1), "b": _ABOVE}, law)
