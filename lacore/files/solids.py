@@ -18,7 +18,7 @@ def write_solids(state: LimitState, place: Path) -> Path:
     it is the displacement of the mechanism. At cells: `body`, its number in the problem, and
     `block`, its number in the body. Contact points have `normal` (from the master into the slave),
     `area` (m^2), `pressure` (Pa, compression positive), `traction` (Pa, all of it, on the slave),
-    `opening` and `slip` (m/s), and `state` (0 stick, 1 slip, 2 open).
+    `opening` and `slip` (m/s), and `state` (0 stick, 1 slip, 2 open, 3 crush).
 
     Returns:
         the file of the contact points.

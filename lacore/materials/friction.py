@@ -178,6 +178,11 @@ Friction = Coulomb | Tresca | Bonded
 """A law of friction; where it is asked for, a number is the coefficient of `lacore.Coulomb`."""
 
 
+def in_degrees(friction: float) -> bool:
+    """Whether a bare coefficient looks like an angle in degrees."""
+    return _DEGREES[0] <= friction < _DEGREES[1]
+
+
 def friction_law(friction: float | Friction, field: str) -> Friction:
     """A friction law, a bare coefficient read as Coulomb friction.
 
@@ -194,7 +199,7 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
             "not a friction law",
             "give a coefficient, lacore.Coulomb, Tresca, SMOOTH, STICK or BOND",
         )
-    if _DEGREES[0] <= friction < _DEGREES[1]:
+    if in_degrees(friction):
         raise InputError(
             field,
             friction,

@@ -160,7 +160,8 @@ def law(given: friction.Friction) -> Any:
         return {"limit": plain(given.limit)}
     assert isinstance(given, friction.Coulomb)
     own = {name: value for name, value in vars(given).items() if value}
-    return plain(given.mu) if set(own) <= {"mu"} else {"mu": 0} | plain(own)
+    bare = set(own) <= {"mu"} and not friction.in_degrees(given.mu)
+    return plain(given.mu) if bare else {"mu": 0} | plain(own)
 
 
 def support(fix: loads.Fix, field: str) -> Table:

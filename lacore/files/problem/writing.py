@@ -26,13 +26,14 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
     as ``NAME-1.npz``, ... Walls, arches and drawings are written as polygons.
 
     Args:
-        problem: whose boundaries are names, or places by numbers: `lacore.Within`, `lacore.Along`.
+        problem: whose boundaries are names, or places by numbers: `lacore.Within`, `lacore.Along`,
+            `lacore.Beyond`.
         path: of the file, ending in .toml.
         title: of the page that shows its answer.
 
     Raises:
         InputError: what no file can state: functions of places, laws of hardening, criteria and
-            obstacles of your own; a file that cannot be written.
+            obstacles of your own, bodies in space; a file that cannot be written.
 
     Example:
         >>> la.write_problem(la.examples.column(friction=0.3), "column.toml")
@@ -91,6 +92,9 @@ def _(body: Frame, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
 
 @_stated.register
 def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
+    if body.dimension == 3:
+        why, mend = "files state problems of the plane", "keep this problem in Python"
+        raise InputError(f"{field}.kinematics", body.kinematics, why, mend)
     mesh = recipe(body.mesh, file.parent)
     if mesh is None:
         meshes[file] = body.mesh

@@ -252,6 +252,11 @@ def _water(given: Any) -> str:
     return "~levels" if {"levels", "values"} & set(given) else "~table"
 
 
+def _still(given: Any) -> str:
+    kind = _water(given)
+    return "~table" if kind == "~uniform" else kind
+
+
 class PorePressure(_Load):
     """Water in the pores of a body."""
 
@@ -272,7 +277,12 @@ class StandingWater(_Load):
     maker: ClassVar[str] = "la.StandingWater"
     load: Literal["standing-water"]
     where: Where
-    pressure: WaterTable
+    pressure: Annotated[
+        Annotated[WaterTable, Tag("~table")]
+        | Annotated[Linear, Tag("~linear")]
+        | Annotated[ByLevel, Tag("~levels")],
+        Discriminator(_still),
+    ]
 
 
 Load = Annotated[

@@ -86,7 +86,8 @@ def _part(given: Any) -> str:
 def _kind(given: Any) -> str:
     if isinstance(given, dict):
         keys = set(given)
-        return "~line" if {"from", "to"} & keys else "~layer" if "layer" in keys else "~box"
+        own = {"~line": {"from", "to"}, "~half": {"point", "normal"}, "~layer": {"layer"}}
+        return next((kind for kind, names in own.items() if names & keys), "~box")
     return "~names" if isinstance(given, list | tuple) else "~name"
 
 
@@ -107,6 +108,7 @@ Where = Annotated[
     | Annotated[tuple[str, ...], Tag("~names")]
     | Annotated[Box, Tag("~box")]
     | Annotated[Line, Tag("~line")]
+    | Annotated[HalfPlane, Tag("~half")]
     | Annotated[OfLayer, Tag("~layer")],
     Discriminator(_kind),
 ]

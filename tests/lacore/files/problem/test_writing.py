@@ -46,8 +46,25 @@ def contact():
     )
 
 
+def in_water():
+    """Standing water by its numbers, on places by theirs."""
+    side = la.Beyond((1.0, 0.0), (1.0, 0.0))
+    return square(
+        dead_loads=[
+            la.StandingWater("soil", side, la.Linear(9.81e3, (0.0, -9.81e3))),
+            la.StandingWater("soil", "left", la.ByLevel([0.0, 1.0], [8e3, 0.0])),
+        ]
+    )
+
+
+def rough():
+    """A coefficient of friction that would be read as an angle if it stood alone."""
+    return wall(la.Coulomb(30.0))
+
+
 @pytest.mark.parametrize(
-    "state", [square, contact, wall, portal, lambda: wall(la.Coulomb(0.7, True))]
+    "state",
+    [square, contact, wall, portal, lambda: wall(la.Coulomb(0.7, True)), in_water, rough],
 )
 def test_it_is_read_as_the_same_problem(state, tmp_path):
     """All that is shown of it, its program to the last digit, and its file once more."""
@@ -109,6 +126,20 @@ def test_curves_names_and_order_are_kept(tmp_path):
         (
             square(dead_loads=[la.PorePressure("soil", lambda x: 0 * x[0])]),
             r"dead_loads\[0\].pressure.*WaterTable",
+        ),
+        (
+            la.Problem(
+                {
+                    "cube": la.Body(
+                        la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1),
+                        la.VonMises(1.0),
+                        kinematics="3d",
+                    )
+                },
+                [la.Traction("cube", "top", (0.0, 0.0, -1.0))],
+                [la.Fix("cube", "bottom")],
+            ),
+            "kinematics = '3d'.*of the plane",
         ),
         (3, "problem = 3: no Problem"),
     ],
