@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lacore.arrays import Floats
-from lacore.errors import InputError, is_number, is_plane_vector, require_place, require_range
+from lacore.arrays import Bools, Floats
+from lacore.errors import InputError, is_number, is_vector, require_place, require_range
 from lacore.showing import Compact
+
+_ROUND_OFF = 1e-12  # of the largest level: nearer to an edge one lies on it
 
 
 @dataclass(frozen=True, repr=False)
@@ -18,11 +20,11 @@ class Linear(Compact):
 
     Attributes:
         value: at the place `at`, Pa.
-        gradient: by x and y, Pa/m.
-        at: m.
+        gradient: by x and y, in space z too, Pa/m.
+        at: m; the origin if it is left out.
 
     Raises:
-        InputError: what are no numbers.
+        InputError: what are no numbers, as many of both; places of another space than they are of.
 
     Example:
         >>> deeper = la.Linear(10e3, gradient=(0.0, -2e3))  # Pa, at y < 0
@@ -30,35 +32,42 @@ class Linear(Compact):
     """
 
     value: float
-    gradient: tuple[float, float]
-    at: tuple[float, float] = (0.0, 0.0)
+    gradient: tuple[float, ...]
+    at: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not is_number(self.value):
             raise InputError("Linear.value", self.value, "not a number", "give a finite number")
-        for name in ("gradient", "at"):
-            given = getattr(self, name)
-            if not is_plane_vector(given):
-                mend = "give two finite numbers"
-                raise InputError(f"Linear.{name}", given, "not a plane vector", mend)
+        mend = "give two finite numbers, in space three"
+        if not is_vector(self.gradient):
+            raise InputError("Linear.gradient", self.gradient, "not a vector", mend)
+        if isinstance(self.at, tuple) and not self.at:
+            object.__setattr__(self, "at", (0.0,) * len(self.gradient))
+        if not (is_vector(self.at) and len(self.at) == len(self.gradient)):
+            raise InputError("Linear.at", self.at, "not a place of the space of gradient", mend)
         require_range("Linear", self.value, self.gradient)
         require_place("Linear.at", self.at)
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (2, n), shape (n,)."""
-        (a, b), (left, low) = self.gradient, self.at
-        return np.asarray(self.value + a * (x[0] - left) + b * (x[1] - low))
+        """Values at places of shape (d, n), shape (n,)."""
+        if len(x) != len(self.gradient):
+            why = f"{len(self.gradient)} numbers, where places have {len(x)}"
+            raise InputError("Linear.gradient", self.gradient, why, "give as many, of `at` too")
+        values = self.value + np.zeros(x.shape[1:])
+        for slope, own, start in zip(self.gradient, x, self.at, strict=True):
+            values = values + slope * (own - start)
+        return np.asarray(values)
 
 
 @dataclass(frozen=True, repr=False)
 class ByLevel(Compact):
-    """Linear in y between values at levels, and as at the last one beyond: a table by depth.
+    """Linear by height between values at levels, and as at the last one beyond: a table by depth.
 
     Where levels run through elements of a mesh it is not linear in them: let its edges follow
     them, or give its `steepest` slope to `lacore.Field`.
 
     Attributes:
-        levels: heights y, m, each once, in any order; two at least.
+        levels: heights, m, each once, in any order; two at least: of y, in space of z.
         values: there.
 
     Raises:
@@ -97,6 +106,12 @@ class ByLevel(Compact):
         """The largest slope, per m."""
         return float(np.max(np.abs(np.diff(self.values) / np.diff(self.levels))))
 
+    def bends(self, low: Floats, high: Floats) -> Bools:
+        """See `lacore.materials.fields.Bending`."""
+        level = np.array(self.levels)[:, None]
+        room = _ROUND_OFF * float(np.abs(level).max())
+        return np.asarray(((level > low[-1] + room) & (level < high[-1] - room)).any(axis=0))
+
     def __call__(self, x: Floats) -> Floats:
-        """Values at places of shape (2, n), shape (n,)."""
-        return np.asarray(np.interp(x[1], self.levels, self.values))
+        """Values at places of shape (d, n), shape (n,)."""
+        return np.asarray(np.interp(x[-1], self.levels, self.values))

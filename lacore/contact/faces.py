@@ -8,9 +8,10 @@ import numpy as np
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.bodies.continuum.solid.faces import face_corners, face_geometry
+from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.contact.interfaces import Interface
 from lacore.errors import InputError
+from lacore.meshes.solid.faces import face_corners
 from lacore.showing import Compact, placed
 
 _FACING = 1e-9  # of unit normals: their round-off

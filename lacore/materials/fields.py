@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 from lacore.errors import InputError, is_number, require_positive, require_range
-from lacore.showing import Compact, short
+from lacore.showing import Compact, placed, short
 
 Given = float | Sequence[float] | Callable[[Floats], Floats]
 """What stands for a strength: Pa, one value for each element of a mesh, or a function."""
+
+
+@runtime_checkable
+class Bending(Protocol):
+    """A function of place that knows where it bends; elsewhere it is linear."""
+
+    def bends(self, low: Floats, high: Floats) -> Bools:
+        """Whether it does within boxes, by their corners of shape (d, n), shape (n,)."""
+        ...
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -23,12 +32,13 @@ class Field(Compact):
     A function is seen from within each element, and may jump from one to the next: let edges of the
     mesh follow its jumps. Where it is linear in each element, which is taken from 15 places of it
     to 1e-12 of its size, bounds are strict as they are. Else give `steepest`, and in each element
-    bounds take the least and the greatest value that it can have there, whatever those places say.
+    bounds take the least and the greatest value that it can have there, whatever those places say,
+    unless the function knows where it bends, as `lacore.ByLevel` does.
 
     Attributes:
-        values: a function of coordinates of shape (2, n) that returns n values in Pa, or one value
-            for each element of the mesh, shape (elements,). Along a path also by strain points,
-            shape (elements, q).
+        values: a function of coordinates of shape (2, n), in space (3, n), that returns n values in
+            Pa, or one value for each element of the mesh, shape (elements,). Along a path also by
+            strain points, shape (elements, q).
         steepest: largest slope of the function anywhere within an element, Pa/m; None: not known.
         factor: of all values; of the strengths of a form also one of each element, (elements,).
 
@@ -84,7 +94,7 @@ class Field(Compact):
         return self.told
 
     def at(self, places: Floats, field: str) -> Floats:
-        """Values of a function at places of shape (2, n), without the factor, Pa, shape (n,).
+        """Values of a function at places of shape (d, n), without the factor, Pa, shape (n,).
 
         Raises:
             InputError: it fails there, or returns something else than n finite numbers >= 0.
@@ -160,7 +170,7 @@ def called(
     shape: tuple[int, ...],
     least: float = 0.0,
 ) -> Floats:
-    """What a function returns at places of shape (2, n), checked.
+    """What a function returns at places of shape (d, n), checked.
 
     Raises:
         InputError: it fails, or returns something else than finite numbers of a shape, none below
@@ -172,7 +182,8 @@ def called(
         raise InputError(
             field,
             None,
-            f"the function fails for coordinates (2, n): {type(error).__name__}: {error}",
+            f"the function fails for coordinates ({len(places)}, n):"
+            f" {type(error).__name__}: {error}",
             "compute with arrays: x[1] holds the heights of all places",
         ) from error
     if values.shape not in (shape, shape[:-1], ()):
@@ -180,19 +191,19 @@ def called(
             field,
             values.shape,
             f"the function does not return an array of shape {shape}",
-            "return one value a place for coordinates of shape (2, n)",
+            f"return one value a place for coordinates of shape ({len(places)}, n)",
         )
     missing = len(shape) - values.ndim
     values = np.broadcast_to(values.reshape(values.shape + (1,) * missing), shape)
     wrong = ~(np.isfinite(values) & (values >= least))
     if wrong.any():
         place = np.flatnonzero(wrong.reshape(-1, shape[-1]).any(axis=0))[0]
-        x, y = places[:, place]
         found = [float(f"{value:.4g}") for value in np.atleast_1d(values[..., place])]
         raise InputError(
             field,
             found if len(found) > 1 else found[0],
-            f"at ({x:.6g}, {y:.6g}): " + ("negative" if min(found) < 0 else "not a finite number"),
+            f"at {placed(places[:, place])}: "
+            + ("negative" if min(found) < 0 else "not a finite number"),
             "let it return finite values >= 0 in all of the body"
             if least == 0.0
             else "let it return finite numbers in all of the body",

@@ -114,8 +114,13 @@ class MohrCoulomb(Compact):
 
     @property
     def strength(self) -> float:
-        """Shear stress that it carries without pressure, ``c cos(phi)``, Pa; nan: it varies."""
-        return nan if isinstance(self._cohesion, Field) else self._cohesion * cos(self.angle)
+        """Shear stress that it carries without pressure, Pa; nan where it varies.
+
+        ``c cos(phi)``, or a cut-off below that.
+        """
+        if isinstance(self._cohesion, Field) or isinstance(self._friction, Field):
+            return nan
+        return _known(self._cohesion * cos(self.angle), *self._cutoffs)
 
     @property
     def label(self) -> str:

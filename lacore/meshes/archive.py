@@ -10,11 +10,10 @@ import numpy as np
 from skfem.mesh import Mesh, MeshQuad1, MeshQuad2, MeshTet1, MeshTri1, MeshTri2
 
 from lacore.errors import InputError, typed
-from lacore.meshes.polygonal import geometry_of, labelled
-from lacore.meshes.solid.roundness import solid_geometry_of
+from lacore.meshes.polygonal import labelled
+from lacore.meshes.solid.roundness import outline_of
 
 _KINDS = {kind.__name__: kind for kind in (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2, MeshTet1)}
-_OUTLINES = {2: geometry_of, 3: solid_geometry_of}
 _NAMES = {"boundaries": "with_boundaries", "subdomains": "with_subdomains"}
 
 
@@ -23,7 +22,8 @@ def save(mesh: Mesh, path: str | PathLike[str]) -> None:
     """Write a mesh as ``.npz``: `load` gives the same one, to the last digit.
 
     Raises:
-        InputError: a name with another ending, a file that cannot be written.
+        InputError: a name with another ending, a mesh of another kind than those of bodies, a file
+            that cannot be written.
 
     Example:
         >>> la.meshes.save(la.meshes.rectangle(x=(0, 2), y=(0, 1), nx=4, ny=2), "mesh.npz")
@@ -31,11 +31,18 @@ def save(mesh: Mesh, path: str | PathLike[str]) -> None:
         32
     """
     place = _named(path)
+    if type(mesh).__name__ not in _KINDS:
+        raise InputError(
+            "mesh",
+            type(mesh).__name__,
+            "no body has such a mesh",
+            f"give a skfem mesh: {', '.join(_KINDS)}",
+        )
     arrays = {"points": mesh.doflocs, "elements": mesh.t}
     for what in _NAMES:
         named = getattr(mesh, what) or {}
         arrays |= {f"{what}/{name}": np.asarray(own, dtype=np.int64) for name, own in named.items()}
-    kind, geometry = np.array(type(mesh).__name__), np.array(_OUTLINES[mesh.p.shape[0]](mesh))
+    kind, geometry = np.array(type(mesh).__name__), np.array(outline_of(mesh))
     try:
         with place.open("wb") as file:
             np.savez_compressed(file, **{"kind": kind, "geometry": geometry, **arrays})

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from skfem import MeshQuad, MeshTri
 
-from lacore.errors import InputError, is_number, typed
-from lacore.meshes.structured import graded, named_sides
+from lacore.errors import InputError, is_number, require_count, typed
+from lacore.meshes.structured import along_axis, graded, named_sides
 
 
 @typed(layers="give {name: (from, to)}")
@@ -56,10 +56,11 @@ def layered(
                 f"does not begin at {below[1]!r}, where the layer below ends",
                 "let each begin where the one below ends",
             )
+    require_count("ny", ny)
     height = ends[-1][1] - ends[0][0]
     rows = [graded(low, top, max(1, round(ny * (top - low) / height))) for low, top in ends]
     levels = np.concatenate([rows[0][:1], *(row[1:] for row in rows)])
-    cells = MeshQuad.init_tensor(graded(*x, nx, grade_x), levels)
+    cells = MeshQuad.init_tensor(along_axis("x", x, nx, grade_x), levels)
     mesh: MeshTri = named_sides(cells.to_meshtri(style="x" if crossed else None))
     middle = mesh.p[1, mesh.t].mean(axis=0)
     return mesh.with_subdomains(

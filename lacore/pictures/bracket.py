@@ -15,7 +15,7 @@ from lacore.adaptive.bracket import Bracket
 from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import mesh_of
 from lacore.arrays import Floats
-from lacore.bodies.continuum.solid.faces import face_corners
+from lacore.meshes.solid.faces import face_corners
 from lacore.numerics.quantities import Units
 from lacore.pictures.axis import label_lengths
 from lacore.pictures.space.drawing import space

@@ -27,9 +27,8 @@ from lacore.materials.conic_form import KINEMATICS, SPACE
 from lacore.materials.criterion import Criterion
 from lacore.meshes.checks import check_mesh
 from lacore.meshes.curved import EdgeCurves, edge_curves, vertices
-from lacore.meshes.polygonal import geometry_of
 from lacore.meshes.solid.checks import check_tetrahedra
-from lacore.meshes.solid.roundness import solid_geometry_of
+from lacore.meshes.solid.roundness import outline_of
 from lacore.showing import Facts, Picture, Shown, counted, listed, short
 
 if TYPE_CHECKING:
@@ -103,8 +102,7 @@ class Body(Shown):
             )
         _check_mesh(self.mesh, space)
         if self.geometry is None:
-            of = solid_geometry_of if self.dimension == 3 else geometry_of
-            object.__setattr__(self, "geometry", of(self.mesh))
+            object.__setattr__(self, "geometry", outline_of(self.mesh))
         if self.axisymmetric:
             _check_radii(self)
         if isinstance(self.criterion, Mapping):

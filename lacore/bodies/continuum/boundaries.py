@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.bodies.continuum.solid.faces import face_geometry, selected_faces
+from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.where import Where, edges_inside
 from lacore.errors import InputError, is_plane_vector, require_place, suggest_all
 from lacore.meshes.curved import edge_curves, vertices
+from lacore.meshes.solid.faces import selected_faces
 from lacore.showing import placed, spanned
 
 if TYPE_CHECKING:

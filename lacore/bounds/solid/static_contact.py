@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lacore.bodies.continuum.solid.faces import face_corners, face_geometry
+from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.bounds.static_contact import selected
 from lacore.contact.faces import Faces
 from lacore.contact.interfaces import Interface
 from lacore.contact.rows import ContactPoints, Station, joined, laws_of
 from lacore.contact.touching import Touching
+from lacore.meshes.solid.faces import face_corners
 from lacore.program import ContactRows
 
 

@@ -6,12 +6,12 @@ import numpy as np
 from scipy.sparse import block_diag, csr_matrix, eye_array, hstack, vstack
 
 from lacore.arrays import Ints, Sparse
-from lacore.bodies.continuum.solid.faces import face_corners
 from lacore.bodies.continuum.solid.held_nodes import flowing_between_nodes
 from lacore.bodies.continuum.solid.holding import face_conditions, moved_along, speed_names
 from lacore.bounds.equilibrium import EquilibriumDofs
 from lacore.conditions.footings import Footing
 from lacore.conditions.loads import Fix
+from lacore.meshes.solid.faces import face_corners
 
 
 def static_free_basis(

@@ -7,11 +7,16 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from lacore.arrays import Floats, Ints
-from lacore.meshes.polygonal import label_of
+from lacore.meshes.polygonal import geometry_of, label_of
 
 _PLANE = 4.5e-5  # rad: faces in one plane, up to coordinates of nine digits
 _SMALL = np.radians(61.0)  # an edge that is meant turns by more, if there are several in a row
 _IN_A_ROW = 4  # plane sides, three edges that turn between them
+
+
+def outline_of(mesh: Any) -> str:
+    """``exact`` or ``approximated``, of a mesh in the plane or in space."""
+    return {2: geometry_of, 3: solid_geometry_of}[mesh.p.shape[0]](mesh)
 
 
 def solid_geometry_of(mesh: Any) -> str:

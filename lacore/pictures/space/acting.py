@@ -13,8 +13,8 @@ from lacore.arrays import Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
-from lacore.bodies.continuum.solid.faces import face_corners
 from lacore.conditions.where import Where
+from lacore.meshes.solid.faces import face_corners
 from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, page, space
 from lacore.pictures.space.surface import PLAIN, fill_faces

@@ -14,8 +14,9 @@ from skfem import MeshTet
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.solid.faces import face_corners, face_geometry
+from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.limit.state import LimitState
+from lacore.meshes.solid.faces import face_corners
 from lacore.numerics.quantities import Units
 from lacore.pictures.space.drawing import explain, eye, page, space
 

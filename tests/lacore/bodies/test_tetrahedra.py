@@ -197,6 +197,66 @@ def test_predicates_end_where_faces_do():
         cube(n=2, load=la.Pressure("block", lambda x: (x[2] == 1) & (x[0] <= 0.4)))
 
 
+GROUND = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 2)
+
+
+def _ground(criterion):
+    return la.Body(GROUND, criterion, kinematics="3d")
+
+
+def _deepened(values, steepest=None):
+    """Bounds of a footing on soil that gets stronger with depth."""
+    soil = _ground(la.VonMises(la.Field(values, steepest)))
+    held = [la.Fix("soil", name) for name in ("bottom", "left", "right", "front", "back")]
+    problem = la.Problem({"soil": soil}, [la.Traction("soil", "top", (1.0, 0.0, -1.0))], held)
+    return la.discretise(problem).program.groups[0].bound
+
+
+@pytest.mark.parametrize(
+    ("values", "steepest"),
+    [
+        (la.Linear(1.0, (0.0, 0.0, -2.0), at=(0.0, 0.0, 1.0)), None),
+        (la.ByLevel([0.0, 0.5, 1.0], [3.0, 2.0, 1.0]), None),
+        (la.ByLevel([0.0, 0.5, 1.0], [3.0, 2.0, 1.0]), 2.0),  # it bends where elements end
+    ],
+)
+def test_functions_by_numbers_are_those_of_height(values, steepest):
+    own = _deepened(lambda x: 3 - 2 * x[2])
+    np.testing.assert_allclose(_deepened(values, steepest), own, rtol=1e-12)  # round-off
+
+
+def test_a_level_within_elements_still_needs_its_slope():
+    bent = la.ByLevel([0.0, 0.25, 1.0], [3.0, 2.0, 1.0])
+    problem = la.Problem(
+        {"soil": _ground(la.VonMises(la.Field(bent)))},
+        [la.Traction("soil", "top", (0.0, 0.0, -1.0))],
+        [la.Fix("soil", "bottom")],
+    )
+    with pytest.raises(la.InputError, match=r"not linear in each element.*steepest="):
+        la.lower_bound(problem)
+    assert _deepened(bent, bent.steepest).max() > _deepened(lambda x: 3 - 2 * x[2]).max()
+
+
+def test_friction_angles_vary_in_space():
+    soil = _ground(la.DruckerPrager(1.0, la.Field(lambda x: 20 + 5 * x[2])))
+    assert "20 to 25" in str(soil)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "match"),
+    [
+        (la.VonMises(la.Field(lambda x: x[2] - 0.5)), r"at \(.*, .*, .*\): negative"),
+        (la.VonMises(la.Field(lambda x: np.log(x[2] - 0.5))), r"coordinates \(3, n\)|not a finite"),
+        (la.VonMises(la.Field(la.Linear(1.0, (0.0, 1.0)))), "2 numbers, where places have 3"),
+        (la.DruckerPrager(1.0, la.Field(lambda x: 95 * x[2])), r"near \(.*, .*, .*\)"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+def test_what_is_wrong_of_a_function_is_told_with_its_place_in_space(criterion, match):
+    with pytest.raises(la.InputError, match=match):
+        _ground(criterion)
+
+
 def test_kinematics_of_the_plane_stay_three():
     assert KINEMATICS == ("plane_strain", "plane_stress", "axisymmetric", "3d")
 

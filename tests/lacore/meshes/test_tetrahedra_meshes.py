@@ -27,6 +27,42 @@ def test_a_box_is_filled_once_and_its_sides_have_names(crossed, cell):
         assert np.all(mesh.p[axis][mesh.facets[:, mesh.boundaries[name]]] == at)
 
 
+def test_faces_and_elements_are_named_by_their_places(tmp_path):
+    box = la.meshes.box((0, 2), (0, 1), (0, 1), 2, 1, 2)
+    mesh = la.meshes.named(
+        box,
+        {"footing": lambda x: (x[0] <= 1) & (x[2] == 1), "side": lambda x: x[1] == 0},
+        {"below": lambda x: x[2] <= 0.5, "above": lambda x: x[2] >= 0.5},
+    )
+    for name, area in (("footing", 1.0), ("side", 2.0)):
+        corner = mesh.p[:, mesh.facets[:, mesh.boundaries[name]]]
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], axis=0)
+        assert np.linalg.norm(across, axis=0).sum() / 2 == pytest.approx(area)
+    volume = np.abs(signed_volumes(mesh))
+    below, above = (mesh.subdomains[name] for name in ("below", "above"))
+    assert volume[below].sum() == pytest.approx(volume[above].sum()) == pytest.approx(1.0)
+    assert not np.intersect1d(below, above).size
+    la.meshes.save(mesh, tmp_path / "own.npz")
+    again = la.meshes.load(tmp_path / "own.npz")
+    np.testing.assert_array_equal(again.boundaries["footing"], mesh.boundaries["footing"])
+
+
+@pytest.mark.parametrize(
+    ("boundaries", "regions", "match"),
+    [
+        ({"a": lambda x: (x[0] <= 0.7) & (x[2] == 1)}, {}, "ends inside the face around"),
+        ({"a": lambda x: x[2] == 3}, {}, "no face of the boundary"),
+        ({"a": la.Along((0, 0), (1, 0))}, {}, "places of the plane, and the body is one in space"),
+        ({"a": lambda x: x[3] > 0}, {}, "fails"),
+        ({}, {"a": lambda x: x[2] <= 0.7}, r"around \(.*, .*, .*\)"),
+    ],
+)
+def test_places_that_no_faces_or_elements_fill_are_refused(boundaries, regions, match):
+    box = la.meshes.box((0, 1), (0, 1), (0, 1), 2, 1, 2)
+    with pytest.raises(la.InputError, match=match):
+        la.meshes.named(box, boundaries, regions)
+
+
 def test_cells_are_cut_along_the_planes_of_symmetry_of_a_square():
     """All of each element of a grid of cubes lies on one side of x = y (T89)."""
     mesh = la.meshes.box((0, 2), (0, 2), (0, 1), 3, 3, 2, grade_x=(1.0, 3.0), grade_y=(1.0, 3.0))

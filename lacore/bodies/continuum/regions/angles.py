@@ -142,9 +142,10 @@ def _check(place: str, low: Floats, high: Floats, mesh: Mesh, elements: Ints) ->
 
 
 def _at(place: str, mesh: Mesh, element: int) -> str:
-    return f"{place} near {_near(mesh, element)}"
+    return f"{place} near {near(mesh, element)}"
 
 
-def _near(mesh: Mesh, element: int) -> str:
-    x, y = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
-    return f"({x:.4g}, {y:.4g})"
+def near(mesh: Mesh, element: int) -> str:
+    """The centre of an element, for messages."""
+    place = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
+    return f"({', '.join(f'{own:.4g}' for own in place)})"

@@ -6,7 +6,7 @@ import numpy as np
 from skfem import Mesh
 
 from lacore.arrays import Ints
-from lacore.bodies.continuum.regions.angles import envelopes
+from lacore.bodies.continuum.regions.angles import envelopes, near
 from lacore.bodies.continuum.regions.region import Region
 from lacore.bodies.continuum.regions.varying import in_elements
 from lacore.errors import InputError, suggest_all
@@ -85,7 +85,7 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
         raise InputError(
             "Body.criterion",
             list(criteria),
-            f"{counted(left.size, 'element')} in no region, near {_near(mesh, left[0])}",
+            f"{counted(left.size, 'element')} in no region, near {near(mesh, int(left[0]))}",
             f"give these a criterion, too: the mesh has also {listed(unused)}"
             if unused
             else "let regions cover the mesh",
@@ -98,11 +98,6 @@ def _where(mesh: Mesh, elements: Ints) -> str:
     places = vertices(mesh)[:, np.unique(mesh.t[:, elements])]
     low, high = places.min(axis=1), places.max(axis=1)
     return f"{(high - low).min():.4g} m deep, within {spanned(low, high)} m"
-
-
-def _near(mesh: Mesh, element: int) -> str:
-    place = vertices(mesh)[:, mesh.t[:, element]].mean(axis=1)
-    return f"({', '.join(f'{own:.4g}' for own in place)})"
 
 
 def _with_effect(region: Region) -> Region:

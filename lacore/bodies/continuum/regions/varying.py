@@ -13,7 +13,7 @@ from skfem.mesh import MeshTet1, MeshTri1
 from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.regions.looking import looked_at
 from lacore.errors import InputError
-from lacore.materials.fields import Field
+from lacore.materials.fields import Bending, Field
 from lacore.meshes.curved import vertices
 from lacore.showing import Compact, placed
 
@@ -102,9 +102,9 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
     if not isinstance(mesh, MeshTri1 | MeshTet1):
         return Varying(vertex, None, None, linear)
     vertex = np.maximum(vertex, 0.0)  # what a negative one would be is refused above
-    if own.steepest is None:
-        return Varying(vertex, None, None, linear)
     corner = vertices(mesh)[:, mesh.t[:, elements]]  # (d, a, e)
+    if own.steepest is None or (linear and _straight(own.values, corner)):
+        return Varying(vertex, None, None, linear)
     centre = corner.mean(axis=1)
     radius = np.linalg.norm(corner - centre[:, None], axis=0).max(axis=0)
     at_centre = own.at(centre, place)
@@ -121,3 +121,10 @@ def _function(place: str, own: Field, mesh: Mesh, elements: Ints) -> Varying:
         )
     # It may be uneven between the places looked at, as far as that slope: never taken for linear.
     return Varying(vertex, np.maximum(at_centre - room, 0.0), most, linear=False)
+
+
+def _straight(function: object, corner: Floats) -> bool:
+    """Whether a function says that it bends in no element, by corners of shape (d, a, e)."""
+    if not isinstance(function, Bending):
+        return False
+    return not function.bends(corner.min(axis=1), corner.max(axis=1)).any()

@@ -16,10 +16,11 @@ from scipy.sparse import csr_matrix, vstack
 from lacore.arrays import Floats, Ints, Sparse
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.jumps import Jumps, control_values, layered
-from lacore.bodies.continuum.solid.faces import SIDES, face_corners, face_geometry
+from lacore.bodies.continuum.solid.faces import SIDES, face_geometry
 from lacore.bodies.continuum.solid.holding import HeldFaces
 from lacore.bodies.continuum.solid.lattice import divided
 from lacore.bodies.continuum.solid.normal_flow import nodes_of_faces
+from lacore.meshes.solid.faces import face_corners
 
 
 @dataclass(frozen=True, repr=False)

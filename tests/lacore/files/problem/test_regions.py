@@ -236,6 +236,16 @@ def test_places_and_functions_by_numbers():
     assert la.ByLevel([1, -1], [2, 6])(x).tolist() == [4.0, 6.0, 2.0]
 
 
+def test_functions_by_numbers_in_space():
+    x = np.array([[0.0, 1.0, 2.0], [0.0, -1.0, 1.0], [0.5, 0.0, 1.0]])
+    assert la.Linear(1.0, (2.0, 3.0, 4.0))(x).tolist() == [3.0, 0.0, 12.0]
+    assert la.ByLevel([1, 0], [2, 6])(x).tolist() == [4.0, 6.0, 2.0]
+    with pytest.raises(la.InputError, match="2 numbers, where places have 3"):
+        la.Linear(1.0, (2.0, 3.0))(x)
+    with pytest.raises(la.InputError, match="space of gradient"):
+        la.Linear(1.0, (2.0, 3.0), at=(0.0, 0.0, 1.0))
+
+
 HEAVY = '{ value = "18 kN/m3", gradient = ["0.1 kN/m4", "-2 kN/m3/m"], at = [0, -1] }'
 BY_LEVEL = '{ levels = [-2, -1, 0], values = ["22 kN/m3", "19 kN/m3", 16000] }'
 
