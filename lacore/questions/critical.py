@@ -84,6 +84,8 @@ class Crossing(Compact):
 class Critical(Shown):
     """Critical values of a parameter, each between two at which certificates prove the side.
 
+    Of deformable bodies the side of the discrete problem: on finer meshes load factors are others.
+
     Attributes:
         crossings: every one that was seen, by the parameter; there may be more between values that
             were not asked.
@@ -165,7 +167,9 @@ class Critical(Shown):
             title = f"Critical: {self.value:.7g}, in [{self.low:.10g}, {self.high:.10g}]"
             by = self.table.set_index("parameter")["load_factor"]
             first, last = (by[end] - self.target for end in (self.low, self.high))
-            told["proven"] = f"{self.target:g} {first:+.1e} and {last:+.1e} there, of: {self.of}"
+            state = self.at_low or self.at_high
+            of = self.of + (state.discretisation.scope.phrase if state else "")
+            told["proven"] = f"{self.target:g} {first:+.1e} and {last:+.1e} there, of: {of}"
         told["solved by"] = solved_by(self.table, self.solve_time)
         return Facts(title, told)
 

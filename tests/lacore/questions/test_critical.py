@@ -129,6 +129,7 @@ def test_friction_at_which_a_block_just_carries_its_push():
     assert found.low < found.value < found.high
     assert found.at_low.load_factor < 2 < found.at_high.load_factor
     assert found.at_low.status is found.at_high.status is la.Status.SOLVED
+    assert "of: load factor of the discrete problem" in str(found)
 
 
 def test_sides_that_are_the_same_are_said():

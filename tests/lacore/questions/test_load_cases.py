@@ -173,6 +173,7 @@ def test_cells_that_stand_for_crushing_joints_prove_nothing_of_them():
     exact = la.crushing_bracket(pier, target_width=1e-4).low
     assert table["load_factor"] < 0.99 * exact
     assert table["lower"] < exact < table["upper"]
+    assert table["rigor"] == "discrete"  # from below, and no upper bound
     assert "exact" not in str(la.solve(pier))
     found = la.coulomb_range(pier, restarts=0)
     assert "crushing_bracket" in found.missing
