@@ -237,6 +237,13 @@ def test_a_level_within_elements_still_needs_its_slope():
     assert _deepened(bent, bent.steepest).max() > _deepened(lambda x: 3 - 2 * x[2]).max()
 
 
+def test_a_level_between_the_places_that_are_looked_at_is_bounded_by_its_slope():
+    """A peak 2e-4 m high that no place sees: the function says that it bends there."""
+    peak = la.ByLevel([0.0, 0.2999, 0.3, 0.3001, 1.0], [103.0, 102.4002, 102.41, 102.3998, 101.0])
+    straight = _deepened(lambda x: 103 - 2 * x[2])
+    assert _deepened(peak, peak.steepest).max() > 1.1 * straight.max()
+
+
 def test_friction_angles_vary_in_space():
     soil = _ground(la.DruckerPrager(1.0, la.Field(lambda x: 20 + 5 * x[2])))
     assert "20 to 25" in str(soil)

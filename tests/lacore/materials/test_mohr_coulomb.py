@@ -121,6 +121,12 @@ def test_stresses_come_back(kinematics):
     assert xy == pytest.approx(-0.2)
 
 
+def test_a_cut_off_limits_what_is_carried_without_pressure():
+    """In pure shear one principal stress is a tension as large as the shear stress."""
+    assert la.MohrCoulomb(1.0, 30.0).strength == pytest.approx(sqrt(3) / 2)
+    assert la.MohrCoulomb(1.0, 30.0, tension_cutoff=0.1).strength == 0.1
+
+
 def test_another_strength_in_each_element():
     form = la.MohrCoulomb(1.0, 30).conic_form("plane_strain")
     (plane,) = form.surfaces

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from skfem import MeshHex
 
 import lacore as la
 from lacore.meshes.structured import graded
@@ -267,6 +268,27 @@ def test_centres_stay_within_and_off_the_diagonals(to):
 def test_what_is_of_another_kind_is_refused_by_name(wrong, said):
     with pytest.raises(la.InputError, match=said):
         wrong()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda: la.meshes.layered((0, 1), {"clay": (0, 1)}, 2, 0), "ny = 0: not a positive whole"),
+        (lambda: la.meshes.layered((1, 0), {"clay": (0, 1)}, 2, 2), "x = "),
+        (lambda: la.meshes.layered((0, 1), {"clay": (0, 1)}, 0, 2), "nx = 0"),
+        (
+            lambda: la.meshes.save(MeshHex(), "own.npz"),
+            "mesh = 'MeshHex1': no body has such a mesh",
+        ),
+    ],
+)
+def test_what_makes_no_mesh_of_a_body_is_refused_by_its_own_name(
+    wrong, said, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(la.InputError, match=said):
+        wrong()
+    assert not list(tmp_path.iterdir())
 
 
 def test_patches_with_other_cells_on_a_side_say_so():
