@@ -21,7 +21,7 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.dissipation import DissipationGroup
-from lacore.inner.rescaling import largest_residual
+from lacore.inner.rescaling import largest_residual, of_both
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 
@@ -165,12 +165,7 @@ class LocalSpeedSolver:
             self._renew(units)
             answer = self._asked(contact)
             found = largest_residual(self._program, answer, contact)
-            closer = answer if found < left else best
-            best = replace(
-                closer,
-                iterations=best.iterations + answer.iterations,
-                solve_time=best.solve_time + answer.solve_time,
-            )
+            best = of_both(answer if found < left else best, best, answer)
             if not found < left:
                 break
             left = found

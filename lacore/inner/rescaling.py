@@ -170,6 +170,15 @@ def largest_residual(
     return worst if np.isfinite(worst) else np.inf
 
 
+def of_both(answer: InnerSolution, one: InnerSolution, other: InnerSolution) -> InnerSolution:
+    """An answer with the iterations and the time of two solves."""
+    return replace(
+        answer,
+        iterations=one.iterations + other.iterations,
+        solve_time=one.solve_time + other.solve_time,
+    )
+
+
 def proven(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact, good: float
 ) -> InnerSolution:
@@ -230,8 +239,9 @@ class RescalingSolver:
             self._renew(None)  # units of loads may be worse than none
             plain = self._asked(contact)
             found = largest_residual(self._program, plain, contact)
-            if found <= residual or (plain.status in _CLAIMS and residual > _BAR):
-                best, residual = plain, found
+            gained = found <= residual or (plain.status in _CLAIMS and residual > _BAR)
+            best = of_both(plain if gained else best, best, plain)
+            residual = found if gained else residual
         tried = list(self._refused)
         for _ in range(_TRIES):
             if best.point is None or residual <= self._good:
@@ -253,11 +263,7 @@ class RescalingSolver:
             together = largest_residual(self._program, pair, contact)
             gains, both = found <= _GAIN * residual, together <= _GAIN * min(found, residual)
             closer = pair if both else answer if found < residual else best
-            best = replace(
-                closer,
-                iterations=best.iterations + answer.iterations,
-                solve_time=best.solve_time + answer.solve_time,
-            )
+            best = of_both(closer, best, answer)
             if not gains:
                 tried.append(better)
                 self._renew(before)

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 
 from lacore.arrays import Bools, Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
-from lacore.inner.rescaling import largest_residual, proven
+from lacore.inner.rescaling import largest_residual, of_both, proven
 from lacore.inner.rigid_motions import motions_without_strain, weighted_rows
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram, Scales, dimensionless
 from lacore.reduction import reduced
@@ -59,11 +59,8 @@ class StrongBodySolver:
         self._failures += 1
         answer = self._plain(contact)
         best = min((rigid, answer), key=lambda one: largest_residual(self._program, one, contact))
-        return replace(
-            answer if best.point is None else proven(self._program, best, contact, _GOOD),
-            iterations=rigid.iterations + answer.iterations,
-            solve_time=rigid.solve_time + answer.solve_time,
-        )
+        closer = answer if best.point is None else proven(self._program, best, contact, _GOOD)
+        return of_both(closer, rigid, answer)
 
     def _plain(self, contact: FrozenContact) -> InnerSolution:
         if self._whole is None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import find_backend, read_options
+from lacore.backend import InnerSolution, find_backend, read_options
 from lacore.certificate import certify
 from lacore.inner.left_over import idle, impossible, judged_left, left_over
 from lacore.inner.preparing import preparing
@@ -129,6 +129,14 @@ def test_a_light_block_out_of_balance_is_solved_again_or_not_called_solved():
     assert again.status is Status.SOLVED
     stubborn = RescalingSolver(drawn.program, lambda _: Stubborn(alone), good_for(BAR))
     assert stubborn.solve(drawn.contact).status is Status.ALMOST_SOLVED
+
+
+def test_iterations_of_a_solve_in_vain_count():
+    """In units of loads first, then as stated, and neither is an answer: those of one were told."""
+    drawn = draw_program("weights", 12, 0, 18)
+    nothing = InnerSolution(Status.STALLED, "stuck", 7, 1.0, None)
+    found = RescalingSolver(drawn.program, lambda _: Stubborn(nothing)).solve(drawn.contact)
+    assert (found.iterations, found.solve_time) == (14, 2.0)
 
 
 def test_what_units_of_loads_do_not_solve_is_asked_as_it_is():
