@@ -93,7 +93,7 @@ def matrix(house: str) -> str:
 def house_of_lacore() -> str:
     """An SVG: rooms of lacore on their floors; each imports from its left and from below."""
     ground, left, right, upper, top = FLOORS
-    wide, gap, high = 900.0, 10.0, 92.0
+    wide, gap, high = 1040.0, 10.0, 92.0
     half = (wide - gap) * len(SOLVER_WING) / (len(SOLVER_WING) + len(MECHANICS_WING))
     drawn = [
         *_floor(top, 0.0, 0.0, wide, high),
