@@ -122,8 +122,3 @@ def _force(load: PointForce) -> Mapping[str, Sequence[object]]:
 @_vectors.register(RigidFooting)
 def _footing(load: RigidFooting) -> Mapping[str, Sequence[object]]:
     return {"direction": load.direction}
-
-
-@_vectors.register(Twist)
-def _twist(load: Twist) -> Mapping[str, Sequence[object]]:
-    return {"axis": load.axis}
