@@ -58,6 +58,14 @@ class SolverProcess:
         """Whether the process still has the program of this solver."""
         return self._holder is solver and self._process.running
 
+    @property
+    def processor_time(self) -> float:
+        """What it has used since it was started, s; NaN where it is lost."""
+        try:
+            return float(self.ask(START, "processor_time"))
+        except LostError:
+            return float("nan")
+
     def ask(self, limit: float, *request: Any) -> Any:
         """As `ChildProcess.ask`."""
         return self._process.ask(limit, *request)
@@ -145,6 +153,10 @@ class SolverWorker:
         if isinstance(answer, InnerSolution):  # anything else is for `checked_answer`
             return replace(answer, peak_memory=peak_memory())
         return answer
+
+    def processor_time(self) -> float:
+        """Of this process, s."""
+        return time.process_time()
 
     def close(self) -> None:
         """Drop the solver."""

@@ -56,6 +56,13 @@ def answer(block):
     return Works().prepare(program, Options()).solve(contact)
 
 
+def test_a_process_counts_its_own_time(process, block):
+    program, contact = block
+    begin = process.processor_time
+    process.prepare(Works(), program, Options()).solve(contact)
+    assert 0 < begin < process.processor_time
+
+
 def same(one, other):
     return np.allclose(one.point.velocity, other.point.velocity, rtol=0, atol=1e-7)
 

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from math import nan
 from typing import Any
@@ -19,6 +20,7 @@ from lacore.errors import CapabilityError
 from lacore.inner.left_over import left_over
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.inner.rescaling import good_for
+from lacore.process.isolation import SolverProcess
 from lacore.status import Status
 from verification.fuzz.programs.drawn import Drawn
 
@@ -70,20 +72,30 @@ class Asked:
 
 def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
     """One solve of a program, in good units, as `lacore.solve` asks for it."""
-    begin = time.process_time()
     try:
         check_capable(backend, drawn.program)
     except CapabilityError:
         return Asked(backend.name, None, nan, 0.0)
-    with preparing(backend, read_options(backend, options), good=good_for(BAR)) as prepare:
-        solver = prepare(drawn.program)
-        try:
+    with ExitStack() as stack:
+        process = None
+        if backend.capabilities.isolated:
+            process = stack.enter_context(SolverProcess())
+            process.load(backend)  # its start and its imports are nobody's time
+        begin = _spent(process)
+        own = read_options(backend, options)
+        prepare = stack.enter_context(preparing(backend, own, process, good_for(BAR)))
+        with closing(prepare(drawn.program)) as solver:
             answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
-        finally:
-            solver.close()
-    seconds = time.process_time() - begin
+        seconds = _spent(process) - begin
+        if process is not None and answer.point is None:  # lost, it took its count with it
+            seconds = max(seconds, answer.solve_time)
     residual = nan if answer.point is None else recomputed(drawn, answer)
     return Asked(backend.name, answer, residual, seconds)
+
+
+def _spent(process: SolverProcess | None) -> float:
+    """Processor time of this process, and of that which works for it."""
+    return time.process_time() + (0.0 if process is None else process.processor_time)
 
 
 def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
