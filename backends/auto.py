@@ -201,7 +201,7 @@ class AutoSolver:
 def _smooth(group: DissipationGroup) -> bool:
     """Whether points have one surface at most: with several steps are twice as many, and dearer."""
     surfaces = group.surfaces
-    return surfaces is None or (surfaces.count == 1 and surfaces.dilation is None)
+    return surfaces is None or (surfaces.count == 1 and not group.dilates_besides)
 
 
 def _size(program: KinematicProgram) -> float:

@@ -184,6 +184,11 @@ class DissipationGroup(Compact):
         return self.surfaces is not None and self.surfaces.flow is not None
 
     @property
+    def dilates_besides(self) -> bool:
+        """Whether flow has rates besides its own (T52, S-step)."""
+        return self.surfaces is not None and self.surfaces.dilation is not None
+
+    @property
     def sliding(self) -> bool:
         """Whether cones are planes of slip and nothing else, as Davis's strength is of (T55)."""
         return self.surfaces is not None and self.surfaces.count == 1 and self.dim == 2

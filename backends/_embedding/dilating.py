@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix, hstack
 
 from lacore.arrays import Floats, Sparse
 from lacore.dissipation import DissipationGroup
+from lacore.inner.left_over import dilates_besides
 from lacore.program import KinematicProgram
 from lacore.state import ProgramState
 
@@ -22,7 +23,7 @@ def as_moved(
 
     As they are where nothing dilates besides.
     """
-    if not _dilates(program):
+    if not dilates_besides(program):
         return program, state
     u = state.velocity
     speed = float(np.abs(u).max(initial=0.0)) or 1.0  # no faster than all others
@@ -48,12 +49,6 @@ def as_moved(
         parts=np.append(program.part, program.part.max(initial=-1) + 1),
     )
     return moved, replace(state, velocity=np.append(u, speed))
-
-
-def _dilates(program: KinematicProgram) -> bool:
-    """Whether a group has flow that dilates besides."""
-    groups = program.groups
-    return any(g.surfaces is not None and g.surfaces.dilation is not None for g in groups)
 
 
 def _with(group: DissipationGroup, besides: Floats) -> DissipationGroup:

@@ -20,6 +20,11 @@ _IDLE = 1e-3  # of what all cones would turn over at the largest speed: a power 
 _NOTHING = 1e-6  # of that: so little is round-off
 
 
+def dilates_besides(program: KinematicProgram) -> bool:
+    """Whether flow has rates besides its own (T52, S-step): no residual counts their power."""
+    return any(group.dilates_besides for group in program.groups)
+
+
 def left_over(
     program: KinematicProgram, point: ProgramState, contact: FrozenContact
 ) -> tuple[str, float]:

@@ -21,6 +21,7 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.dissipation import DissipationGroup
+from lacore.inner.left_over import dilates_besides
 from lacore.inner.rescaling import largest_residual, of_both
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.state import ProgramState
@@ -132,8 +133,7 @@ def _told(program: KinematicProgram) -> bool:
 
     Rates that flow has besides (T45) turn over a power that certificates do not count.
     """
-    surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
-    return bool(surfaces) and all(own.dilation is None for own in surfaces)
+    return program.presses and not dilates_besides(program)
 
 
 class LocalSpeedSolver:

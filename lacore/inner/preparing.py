@@ -13,8 +13,8 @@ from lacore.process.isolation import SolverProcess
 from lacore.program import KinematicProgram
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
-JUDGE = "clarabel"
-"""Exact backend that proves what regularised ones claim, which prove no equilibrium."""
+JUDGE = "auto"
+"""Exact backend that proves what others claim, where these prove no equilibrium; by two solvers."""
 
 
 ROUGH = 1e-4

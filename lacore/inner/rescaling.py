@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix, diags_array
 from lacore.arrays import Floats, Sparse
 from lacore.backend import InnerSolution, PreparedSolver, checked_answer
 from lacore.certificate import certify
-from lacore.inner.left_over import judged_left
+from lacore.inner.left_over import dilates_besides, judged_left
 from lacore.inner.rigid_cleaning import cleaned
 from lacore.part_forces import own_loads, part_forces
 from lacore.program import ContactRows, DissipationGroup, FrozenContact, KinematicProgram
@@ -163,11 +163,14 @@ def good_for(bar: float) -> float:
 def largest_residual(
     program: KinematicProgram, answer: InnerSolution, contact: FrozenContact
 ) -> float:
-    """Of an answer, by the laws that it was asked with; infinite without a point."""
+    """Of an answer, by the laws that it was asked with; infinite without a point.
+
+    As `proven` judges it: where nothing is turned over, powers are not told per nothing.
+    """
     if answer.point is None:
         return np.inf
-    worst = certify(program, answer.point, contact).worst[1]
-    return worst if np.isfinite(worst) else np.inf
+    left = judged_left(program, answer.point, contact, _BAR)[1]
+    return left if np.isfinite(left) else np.inf
 
 
 def of_both(answer: InnerSolution, one: InnerSolution, other: InnerSolution) -> InnerSolution:
@@ -188,7 +191,7 @@ def proven(
     a percent in a light part. Where flow dilates besides, no residual knows it.
     """
     bar = max(good / _SHARE, _BAR)
-    if answer.status is not Status.SOLVED or answer.point is None or _dilates_besides(program):
+    if answer.status is not Status.SOLVED or answer.point is None or dilates_besides(program):
         return answer
     name, left = judged_left(program, answer.point, contact, bar)
     if left <= bar:
@@ -196,11 +199,6 @@ def proven(
     said = f"the residual {name!r}, recomputed, is {left:.1e}"
     message = "; ".join(filter(None, [answer.message, said]))
     return replace(answer, status=Status.ALMOST_SOLVED, message=message)
-
-
-def _dilates_besides(program: KinematicProgram) -> bool:
-    surfaces = [group.surfaces for group in program.groups if group.surfaces is not None]
-    return any(own.dilation is not None for own in surfaces)
 
 
 class RescalingSolver:
@@ -286,7 +284,7 @@ class RescalingSolver:
         In units as stated velocities are possible and light blocks out of balance; in units of
         their forces these balance, and have velocities that others penetrate.
         """
-        if one.point is None or other.point is None or _dilates_besides(self._program):
+        if one.point is None or other.point is None or dilates_besides(self._program):
             return other
         sure = one if one.status is Status.SOLVED else other
         pairs = [

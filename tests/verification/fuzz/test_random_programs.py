@@ -20,6 +20,7 @@ from verification.fuzz.programs.judge import (
     WRONG,
     Asked,
     ask,
+    proven,
     recomputed,
     verdict,
 )
@@ -162,3 +163,15 @@ def test_a_program_lost_next_to_its_answer_is_not_called_unsafe():
     lost = draw_program("two bodies", 6, 3, 2333)
     answered = ask(find_backend("interior_point"), lost, {})
     assert answered.word is None
+
+
+@pytest.mark.parametrize("name", ["clarabel", "interior_point"])
+def test_blocks_that_slide_freely_have_the_load_zero_whatever_units_they_are_asked_in(name):
+    """Two slide together, loads across: powers per nothing had refused what was right already."""
+    sliding = draw_program("body and blocks", 31, 7, 3329)
+    assert ask(find_backend(name), sliding, {}).holds
+
+
+def test_a_collapse_that_one_solver_finds_no_digits_of_is_proven_by_the_other():
+    """Clarabel ends at a divergence of 3e-6 in the mechanism that proves its own word."""
+    assert proven(Status.UNSAFE, draw_program("unsafe", 31, 17, 2557))
