@@ -6,8 +6,9 @@ of one component is a half-line. The algebra is that of `lacore.numerics.second_
 scaling of Nesterov and Todd kept as a vector and a number in place of a matrix.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -267,21 +268,11 @@ class Compliances:
     @classmethod
     def of(cls, parts: Sequence[Compliance]) -> "Compliances":
         """Those of each kind."""
-        return cls(
-            np.concatenate([part.square for part in parts]),
-            np.concatenate([part.rank for part in parts]),
-            np.concatenate([part.w.ravel() for part in parts]),
-            np.array([part.first for part in parts]),
-        )
+        return cls(*_joined(parts))
 
     def parts(self, spans: Ints) -> list[Compliance]:
         """Of each kind."""
-        found = []
-        for (dim, count, row, point, _), first in zip(spans.tolist(), self.first, strict=True):
-            own, w = slice(point, point + count), self.w[row : row + dim * count]
-            part = self.square[own], self.rank[own], w.reshape(dim, count), float(first)
-            found.append(Compliance(*part))
-        return found
+        return [Compliance(*part) for part in _split(self, spans)]
 
 
 @dataclass(frozen=True)
@@ -297,22 +288,25 @@ class Inverses:
     @classmethod
     def of(cls, parts: Sequence[Inverse]) -> "Inverses":
         """Those of each kind."""
-        return cls(
-            np.concatenate([part.plain for part in parts]),
-            np.concatenate([part.one for part in parts]),
-            np.concatenate([part.two for part in parts]),
-            np.concatenate([part.w.ravel() for part in parts]),
-            np.array([part.first for part in parts]),
-        )
+        return cls(*_joined(parts))
 
     def parts(self, spans: Ints) -> list[Inverse]:
         """Of each kind."""
-        found = []
-        for (dim, count, row, point, _), first in zip(spans.tolist(), self.first, strict=True):
-            own, w = slice(point, point + count), self.w[row : row + dim * count]
-            part = self.plain[own], self.one[own], self.two[own]
-            found.append(Inverse(*part, w.reshape(dim, count), float(first)))
-        return found
+        return [Inverse(*part) for part in _split(self, spans)]
+
+
+def _joined(parts: Sequence[Compliance] | Sequence[Inverse]) -> Iterator[Floats]:
+    """The fields of several kinds, each as one array: those of points, w, `first`."""
+    for field in fields(parts[0]):
+        yield np.concatenate([np.ravel(getattr(part, field.name)) for part in parts])
+
+
+def _split(joined: Compliances | Inverses, spans: Ints) -> Iterator[tuple[Any, ...]]:
+    """The fields of each kind: what `_joined` made one."""
+    *numbers, w, firsts = (getattr(joined, field.name) for field in fields(joined))
+    for (dim, count, row, point, _), first in zip(spans.tolist(), firsts, strict=True):
+        own = [number[point : point + count] for number in numbers]
+        yield *own, w[row : row + dim * count].reshape(dim, count), float(first)
 
 
 def _block(plain: Floats, rank: Floats, w: Floats) -> Floats:

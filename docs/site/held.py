@@ -53,6 +53,8 @@ def _random(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Shares of random programs."""
     for one in frame[frame["kind"] == "robustness"].to_dict("records"):
         alone, _, both = one["runs"]
+        if not alone["large"]:
+            continue  # of small ones nothing is asked
         for run, least in ((alone, _ALONE), (both, _THEN)):
             share = run["large_right"] / run["large"]
             yield {

@@ -28,6 +28,7 @@ from lacore.status import Rigor, Status
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_BY_NAME = "give loads by name, {'wind': [lacore.Traction(...)]}"
 _COLUMNS = [
     *("case", "status", "load_factor", "lower", "upper", "rigor", "residual", "seconds"),
     *("governs", "message"),
@@ -112,7 +113,7 @@ class LoadCases(Shown):
         return views.picture(self)
 
 
-@typed(cases="give loads by name, {'wind': [lacore.Traction(...)]}")
+@typed(cases=_BY_NAME)
 def load_cases(
     problem: Problem,
     cases: Mapping[str, Sequence[Load] | Problem],
@@ -194,9 +195,7 @@ def _stated(
 ) -> dict[str, Discretisation]:
     """All cases, assembled."""
     if not cases:
-        raise InputError(
-            "cases", cases, "no load case", "give loads by name, {'wind': [lacore.Traction(...)]}"
-        )
+        raise InputError("cases", cases, "no load case", _BY_NAME)
     stated = {}
     for name, case in cases.items():
         field = f"cases[{name!r}]"

@@ -6,6 +6,7 @@ from math import isfinite
 import numpy as np
 import pandas as pd
 
+from lacore.paths.control import unit_of
 from verification.case import Case
 from verification.report.blocks import Column, Drawing, Table
 from verification.report.charts.axes import figure_axes, labelled, legend
@@ -56,7 +57,7 @@ def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
                 words = f"{name}\ntravel: {travel:.4g}\nload: {value:.6g}"
                 more = f"\nexact: {exact:.6g}" if isfinite(exact) else ""
                 tips.append(Tip(axes, travel, value, words + more))
-        axes.set_xlabel("travel [m]")
+        axes.set_xlabel(_travel(case, shown))
         axes.set_ylabel(f"load [{case.unit}]")
         legend(figure, axes)
     chart = Chart(figure, f"{case.title}: loads along the paths, with the exact ones", tips)
@@ -82,6 +83,13 @@ def paths_table(results: pd.DataFrame) -> Table:
         Column("outer_iterations", "solves", ".0f"),
     )
     return Table(columns, results, caption="Paths")
+
+
+def _travel(case: Case, shown: Sequence[Outcome]) -> str:
+    """Label of the axis, with the unit that all controls have."""
+    units = {unit_of(case.following_of(outcome.run.variant).control) for outcome in shown}
+    unit = units.pop() if len(units) == 1 else ""
+    return f"travel [{unit}]" if unit else "travel"
 
 
 def _shown(outcomes: Sequence[Outcome]) -> list[Outcome]:
