@@ -1,6 +1,7 @@
 """Checks of ranges: both ends are certified, and where they may be (T54, T59)."""
 
 from collections.abc import Sequence
+from math import nan
 
 from verification.case import Reference
 from verification.runs.outcome import Outcome
@@ -11,7 +12,7 @@ from verification.verify.finding import Answer
 def ranged(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
     """Whether what was found is right; measured is the width, ``(highest - lowest)/mean``.
 
-    Judged afresh: the row of a store may be older than the reference.
+    NaN around zero. Judged afresh: the row of a store may be older than the reference.
 
     Args:
         outcomes: one.
@@ -24,5 +25,6 @@ def ranged(outcomes: Sequence[Outcome], reference: Reference) -> Answer:
         verdict, why = judge_range(
             row, reference, run.case.band_of(run.variant, int(row.n_elements))
         )
-    width = 2 * (row.highest - row.lowest) / (row.highest + row.lowest)
+    middle = (row.highest + row.lowest) / 2
+    width = (row.highest - row.lowest) / middle if middle else nan
     return Answer(verdict, f"{run.label}: {why}", width)

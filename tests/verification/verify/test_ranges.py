@@ -71,6 +71,7 @@ def test_both_ends_are_certified_and_below_the_associated_load(searched):
         ({"upper": nan}, "not between the associated"),  # nothing is proven of the mesh
         ({"lower": nan}, "not between the associated"),
         ({"lower": 38.9}, "not between the associated"),
+        ({"lowest": 0.0, "highest": 0.0}, "not between the associated"),
         ({"lowest": nan}, "no load factor is certified"),
         ({"status": "not certified"}, "no load factor is certified"),
         ({"lower": 5.0, "lowest": 10.0}, "not in"),
