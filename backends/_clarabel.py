@@ -142,7 +142,7 @@ class ConicSolver:
         ends "AlmostSolved". With hardening 1e-9 and no equilibration solve what 1e-7 with it does
         not, or in a third of the iterations; softened, 1e-8 with it does. So it is where strength
         depends on pressure, but for a single surface, to which 1e-8 does, and angles below 5
-        degrees: these need refinement from the start. docs/measured.md.
+        degrees: these need refinement from the start. docs/design-decisions.md.
         """
         settings = clarabel.DefaultSettings()
         settings.verbose = False

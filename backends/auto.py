@@ -27,7 +27,8 @@ from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.status import Status
 
 _OWN, _OTHER = "interior_point", "clarabel"
-_LEAST, _COMPILED = 60_000, 5_000  # unknowns from which the first is faster: docs/measured.md
+# Unknowns from which the first is faster (docs/design-decisions.md).
+_LEAST, _COMPILED = 60_000, 5_000
 # Of them per point that yields or slips, in quadratic velocities. Where there are more, as in lower
 # bounds, less is eliminated, and the first is faster from as many points up.
 _PER_POINT = 4 / 3

@@ -30,7 +30,7 @@ _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every ta
 
 
 TRUE_GAP = 25.0
-"""Gap of a solve, recomputed, per nominal tolerance: docs/measured.md."""
+"""Gap of a solve, recomputed, per nominal tolerance: docs/design-decisions.md."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[1]
 
 
 SLOW = frozenset((Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines())
-"""Tests that took long when all were measured, and whose lines others run too: docs/measured.md."""
+"""Slow tests whose code other tests run as well (docs/design-decisions.md)."""
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -24,7 +24,7 @@ _KEPT = {"reports/reference": "reference"}
 """Folders that are copied whole, with a page of their own."""
 
 
-_RECORDS = {"CHANGELOG.md", "docs/measured.md"}
+_RECORDS = {"CHANGELOG.md", "docs/design-decisions.md"}
 """What was measured once, by hand: numbers of the site are computed, or of what is kept."""
 
 

@@ -6,7 +6,7 @@ from functools import cache
 from lacore.arrays import Sparse
 from lacore.numerics.linear_algebra import SingularError, SuperLU, SymmetricSolver
 
-_LARGE = 20_000  # rows from which half of the time is worth loading MKL: docs/measured.md
+_LARGE = 20_000  # rows from which half of the time is worth loading MKL: docs/design-decisions.md
 
 
 def symmetric_solver(refined: bool = True, definite: bool = True) -> SymmetricSolver:
