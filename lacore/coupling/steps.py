@@ -10,8 +10,8 @@ sixth or more; an S-step at it has slip of its own, and each brings what is off 
 whatever its digits: to a tolerance of 1e-4 they take half of the iterations. K- and S-step after
 them make a pair that holds as a rule, where the loop from the associated state takes two
 (docs/design-decisions.md). Along a path they begin at the slip of the step before, which is off by
-as much as that at associated friction, at a solve less. Its reactions are off by a tenth, too much for a
-pair: velocities jump from slip line to slip line.
+as much as that at associated friction, at a solve less. Its reactions are off by a tenth, too much
+for a pair: velocities jump from slip line to slip line.
 """
 
 from collections.abc import Callable
