@@ -126,7 +126,7 @@ def main() -> None:
     picture_of_guide("large-deformation", "billet.png", "path")
     picture_of_guide("footing", "ground.png", "problem")
     picture_of_guide("footing", "footing.png", "state")
-    picture_of_guide("footing", "inclined.png", "carried")
+    picture_of_guide("footing", "inclined.png", "failure_envelope")
     picture_of_guide("structures", "portal.png", "state")
     picture_of_guide("structures", "plate.png", "state")
     picture_of_guide("bridge", "bridge.png", "governing")

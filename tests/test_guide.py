@@ -170,7 +170,7 @@ def check_footing(names):
     assert table.lower.is_monotonic_increasing
     assert table.upper.is_monotonic_decreasing
     assert (table.lower < table.upper).all()
-    assert names["searched"].high <= names["upper"].load_factor
+    assert names["load_range"].high <= names["upper"].load_factor
     assert Path("footing.csv").stat().st_size > 0
 
 
