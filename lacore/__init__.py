@@ -10,6 +10,8 @@ import lazy_loader
 
 from lacore import doors as doors  # a result finds who draws it, whichever way it was imported
 
+__version__ = "0.4.0"
+
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 

@@ -105,3 +105,5 @@ from .ranges.soil import SoilRange as SoilRange
 from .ranges.soil import soil_range as soil_range
 from .status import Rigor as Rigor
 from .status import Status as Status
+
+__version__: str

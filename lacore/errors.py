@@ -16,6 +16,8 @@ import numpy as np
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
+DISTRIBUTION = "lacore-limit-analysis"
+"""Name under which lacore is installed; `lacore` on the public index is another project."""
 _MOST = 2**31 - 1
 _JUDGED = ("lacore", "skfem")  # whose classes tell what is meant
 _LONGEST = 300  # characters of a value in a message
@@ -40,6 +42,15 @@ class InputError(LacoreError, ValueError):
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
         return type(self), (self.field, self.value, self.why, self.mend)
+
+
+def install_command(extra: str) -> str:
+    """Return the command that installs lacore with a group of optional dependencies.
+
+    Args:
+        extra: Name of the group in pyproject.toml, such as ``dask``.
+    """
+    return f"pip install '{DISTRIBUTION}[{extra}]'"
 
 
 def _short(value: object) -> str:

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+import lacore as la
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "backends.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "lacore-ecos"
@@ -106,8 +108,8 @@ def test_every_formula_that_is_cited_is_in_the_theory():
 def test_the_citation_is_of_this_version():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    for field in ("version", "license"):
-        assert f"\n{field}: {project[field]}\n" in citation
+    for field, value in {"version": la.__version__, "license": project["license"]}.items():
+        assert f"\n{field}: {value}\n" in citation
 
 
 NAME = re.compile(r"(?<![\w./-])(?:lacore|verification|backends)(?:\.[A-Za-z_]\w+)+")

@@ -1,9 +1,9 @@
 """How Sphinx makes the site: ``make docs``. Its pages are put together by `build.py`."""
 
 import sys
-from importlib.metadata import version as version_of
 from pathlib import Path
 
+from lacore import __version__
 from lacore.problem import types
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 project = "lacore"
 author = "The lacore developers"
 project_copyright = "the lacore developers, BSD-3-Clause"
-version = release = version_of("lacore")
+version = release = __version__
 
 extensions = [
     "myst_parser",

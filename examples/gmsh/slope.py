@@ -3,7 +3,7 @@
 A slope of 45 degrees and height 1 over firm ground at depth 1 below its toe. The load factor is the
 stability number gamma H / c; the best slip circle, an upper bound itself, gives 5.53.
 
-    pip install 'lacore[gmsh]'
+    pip install 'lacore-limit-analysis[gmsh]'
     python examples/gmsh/slope.py
 """
 

@@ -1,4 +1,4 @@
-"""A new mesh inside the outline of an old one, by gmsh (the extra ``lacore[gmsh]``)."""
+"""A new mesh inside the outline of an old one, by gmsh (the optional dependency ``gmsh``)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skfem import Mesh
 from skfem.mesh import MeshTri1, MeshTri2
 
 from lacore.arrays import Bools, Floats, Ints
-from lacore.errors import InputError, require_positive, typed
+from lacore.errors import InputError, install_command, require_positive, typed
 from lacore.meshes.curved import edge_curves
 
 _CORNER = np.cos(np.radians(20.0))  # between edges that are parts of one smooth side
@@ -208,6 +208,6 @@ def _gmsh() -> Any:
         import gmsh
     except (ImportError, OSError) as error:  # OSError: it lacks libraries of the system
         raise InputError(
-            "remeshed", None, f"gmsh cannot be loaded ({error})", "pip install 'lacore[gmsh]'"
+            "remeshed", None, f"gmsh cannot be loaded ({error})", install_command("gmsh")
         ) from error
     return gmsh

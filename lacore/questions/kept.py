@@ -4,12 +4,12 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from lacore import __version__
 from lacore.errors import InputError
 from lacore.program import KinematicProgram
 
@@ -35,7 +35,7 @@ class Found:
 
 def digest(program: KinematicProgram, given: Mapping[str, Any]) -> str:
     """A name for a program and what it is solved with: equal for equal ones, bit for bit."""
-    seen = hashlib.sha256(f"{_FORMAT} {version('lacore')} {sorted(given.items())!r}".encode())
+    seen = hashlib.sha256(f"{_FORMAT} {__version__} {sorted(given.items())!r}".encode())
     _read(seen, program)
     return seen.hexdigest()
 

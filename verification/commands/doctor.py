@@ -2,13 +2,14 @@
 
 import re
 from collections.abc import Callable, Iterator
-from importlib.metadata import PackageNotFoundError, requires, version
+from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_info
 
 import lacore as la
+import lacore_start
 from lacore.backend import Backend, Capabilities, Family, load_backend
 from lacore_start import PACKAGES, place
 from verification import conformance
@@ -67,7 +68,7 @@ def _when(name: str, can: Capabilities) -> str:
 def packages() -> list[dict[str, str]]:
     """Every package that lacore asks for: what is wanted, what is here, what to do about it."""
     records = []
-    for requirement in requires("lacore") or []:
+    for requirement in _requirements():
         wanted, _, marker = (part.strip() for part in requirement.partition(";"))
         extra = "".join(re.findall(r"""extra == ["']([^"']+)""", marker))
         if extra == "dev":
@@ -88,6 +89,14 @@ def packages() -> list[dict[str, str]]:
             }
         )
     return records
+
+
+def _requirements() -> list[str]:
+    """Return the requirements of the distribution that installs our command, whatever its name."""
+    for entry in entry_points(group="console_scripts"):
+        if entry.module.partition(".")[0] == lacore_start.__name__ and entry.dist is not None:
+            return entry.dist.requires or []
+    return []
 
 
 def places() -> list[dict[str, str]]:

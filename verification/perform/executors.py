@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from lacore.errors import InputError
+from lacore.errors import InputError, install_command
 
 if TYPE_CHECKING:
     from verification.perform.processes import Executor
@@ -61,7 +61,7 @@ def executor_of(
             "--dask" if on_dask else "--scheduler",
             scheduler,
             "needs the package distributed",
-            "pip install 'lacore[dask]'",
+            install_command("dask"),
         ) from error
     with ExitStack() as stack:
         if scheduler is not None:

@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import lacore as la
+from lacore import __version__
 from lacore.backend import load_backend
 from lacore.inner.preparing import JUDGE
 from verification.runs.run import FUZZ, Run, canonical
@@ -127,6 +128,8 @@ def _git_state() -> str:
 
 
 def _version(name: str) -> str:
+    if name == "lacore":  # the name of the package, not of the distribution
+        return __version__
     try:
         return version(name)
     except PackageNotFoundError:

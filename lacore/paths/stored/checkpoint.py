@@ -15,7 +15,6 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, fields, replace
-from importlib.metadata import version
 from pathlib import Path as File
 from types import TracebackType
 from typing import Any, Self
@@ -25,6 +24,7 @@ from filelock import FileLock, Timeout
 from skfem import Mesh
 from skfem.mesh import MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
+from lacore import __version__
 from lacore.arrays import Floats
 from lacore.backend import load_backend
 from lacore.errors import InputError
@@ -66,7 +66,7 @@ def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any])
         **settings,
         **solver,
         "options": {name: options[name] for name in sorted(options)},
-        "version of lacore": version("lacore"),
+        "version of lacore": __version__,
     }
     return fingerprint(parts)
 

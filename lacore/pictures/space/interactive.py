@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lacore.arrays import Floats, Ints
-from lacore.errors import InputError
+from lacore.errors import InputError, install_command
 from lacore.limit.state import LimitState
 from lacore.pictures.contact import COLOURS
 from lacore.pictures.space.mechanism import MOVES, THRUST, colours_of, thrust_lines
@@ -24,7 +24,7 @@ def write_scene(state: LimitState, place: str | os.PathLike[str]) -> Path:
     """A page with displaced blocks, joints by what they do, and thrust; it needs no server.
 
     Blocks are transparent; the thrust is drawn where it was before collapse. It takes pyvista and
-    trame-pyvista: ``pip install lacore[scene]``.
+    trame-pyvista: ``pip install 'lacore-limit-analysis[scene]'``.
 
     Args:
         state: of blocks in space, with a point.
@@ -46,8 +46,9 @@ def write_scene(state: LimitState, place: str | os.PathLike[str]) -> Path:
         import pyvista
         from trame_pyvista.jupyter import launch_server
     except ImportError as error:
-        mend = "pip install lacore[scene]"
-        raise InputError("pyvista", None, f"it is not installed ({error})", mend) from error
+        raise InputError(
+            "pyvista", None, f"it is not installed ({error})", install_command("scene")
+        ) from error
 
     plotter = pyvista.Plotter(off_screen=True)
     _fill(plotter, state)

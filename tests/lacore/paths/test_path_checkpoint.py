@@ -175,7 +175,7 @@ def test_of_another_path(tmp_path, monkeypatch):
             with pytest.raises(InputError, match=f"is of another path: .*{name}.*; give the same"):
                 go(**change)
             assert file.read_bytes() == data
-    monkeypatch.setattr("lacore.paths.stored.checkpoint.version", lambda _: "0.0")
+    monkeypatch.setattr("lacore.paths.stored.checkpoint.__version__", "0.0")
     with pytest.raises(InputError, match="version of lacore"):
         go()
     assert file.read_bytes() == data

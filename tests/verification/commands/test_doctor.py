@@ -89,7 +89,9 @@ def test_versions_are_compared_by_number(found, wanted, good):
 
 def test_missing_and_old_packages_get_a_remedy(monkeypatch):
     monkeypatch.setattr(
-        doctor, "requires", lambda _: ["nowhere-to-be>=2.0", "numpy>=99", 'pytest; extra == "dev"']
+        doctor,
+        "_requirements",
+        lambda: ["nowhere-to-be>=2.0", "numpy>=99", 'pytest; extra == "dev"'],
     )
     missing, old = doctor.packages()
     assert missing["found"] == "not installed"

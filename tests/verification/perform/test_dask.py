@@ -223,7 +223,7 @@ def test_a_missing_package(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     result = command(*BLOCK, "--out", str(tmp_path / "out"), "--dask")
     assert result.exit_code == 2
-    assert "pip install 'lacore[dask]'" in result.output
+    assert "pip install 'lacore-limit-analysis[dask]'" in result.output
     assert not (tmp_path / "out").exists()
 
 
