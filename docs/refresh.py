@@ -1,9 +1,12 @@
-"""Write the table, the times and the pictures of README and guide afresh: ``make readme``.
+"""Write the generated parts of the README and of the guide: ``make readme``.
 
-Numbers there are computed, never typed. Times are of a quiet machine or of none: run nothing else.
+``python docs/refresh.py`` writes everything; ``table``, ``times`` and ``pictures`` select parts of
+it. All figures are computed. Run nothing else at the same time: they include times.
 """
 
+import argparse
 import contextlib
+import inspect
 import os
 import re
 import resource
@@ -11,87 +14,199 @@ import subprocess
 import sys
 import tempfile
 import time
-from math import isnan
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import ceil, floor, isnan
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
 import lacore as la
+from lacore.errors import require_known
 from verification.campaigns.comparison import plan
 from verification.campaigns.run_all import run_all
+from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import find
+from verification.problems.starters import text as starter
 from verification.runs.outcome import Outcome
+from verification.runs.run import Run
+from verification.verdicts.allowed import distance
 from verification.verdicts.words import PASS
 
 ROOT = Path(__file__).parent.parent
-SHOWN = ["prandtl-punch:smooth", "deformable-block:crushing"]
-EXACT = [
+BRACKETED = (
+    "prandtl-punch:smooth",
+    "layered-clay:stiff-below",
+    "vertical-cut",
+    "notched-strip",
+)
+"""Cases that the table shows between two proven bounds."""
+SOLVED = (
+    "deformable-block:crushing",
     "platens-coulomb:mu-0.1",
-    "wedge-extraction:rough",
     "portal-sway:one-foot-slides",
     "wall-1",
-]
-PICTURES = {"mechanism": "deformable-block:crushing", "wall": "wall-3:mu-0.65"}
+)
+"""Cases with Coulomb friction, of which a state is certified."""
+_DIGIT = 1e-4  # of bounds in the table: lower ones are rounded down, upper ones up
+TIMED = {
+    "lacore compare": [sys.executable, "-m", "verification", "compare", "--out"],
+    "make test": ["make", "test"],
+}
+"""The first two commands; one that ends with ``--out`` gets a new folder."""
 
 
-def table(outcomes: list[Outcome]) -> str:
-    """Markdown: one line a run."""
+def table() -> str:
+    """Return the table of results in Markdown, one line per run."""
+    runs = [*bracketed()]
+    runs += plan(SOLVED, ["clarabel"], ["medium"], ["certified"])
     lines = [
-        "| case | backend | coupling | load factor | reference | error | rigor | solve |",
-        "|---|---|---|--:|--:|--:|---|--:|",
+        "| case | lower bound <= load factor <= upper bound | reference | error | rigor | time |",
+        "|---|---|---|--:|---|--:|",
     ]
+    with tempfile.TemporaryDirectory() as folder:
+        outcomes = run_all(runs, Path(folder) / "results.sqlite")
     for outcome in outcomes:
         row = outcome.row
         if row.verdict != PASS:
             raise SystemExit(f"{outcome.run.label}: {row.verdict}: {row.why}")
-        lines.append(
-            f"| {row.case}:{row.variant} | {row.backend} | {row.coupling} | {row.load_factor:.6f} |"
-            f" {row.expected} | {_percent(row.error)} | {row.rigor} | {row.solve_time:.2f} s |"
-        )
+        cells = (_linked(outcome.run), *_result(outcome), row.rigor)
+        lines.append(f"| {' | '.join(cells)} | {row.solve_time:.2f} s |")
     return "\n".join(lines)
 
 
+def bracketed() -> Iterator[Run]:
+    """Yield the brackets of the table, each from the mesh that its case states."""
+    for name in BRACKETED:
+        case, (variant, *_) = find(name)
+        level = case.bracketed_from
+        yield from plan([f"{case.id}:{variant.name}"], ["clarabel"], [level], [BRACKET])
+
+
+def _linked(run: Run) -> str:
+    """Return the title of the case of a run as a link to its file, and the variant."""
+    file = Path(inspect.getfile(run.case.build)).relative_to(ROOT).as_posix()
+    return f"[{run.case.title}]({file}), {run.variant.name}"
+
+
+def _result(outcome: Outcome) -> tuple[str, str, str]:
+    """Return the load factor, between its bounds where there are both, the reference, the error."""
+    row, case, variant = outcome.row, outcome.run.case, outcome.run.variant
+    if row.coupling != BRACKET:
+        return f"{row.load_factor:.6f}", row.expected, _percent(row.error)
+    mean = (row.lower + row.upper) / 2
+    error = distance(mean, case.reference_of(variant), case.band_of(variant, int(row.n_elements)))
+    low, high = floor(row.lower / _DIGIT) * _DIGIT, ceil(row.upper / _DIGIT) * _DIGIT
+    return f"{low:.4f} <= {mean:.4f} <= {high:.4f}", row.expected, _percent(error)
+
+
 def _percent(error: float) -> str:
-    return "" if isnan(error) else f"{round(100 * error, 4) + 0.0:+.4f} %"  # no minus before 0
+    return "" if isnan(error) else f"{round(100 * error, 3) + 0.0:+.3f} %"  # no minus before 0
 
 
-def times(folder: Path) -> str:
-    """Markdown: what the first commands take here, from nothing, by the clock and the processor."""
-    lines = []
-    for command in ("compare", "verify"):
-        begin, before = time.perf_counter(), _processor()
-        subprocess.run(
-            [sys.executable, "-m", "verification", command, "--out", str(folder / command)],
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
-        wall, spent = time.perf_counter() - begin, _processor() - before
-        lines.append(f"`lacore {command}` {wall:.0f} s ({spent:.0f} s of processor time)")
-    return f"On {os.cpu_count()} cores: {', '.join(lines)}."
+def times(commands: Mapping[str, Sequence[str]] = TIMED) -> str:
+    """Measure the first commands, by the clock and the processor, and return a sentence.
+
+    Raises:
+        CalledProcessError: a command failed, so that its time is not that of its work.
+    """
+    measured = []
+    for name, command in commands.items():
+        with tempfile.TemporaryDirectory() as folder:
+            begin, before = time.perf_counter(), _processor()
+            out = [folder] if command[-1] == "--out" else []
+            subprocess.run([*command, *out], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+            wall, spent = time.perf_counter() - begin, _processor() - before
+        measured.append(f"`{name}` {wall:.0f} s ({spent:.0f} s of processor time)")
+    return f"On {os.cpu_count()} cores: {', '.join(measured)}."
 
 
 def _processor() -> float:
-    """s, of all processes that this one has waited for, and of theirs."""
+    """Return the processor time in s of all processes that have ended, with their children."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def between(text: str, first: str, last: str, new: str) -> str:
-    """A text with all that stands between two marks replaced."""
+    """Return a text in which everything between two marks is replaced."""
     before, mark, rest = text.partition(f"{first}\n")
     _, end, after = rest.partition(last)
     if not (mark and end):
-        raise SystemExit(f"README.md: {first} ... {last} is not there: nothing is written")
+        raise SystemExit(f"README.md has no marks {first} ... {last}: nothing is written")
     return f"{before}{mark}{new}\n{end}{after}"
 
 
-def picture_of_guide(page: str, picture: str, drawn: str) -> None:
-    """That which a page of the guide draws of something, by its code up to there.
+def write(first: str, last: str, new: str) -> None:
+    """Replace what stands between two marks of the README."""
+    readme = ROOT / "README.md"
+    text = between(readme.read_text(encoding="utf-8"), first, last, new)
+    readme.write_text(text, encoding="utf-8")
+
+
+def footing() -> Figure:
+    """Draw the collapse mechanism of a rough strip footing on clay, with proven bounds."""
+    mesh = la.meshes.rectangle(x=(-4, 4), y=(-2, 0), nx=32, ny=8)
+    problem = la.Problem(
+        bodies={"clay": la.Body(mesh, la.VonMises(shear_strength=1.0))},
+        supports=[la.Fix("clay", side) for side in ("left", "right", "bottom")],
+        reference_loads=[
+            la.RigidFooting("clay", lambda x: (x[1] == 0) & (abs(x[0]) <= 1), direction=(0, -1))
+        ],
+    )
+    found = la.bracket(problem, 0.01, max_elements=8000)
+    title = f"Proven: {found.lower:.3f} <= load factor <= {found.upper:.3f}"
+    exact = "(exact: 2 + \N{GREEK SMALL LETTER PI} = 5.142)"
+    return titled(found.upper_bound.state.plot(), f"{title}   {exact}")
+
+
+def arch() -> Figure:
+    """Draw what ``lacore new arch`` and ``lacore solve`` show."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "arch.toml"
+        file.write_text(starter("arch"), encoding="utf-8")
+        state = la.solve(la.read_problem(file), throw=True)
+    return titled(state.plot(), f"Load factor {state.load_factor:.4g}: the arch opens at hinges")
+
+
+def wall() -> Figure:
+    """Draw the collapse mechanism of a masonry wall."""
+    case, (variant,) = find("wall-3:mu-0.65")
+    return la.solve(case.problem(variant, next(iter(case.meshes))), throw=True).plot()
+
+
+def titled(figure: Figure, title: str) -> Figure:
+    """Return a figure with one line of title, in place of the two that states have."""
+    figure.suptitle(title, fontsize=11, x=0.01, y=0.9, ha="left")
+    return figure
+
+
+PICTURES: Mapping[str, Callable[[], Figure]] = {
+    "footing-collapse": footing,
+    "arch": arch,
+    "wall": wall,
+}
+"""Pictures that no page of the guide draws by its code."""
+OF_GUIDE = {
+    "billet.png": ("large-deformation", "path"),
+    "ground.png": ("footing", "problem"),
+    "footing.png": ("footing", "state"),
+    "inclined.png": ("footing", "failure_envelope"),
+    "portal.png": ("structures", "state"),
+    "plate.png": ("structures", "state"),
+    "bridge.png": ("bridge", "governing"),
+    "upset.png": ("forming", "rough"),
+    "square-section.png": ("solids", "cut"),
+    "dome.png": ("domes", "state"),
+}
+"""Pictures of the guide: the page, and the name of the figure, or of what is plotted."""
+
+
+def picture_of_guide(picture: str, page: str, drawn: str) -> Figure:
+    """Run the code of a page of the guide up to where it draws a picture, and return that.
 
     Args:
-        page: of the guide.
         picture: name of the file.
+        page: name of the page.
         drawn: name of a figure in the code, or of what is plotted.
     """
     text = (ROOT / "docs" / "guide" / f"{page}.md").read_text(encoding="utf-8")
@@ -102,37 +217,38 @@ def picture_of_guide(page: str, picture: str, drawn: str) -> None:
         for code in blocks[: last + 1]:
             exec(code, names)
     thing = names[drawn]
-    figure = thing if isinstance(thing, Figure) else thing.plot()
-    figure.savefig(ROOT / "docs" / picture, dpi=80)
+    return thing if isinstance(thing, Figure) else thing.plot()
+
+
+def write_table() -> None:
+    """Write the table of results."""
+    write("<!-- comparison -->", "<!-- end -->", table())
+
+
+def write_times() -> None:
+    """Write the times of the first commands."""
+    write("<!-- times -->", "<!-- end times -->", times())
+
+
+def write_pictures() -> None:
+    """Draw all pictures of the README and of the guide."""
+    for name, draw in PICTURES.items():
+        draw().savefig(ROOT / "docs" / f"{name}.png", dpi=110, bbox_inches="tight")
+    for name, (page, drawn) in OF_GUIDE.items():
+        picture_of_guide(name, page, drawn).savefig(ROOT / "docs" / name, dpi=80)
+
+
+PARTS = {"table": write_table, "times": write_times, "pictures": write_pictures}
 
 
 def main() -> None:
-    """Solve, draw, and replace what stands between the marks."""
-    with tempfile.TemporaryDirectory() as folder:
-        runs = plan(SHOWN, ["clarabel", "newton", "ipopt"], ["medium"])
-        runs += plan(EXACT, ["clarabel"], ["medium"])
-        outcomes = run_all(runs, Path(folder) / "results.sqlite")
-        measured = times(Path(folder))
-    readme = ROOT / "README.md"
-    text = readme.read_text(encoding="utf-8")
-    text = between(text, "<!-- comparison -->", "<!-- end -->", table(outcomes))
-    text = between(text, "<!-- times -->", "<!-- end times -->", measured)
-    readme.write_text(text, encoding="utf-8")
-    for name, shown in PICTURES.items():
-        case, (variant,) = find(shown)
-        mesh = "medium" if case.meshed else next(iter(case.meshes))
-        state = la.solve(case.problem(variant, mesh), throw=True)
-        state.plot().savefig(ROOT / "docs" / f"{name}.png", dpi=80)
-    picture_of_guide("large-deformation", "billet.png", "path")
-    picture_of_guide("footing", "ground.png", "problem")
-    picture_of_guide("footing", "footing.png", "state")
-    picture_of_guide("footing", "inclined.png", "failure_envelope")
-    picture_of_guide("structures", "portal.png", "state")
-    picture_of_guide("structures", "plate.png", "state")
-    picture_of_guide("bridge", "bridge.png", "governing")
-    picture_of_guide("forming", "upset.png", "rough")
-    picture_of_guide("solids", "square-section.png", "cut")
-    picture_of_guide("domes", "dome.png", "state")
+    """Write the parts that are named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"default: {', '.join(PARTS)}")
+    parts = parser.parse_args().parts or list(PARTS)
+    for part in parts:
+        require_known("PART", part, PARTS)
+        PARTS[part]()
 
 
 if __name__ == "__main__":

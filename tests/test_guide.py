@@ -114,6 +114,12 @@ def check_nothing(names):
 
 
 def check_readme(names):
+    """The output below the code is what the code prints."""
+    (stated,) = [text for _, kind, text in BLOCKS["README"] if kind == "text"]
+    assert re.sub(NUMBER, "0", stated) == re.sub(NUMBER, "0", names["printed"])
+    numbers = (re.findall(NUMBER, text) for text in (stated, names["printed"]))
+    for digits, number in zip(*numbers, strict=True):
+        agrees(digits, number)
     assert "strict upper bound" in names["printed"]
     assert Path("mechanism.png").stat().st_size > 0
 
@@ -220,7 +226,8 @@ def test_commands_are_understood(page, monkeypatch):
 @pytest.mark.parametrize("page", PAGES)
 def test_every_block_is_of_a_kind_that_is_tested(page):
     assert PAGES[page].count("```") == 2 * len(BLOCKS[page])
-    assert {kind for _, kind, _ in BLOCKS[page]} <= {"python", "sh", "toml"}
+    kinds = {"python", "sh", "toml", *(["text"] if page == "README" else [])}
+    assert {kind for _, kind, _ in BLOCKS[page]} <= kinds
     for mark, _, text in BLOCKS[page]:
         if mark.startswith("from "):
             assert text in (ROOT / mark.removeprefix("from ")).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The gallery: a picture of every case, in groups, and of the pages of the guide."""
+"""The gallery: pictures of all cases in groups, and pictures of the guide."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ from verification.report.blocks import Picture
 from verification.report.drawing import Drawn
 
 _GROUPS: Mapping[str, frozenset[str]] = {
-    "In space": frozenset({"space"}),
+    "Three dimensions": frozenset({"space"}),
     "Solvers": frozenset({"couplings"}),
     "Frames": frozenset({"frames"}),
     "Masonry": frozenset({"masonry"}),
@@ -19,36 +19,41 @@ _GROUPS: Mapping[str, frozenset[str]] = {
     "Metals": frozenset({"hardening"}),
     "Contact": frozenset({"contact"}),
 }
-"""Tags of each group: a case is in the first that it has a tag of; all others are of metal."""
-_SHOWN = ("Soil", "Masonry", "Frames", "Metals", "Contact", "In space", "Solvers")
+"""Tags of each group: a case belongs to the first group with one of its tags, else to metals."""
+_SHOWN = ("Soil", "Masonry", "Frames", "Metals", "Contact", "Three dimensions", "Solvers")
 _EXAMPLES = {
     "Examples of the guide": (
-        ("footing.png", "A footing on layered soil", "../guide/footing"),
-        ("inclined.png", "Which loads a footing carries beside a push", "../guide/footing"),
-        ("envelope.png", "Which loads a footing carries together", "../guide/questions"),
-        ("square-section.png", "Under the edge of a square footing", "../guide/solids"),
-        ("dome.png", "A dome that is shaken", "../guide/domes"),
-        ("bridge.png", "An arch bridge under a wheel", "../guide/bridge"),
-        ("wall.png", "A facade", "../guide/friction"),
-        ("portal.png", "A portal on sliding feet", "../guide/structures"),
-        ("plate.png", "A plate with a hole", "../guide/structures"),
-        ("upset.png", "A block is pressed to half its height", "../guide/forming"),
-        ("billet.png", "A billet is upset", "../guide/large-deformation"),
-        ("mechanism.png", "A block that is crushed", "../index"),
+        ("footing-collapse.png", "Strip footing on clay", "../index"),
+        ("footing.png", "Footing on layered soil", "../guide/footing"),
+        ("inclined.png", "Footing under vertical and horizontal load", "../guide/footing"),
+        ("envelope.png", "Combinations of loads that a footing carries", "../guide/questions"),
+        ("square-section.png", "Section below the edge of a square footing", "../guide/solids"),
+        ("dome.png", "Dome under horizontal acceleration", "../guide/domes"),
+        ("arch.png", "Masonry arch under a point load", "../guide/problem-file"),
+        ("bridge.png", "Arch bridge under a wheel load", "../guide/bridge"),
+        ("wall.png", "Masonry wall pushed sideways", "../guide/friction"),
+        ("portal.png", "Portal frame on sliding feet", "../guide/structures"),
+        ("plate.png", "Plate with a hole", "../guide/structures"),
+        ("upset.png", "Block pressed to half its height", "../guide/forming"),
+        ("billet.png", "Upsetting of a billet", "../guide/large-deformation"),
     )
 }
 _WIDE, _HIGH = 480, 360  # pixels of a picture in the gallery: it is shown half as wide
-_RIM = 24  # pixels, of paper left in all
+_RIM = 24  # pixels of white margin, both sides together
 
 
 def group(case: Case) -> str:
-    """Where a case stands."""
+    """Return the group of a case."""
     return next((name for name, tags in _GROUPS.items() if tags & {*case.tags}), "Metals")
 
 
 def page(cases: Sequence[Case], drawn: Drawn) -> str:
-    """All cases by group, then the guide."""
-    parts = ["# Gallery", "Every case of the catalogue; a picture leads to its page of the manual."]
+    """Return the page: all cases by group, then the examples of the guide."""
+    parts = [
+        "# Gallery",
+        "These are all verification cases, followed by examples of the guide. Each picture leads to"
+        " the page of its case, or to the page of the guide that explains it.",
+    ]
     for name in _SHOWN:
         own = [case for case in cases if group(case) == name]
         parts += [f"## {name}", _grid(_card(case, drawn) for case in own)]
@@ -79,7 +84,7 @@ def _picture(case: Case, drawn: Drawn) -> Picture | None:
 
 
 def thumbnails(cases: Sequence[Case], drawn: Drawn) -> Mapping[str, bytes]:
-    """Small pictures of the cases, by their paths."""
+    """Return small pictures of the cases by their paths."""
     found = [own for case in cases if (own := _picture(case, drawn))]
     return {f"pictures/gallery/{own.name}.png": _small(own.data) for own in found}
 

@@ -15,11 +15,14 @@ ROOT = Path(__file__).resolve().parents[2]
 EXTRA = "extra"
 """Folder of what is copied to the site as it is."""
 _LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
-_FOLDERS = {
+_PLACES = {
+    "README.md": "index.md",
     "verification/cases": "manual/index.md",
-    "docs/guide": "guide/index.md",
+    "docs/guide": "index.md",
 }
-_GUIDE = _FOLDERS["docs/guide"]
+"""Pages of the site that stand for other files and folders of the repository."""
+_ENTRANCES = {"docs/guide/start-structure.md": (), "docs/guide/start-solver.md": ("../backends",)}
+"""Pages that lead to all pages of the guide, and to others that the navigation shows with them."""
 _KEPT = {"reports/reference": "reference"}
 """Folders that are copied whole, with a page of their own."""
 
@@ -37,16 +40,24 @@ def sources() -> dict[str, str]:
     return {file: page for file, page in found.items() if file not in _RECORDS}
 
 
-def guide() -> str:
-    """What leads to the pages of the guide, as README does."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    _, _, rest = text.partition("## Where to go on\n\n")
-    questions, behind, _ = rest.partition("`make docs`")
-    if not behind:
-        raise ValueError("README.md does not say any more where to go on")
-    names = dict.fromkeys(re.findall(r"\]\(docs/guide/([\w-]+)\.md", questions))
-    contents = "\n".join([":::{toctree}", ":hidden:", *names, ":::"])
-    return f"# Guide\n\n{questions}\n{contents}\n"
+def contents() -> dict[str, str]:
+    """Return the hidden table of contents of each entrance: the pages that it links to first.
+
+    Raises:
+        ValueError: No entrance leads to a page of the guide.
+    """
+    left = {path.name for path in (ROOT / "docs" / "guide").glob("*.md")}
+    left -= {posixpath.basename(entrance) for entrance in _ENTRANCES}
+    found = {}
+    for entrance, others in _ENTRANCES.items():
+        text = (ROOT / entrance).read_text(encoding="utf-8")
+        names = [n for n in dict.fromkeys(re.findall(r"\]\(([\w-]+\.md)", text)) if n in left]
+        own = [name.removesuffix(".md") for name in names]
+        found[entrance] = "\n".join(["", ":::{toctree}", ":hidden:", *own, *others, ":::", ""])
+        left -= set(names)
+    if left:
+        raise ValueError(f"{' and '.join(_ENTRANCES)} do not link to {', '.join(sorted(left))}")
+    return found
 
 
 @dataclass(frozen=True)
@@ -63,10 +74,10 @@ class Site:
 
     def copy(self) -> None:
         """All pages of the repository, and what they show."""
+        more = contents()
         for source, page in self.pages.items():
             text = (ROOT / source).read_text(encoding="utf-8")
-            self.write(page, self._led(text, source, page))
-        self.write(_GUIDE, self._led(guide(), "README.md", _GUIDE))
+            self.write(page, self._led(text, source, page) + more.get(source, ""))
         for source, folder in _KEPT.items():
             shutil.copytree(ROOT / source, self.folder / EXTRA / folder, dirs_exist_ok=True)
 
@@ -92,7 +103,7 @@ class Site:
                 return f"{picture}[{words}]({self._beside(page, self._picture(target))})"
             if target in _RECORDS:
                 return f"{words} (`{target}` of the repository)"
-            own = self.pages.get(target, _FOLDERS.get(target, ""))
+            own = self.pages.get(target, _PLACES.get(target, ""))
             if own:
                 return f"[{words}]({self._beside(page, own)}{anchor})"
             return f'<a href="{self._beside(page, self._copied(target))}">{words}</a>'
