@@ -466,7 +466,7 @@ def collected(tmp_path):
         folder = tmp_path / "nowhere"
         folder.mkdir()
         path = os.pathsep.join([str(tmp_path), str(ROOT)])
-        command = [sys.executable, "-m", "pytest", "--pyargs", "verification", "-v"]
+        command = [sys.executable, "-m", "pytest", "--pyargs", "verification.case_checks", "-v"]
         done = subprocess.run(
             [*command, "-p", "no:cacheprovider", *arguments],
             cwd=folder,

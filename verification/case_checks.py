@@ -1,8 +1,8 @@
-"""Every case as tests: ``pytest verification``, or installed ``pytest --pyargs verification``.
+"""Check every case by pytest: ``pytest --pyargs verification.case_checks``, or ``pytest verification``.
 
-One test a case, backend and check, such as ``prandtl-punch:smooth-clarabel-order``; cases of
-installed packages are among them. Runs that several checks need are done once, and only those that
-the selected tests need.
+The second command works in the folder of the repository only. There is one test for each case,
+backend and check, such as ``prandtl-punch:smooth-clarabel-order``; cases of installed packages are
+included. A run that several checks need is done once, and only if a selected test needs it.
 """
 
 from collections.abc import Iterator
