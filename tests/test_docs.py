@@ -13,10 +13,13 @@ from pathlib import Path
 import pytest
 
 import lacore as la
+from lacore.errors import DISTRIBUTION
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "backends.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "lacore-ecos"
+HISTORY = "CHANGELOG.md"  # says what was where
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 BLOCK = re.compile(r"(?:<!-- from (\S+) -->\n)?```(\w+)\n(.*?)```", flags=re.DOTALL)
 BLOCKS = BLOCK.findall(PAGE)
 QUOTED = [(source, text) for source, _, text in BLOCKS if source]
@@ -105,17 +108,36 @@ def test_every_formula_that_is_cited_is_in_the_theory():
             assert cited <= defined, path
 
 
-def test_the_citation_is_of_this_version():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def test_all_statements_of_the_version_agree():
+    """The version is `lacore.__version__`; tests/test_wheel.py compares it with the wheel."""
+    dynamic = PYPROJECT["tool"]["setuptools"]["dynamic"]
+    assert PYPROJECT["project"]["dynamic"] == ["version"]
+    assert dynamic == {"version": {"attr": "lacore.__version__"}}
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    for field, value in {"version": la.__version__, "license": project["license"]}.items():
-        assert f"\n{field}: {value}\n" in citation
+    released = re.findall(r"^## (\S+) ", (ROOT / HISTORY).read_text(encoding="utf-8"), re.MULTILINE)
+    assert f"\nversion: {la.__version__}\n" in citation
+    assert f"\nlicense: {PYPROJECT['project']['license']}\n" in citation
+    assert released[0] == la.__version__
+
+
+INSTALLED = re.compile(r"pip install '?([\w.-]+)\[([\w,]+)\]")
+
+
+def test_optional_dependencies_are_installed_by_the_name_of_the_distribution():
+    """`pip install lacore` would install an unrelated project."""
+    named = [
+        found
+        for path in [*CODE, *(ROOT / page for page in PAGES), *ROOT.glob("examples/**/*.py")]
+        for found in INSTALLED.findall(path.read_text(encoding="utf-8"))
+    ]
+    assert {name for name, _ in named} == {".", DISTRIBUTION}
+    assert {extra for _, extra in named} <= PYPROJECT["project"]["optional-dependencies"].keys()
+    assert PYPROJECT["project"]["name"] == DISTRIBUTION
 
 
 NAME = re.compile(r"(?<![\w./-])(?:lacore|verification|backends)(?:\.[A-Za-z_]\w+)+")
 FILE = re.compile(r"(?<![\w./-])(?:lacore|verification|backends|docs|examples|tests)/[\w./-]*\w")
 GROUPS = {"lacore.backends", "lacore.cases"}  # of entry points, not modules
-HISTORY = "CHANGELOG.md"  # says what was where
 
 
 def test_modules_and_files_that_are_named_exist():

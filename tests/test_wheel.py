@@ -1,7 +1,8 @@
-"""What pip installs is all of it: built, unpacked elsewhere, put to work from another folder.
+"""The source distribution and the wheel contain what they should, and work elsewhere.
 
-And installed with what it depends on for each Python that pyproject.toml names and this machine
-has: from PATH, or one of pyenv, whose commands do not run where it has chosen another.
+Both are built from a copy of the repository, the wheel from the unpacked source distribution as
+``python -m build`` does. The wheel is installed with its dependencies for each Python version that
+pyproject.toml names and this machine has, on PATH or in pyenv.
 """
 
 import json
@@ -11,34 +12,65 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
+import zipfile
+from email.parser import Parser
 from pathlib import Path
 
 import pytest
 
+import lacore as la
+from lacore.errors import DISTRIBUTION
 from tests.conftest import ROOT
 
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
 KINDS = (".py", ".pyi", ".typed", ".j2", ".toml", ".json")
-SOURCES = ("pyproject.toml", "README.md", "LICENSE")
+STEM = f"{DISTRIBUTION.replace('-', '_')}-{la.__version__}"
+BUILD = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
+NO_INDEX = ("--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir")
+OWN_TESTS = (
+    *("tests/test_docs.py", "tests/test_prose.py", "tests/test_set_up.py", "tests/test_readme.py"),
+    *("tests/lacore/test_errors.py", "tests/lacore/files/problem/test_reading.py"),
+    *("tests/verification/catalogue", "tests/verification/report/test_reference_report.py"),
+)
+"""A sample that reads pages, examples, constraints, the Makefile and the reference report."""
+
+
+def _unwanted(folder, names):
+    """What is not copied: hidden files, and what builds and commands have written."""
+    if Path(folder) == ROOT / "reports":
+        return {*names} - {"reference"}
+    written = {"__pycache__", "build", "dist"}
+    return {n for n in names if n in written or n.startswith(".") or n.endswith(".egg-info")}
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """The file that pip installs."""
+def source(tmp_path_factory):
+    """A copy of the repository, because a build writes into the folder that it reads."""
+    folder = tmp_path_factory.mktemp("source") / "copy"
+    shutil.copytree(ROOT, folder, ignore=_unwanted)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def sdist(source, tmp_path_factory):
+    """The folder of the unpacked source distribution."""
+    folder = tmp_path_factory.mktemp("sdist")
+    run(sys.executable, "-c", BUILD, str(folder), at=source)
+    with tarfile.open(folder / f"{STEM}.tar.gz") as archive:
+        archive.extractall(folder, filter="data")
+    return folder / STEM
+
+
+@pytest.fixture(scope="module")
+def wheel(sdist, tmp_path_factory):
+    """The wheel, built from the source distribution."""
     folder = tmp_path_factory.mktemp("wheel")
-    # A copy: a build leaves its artefacts beside its sources, and finds those of an earlier one.
-    source = folder / "source"
-    source.mkdir()
-    for name in ROOMS:
-        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in SOURCES:
-        shutil.copy(ROOT / name, source)
-    options = ["--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir"]
-    options += ["-w", str(folder), str(source)]
+    own = shutil.copytree(sdist, folder / "source")
+    options = [*NO_INDEX, "-w", str(folder), str(own)]
     run(sys.executable, "-m", "pip", "wheel", *options, at=folder, PIP_CONFIG_FILE=os.devnull)
-    (made,) = folder.glob("lacore-*.whl")
-    return made
+    return folder / f"{STEM}-py3-none-any.whl"
 
 
 def run(*command, at, **more):
@@ -65,8 +97,34 @@ def files(place):
 
 
 @pytest.mark.slow
-def test_every_room_is_in_it(installed):
-    """Folders without `__init__.py` are left out, and so is what is no code and not named."""
+def test_the_source_distribution_is_complete(source, sdist):
+    """It contains every file of the repository that is not hidden."""
+    there = {file.relative_to(sdist) for file in sdist.rglob("*") if file.is_file()}
+    wanted = {file.relative_to(source) for file in source.rglob("*") if file.is_file()}
+    assert {file for file in wanted - there if "egg-info" not in str(file)} == set()
+
+
+@pytest.mark.slow
+def test_the_wheel_contains_our_packages_and_no_tests(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    assert {name.partition("/")[0] for name in names} == {*ROOMS, f"{STEM}.dist-info"}
+    assert [name for name in names if re.search(r"(^|/)(test_\w*|conftest)\.py$", name)] == []
+
+
+@pytest.mark.slow
+def test_the_metadata_of_the_wheel_state_name_and_version(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        text = archive.read(f"{STEM}.dist-info/METADATA").decode()
+    metadata = Parser().parsestr(text, headersonly=True)
+    assert metadata["Name"] == DISTRIBUTION
+    assert metadata["Version"] == la.__version__
+    assert metadata["License-Expression"] == PROJECT["license"]
+
+
+@pytest.mark.slow
+def test_every_package_is_complete_in_the_wheel(installed):
+    """Setuptools leaves out folders without `__init__.py` and data files that nothing names."""
     target, _ = installed
     there = files(ROOT)
     assert {file.suffix for file in there} == set(KINDS)
@@ -203,6 +261,20 @@ def test_first_steps_in_a_clean_environment(clean, tmp_path):
     coulomb, associated = told["dome"]
     assert told["dome holds"]
     assert 0 < coulomb <= associated * (1 + 1e-6)  # T14, to the tolerance of both
+
+
+@pytest.mark.slow
+def test_the_source_distribution_passes_its_tests(sdist, wheel, tmp_path_factory):
+    """In a new environment with the wheel and its optional dependencies for developers."""
+    folder = tmp_path_factory.mktemp("tested")
+    source = shutil.copytree(sdist, folder / "source")
+    run(sys.executable, "-m", "venv", "env", at=folder)
+    python = str(folder / "env" / ("Scripts" if os.name == "nt" else "bin") / "python")
+    pins = ["--constraint", str(source / "constraints.txt")]
+    install = [python, "-m", "pip", "install", "--quiet", "--no-compile", *pins]
+    run(*install, f"{wheel}[dev]", at=folder)
+    tested = run(python, "-m", "pytest", "-q", *OWN_TESTS, at=source)
+    assert " passed" in tested.stdout
 
 
 @pytest.mark.slow

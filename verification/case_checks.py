@@ -1,7 +1,7 @@
-"""Check every case by pytest: ``pytest --pyargs verification.case_checks``, or ``pytest verification``.
+"""Check every case by ``pytest verification`` or ``pytest --pyargs verification.case_checks``.
 
-The second command works in the folder of the repository only. There is one test for each case,
-backend and check, such as ``prandtl-punch:smooth-clarabel-order``; cases of installed packages are
+The first command needs the folder of the repository. There is one test for each case, backend and
+check, such as ``prandtl-punch:smooth-clarabel-order``; cases of installed packages are
 included. A run that several checks need is done once, and only if a selected test needs it.
 """
 
