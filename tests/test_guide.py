@@ -34,6 +34,7 @@ PAGES = {
     for page in (
         ROOT / "README.md",
         ROOT / "CONTRIBUTING.md",
+        ROOT / "docs" / "limitations.md",
         *(ROOT / "docs" / "site" / f"{name}.md" for name in ("index", "claims", "notation")),
         *sorted((ROOT / "docs" / "guide").glob("*.md")),
     )
