@@ -125,9 +125,10 @@ INSTALLED = re.compile(r"pip install '?([\w.-]+)\[([\w,]+)\]")
 
 def test_optional_dependencies_are_installed_by_the_name_of_the_distribution():
     """`pip install lacore` would install an unrelated project."""
+    pages = [ROOT / page for page in PAGES if page != HISTORY]
     named = [
         found
-        for path in [*CODE, *(ROOT / page for page in PAGES), *ROOT.glob("examples/**/*.py")]
+        for path in [*CODE, *pages, *ROOT.glob("examples/**/*.py")]
         for found in INSTALLED.findall(path.read_text(encoding="utf-8"))
     ]
     assert {name for name, _ in named} == {".", DISTRIBUTION}
