@@ -1,14 +1,17 @@
-"""Draw the rooms of lacore and verification, and who imports whom: ``make architecture``.
+"""Draw the packages of lacore and verification and their imports: ``make architecture``.
 
-The order of rooms is the list in tests/test_layers.py, what each is for its own docstring, and the
-imports are those of the code, so that the pictures are those of the code as it is.
+The order of the packages is the list in tests/test_layers.py, their purposes are their docstrings,
+and the imports are read from the code, so that the pictures show the code as it is. A count in
+docs/architecture.md is written too.
 """
 
 import ast
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
+from runpy import run_path
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))  # run as a script from anywhere
@@ -22,36 +25,38 @@ from tests.test_layers import (  # noqa: E402
     rooms_seen,
 )
 
-FLOORS = {
-    "the ground: what a backend is given, and what it gives back": LACORE[
+LAYERS = {
+    "interface with backends: what a backend receives, and what it returns": LACORE[
         : LACORE.index(SOLVER_WING[0])
     ],
-    "programs: loops and proofs, no mesh": SOLVER_WING,
-    "bodies: from what is said to the program, no loop": MECHANICS_WING,
-    "where both meet: limit problems, and what goes on from them": LACORE[
+    "programs: loops and proofs, without a mesh": SOLVER_WING,
+    "mechanics: from bodies to the program": MECHANICS_WING,
+    "limit problems, and analyses that use them": LACORE[
         LACORE.index("limit") : LACORE.index("files")
     ],
-    "what is shown and written": LACORE[LACORE.index("files") :],
+    "output: files and pictures": LACORE[LACORE.index("files") :],
 }
-"""Of lacore, from the ground up; the second and the third stand side by side."""
-COLOURS = dict(zip(FLOORS, ("#e8e6df", "#d9e6f2", "#f6e3c9", "#dcebd6", "#efdcea"), strict=True))
+"""Layers of lacore from the bottom up; the second and the third do not import each other."""
+COLOURS = dict(zip(LAYERS, ("#e8e6df", "#d9e6f2", "#f6e3c9", "#dcebd6", "#efdcea"), strict=True))
+COUNT = r"(passes through )\d+( packages)"
+"""Pattern of the count in docs/architecture.md."""
 _OTHER = "#eeeeee"
 _FONT = "font-family='Helvetica, Arial, sans-serif'"
-_ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: of the matrix, names, what rooms are for
+_ROW, _COLUMN, _NAME, _TEXT = 17, 13, 106, 532  # px: cells of the matrix, names, purposes
 
 
 def imported(house: str) -> dict[str, set[str]]:
-    """Rooms that each room of a house imports, wherever in its files, in the order of the house."""
+    """Return what each package imports, anywhere in its files, in the order of the packages."""
     found: dict[str, set[str]] = {name: set() for name in HOUSES[house]}
     for path in (ROOT / house).rglob("*.py"):
         own = module_of(path).split(".")[1]
-        if own in found:  # not the face
+        if own in found:  # not __init__.py of the top-level package
             found[own] |= rooms_seen(path, house) - {own}
     return found
 
 
 def purpose(house: str, name: str) -> str:
-    """The first sentence of the docstring of a room."""
+    """Return the first sentence of the docstring of a package."""
     place = ROOT / house / name
     file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
@@ -60,14 +65,14 @@ def purpose(house: str, name: str) -> str:
 
 
 def colour(name: str, house: str) -> str:
-    """Of the floor that a room is on."""
+    """Return the colour of the layer of a package."""
     if house != "lacore":
         return _OTHER
-    return next(COLOURS[floor] for floor, rooms in FLOORS.items() if name in rooms)
+    return next(COLOURS[layer] for layer, names in LAYERS.items() if name in names)
 
 
 def matrix(house: str) -> str:
-    """An SVG: a row a room, the ground below; dots in the columns of the rooms that it imports."""
+    """Return an SVG with one row per package, and dots in the columns of what it imports."""
     needs = imported(house)
     rooms, count = list(needs), len(needs)
     wide, high = _NAME + count * _COLUMN + 12 + _TEXT, (count + 1) * _ROW + _NAME
@@ -90,27 +95,27 @@ def matrix(house: str) -> str:
     return _svg(wide, high, drawn)
 
 
-def house_of_lacore() -> str:
-    """An SVG: rooms of lacore on their floors; each imports from its left and from below."""
-    ground, left, right, upper, top = FLOORS
+def layers_of_lacore() -> str:
+    """Return an SVG of the layers of lacore; packages import from their left and from below."""
+    ground, left, right, upper, top = LAYERS
     wide, gap, high = 1040.0, 10.0, 92.0
     half = (wide - gap) * len(SOLVER_WING) / (len(SOLVER_WING) + len(MECHANICS_WING))
     drawn = [
-        *_floor(top, 0.0, 0.0, wide, high),
-        *_floor(upper, 0.0, high + gap, wide, high),
-        *_floor(left, 0.0, 2 * (high + gap), half, high),
-        *_floor(right, half + gap, 2 * (high + gap), wide - half - gap, high),
-        *_floor(ground, 0.0, 3 * (high + gap), wide, high),
+        *_layer(top, 0.0, 0.0, wide, high),
+        *_layer(upper, 0.0, high + gap, wide, high),
+        *_layer(left, 0.0, 2 * (high + gap), half, high),
+        *_layer(right, half + gap, 2 * (high + gap), wide - half - gap, high),
+        *_layer(ground, 0.0, 3 * (high + gap), wide, high),
     ]
     return _svg(wide, 4 * high + 3 * gap, drawn)
 
 
-def _floor(title: str, x: float, y: float, wide: float, high: float) -> Iterator[str]:
+def _layer(title: str, x: float, y: float, wide: float, high: float) -> Iterator[str]:
     yield _box(x, y, wide, high, COLOURS[title], rounded=6)
     yield _text(x + 10, y + 18, title)
-    rooms = FLOORS[title]
-    longest = [max(map(len, name.split("_"))) + 3 for name in rooms]
-    for name, letters in zip(rooms, longest, strict=True):
+    names = LAYERS[title]
+    longest = [max(map(len, name.split("_"))) + 3 for name in names]
+    for name, letters in zip(names, longest, strict=True):
         each = (wide - 10) * letters / sum(longest)
         yield _box(x + 8, y + 36, each - 6, 40, "#ffffff", rounded=4)
         words = name.split("_")
@@ -137,18 +142,29 @@ def _svg(wide: float, high: float, drawn: Sequence[str]) -> str:
     return "\n".join([head, paper, *drawn, "</svg>", ""])
 
 
+def passed() -> int:
+    """Return how many packages of lacore one solve passes through, as docs/way.py counts them."""
+    way = run_path(str(ROOT / "docs" / "way.py"))
+    problem = way["block"]()
+    way["called"](problem)  # modules that are imported at first use run their own code there
+    return len({way["room"](file) for file in way["called"](problem)})
+
+
 def pictures() -> dict[str, str]:
-    """All of them, by the names of their files."""
+    """Return all pictures by the names of their files."""
     return {
-        "rooms.svg": house_of_lacore(),
+        "packages.svg": layers_of_lacore(),
         **{f"imports-{house}.svg": matrix(house) for house in HOUSES},
     }
 
 
 def main() -> None:
-    """Write them beside the page that shows them."""
+    """Write the pictures, and the count in the page that shows them."""
     for name, text in pictures().items():
         (ROOT / "docs" / name).write_text(text, encoding="utf-8")
+    page = ROOT / "docs" / "architecture.md"
+    text = re.sub(COUNT, rf"\g<1>{passed()}\g<2>", page.read_text(encoding="utf-8"))
+    page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

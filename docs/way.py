@@ -1,11 +1,10 @@
-"""Which files and rooms `lacore.solve` passes through: ``python docs/way.py``.
+"""Trace which files and packages `lacore.solve` passes through: ``python docs/way.py``.
 
-One continuum problem with friction is solved once to load what is loaded late, then again under
-`sys.setprofile`. A visit begins where a call leads into another room than the one before.
+A continuum problem with friction is solved once to load modules that are imported at first use,
+then again under `sys.setprofile`. A visit begins where a call leads into another package.
 
-The flat files of the contract are the ground that all rooms stand on: they are called like a
-library, a cone here and a residual there, and count as one room. So there are two figures: the way
-with every call into the ground, and the way between rooms, on which such calls end no visit.
+All packages use the flat modules of the interface with backends as a library, for a cone or a
+residual. These modules count as one package, and the second column leaves calls of them out.
 """
 
 import os
@@ -19,12 +18,12 @@ from typing import Any
 import lacore as la
 
 HOME = Path(la.__file__).parent
-INSIDE = f"{HOME}{os.sep}"  # lacore_start is beside it
-GROUND = "ground"
+INSIDE = f"{HOME}{os.sep}"  # with the separator, which excludes lacore_start
+GROUND = "interface"
 
 
 def block() -> la.Problem:
-    """A deformable block that is pushed over a rough floor."""
+    """Return the problem of a deformable block that is pushed over a rough floor."""
     body = la.Body(la.meshes.rectangle((0, 4), (0, 1), 8, 2), la.VonMises(shear_strength=1.0))
     return la.Problem(
         {"block": body},
@@ -35,7 +34,7 @@ def block() -> la.Problem:
 
 
 def called(problem: la.Problem) -> list[Path]:
-    """Files of lacore in the order in which calls lead into them."""
+    """Return the files of lacore in the order in which calls lead into them."""
     found: list[Path] = []
 
     def note(frame: FrameType, event: str, _: Any) -> None:
@@ -51,17 +50,17 @@ def called(problem: la.Problem) -> list[Path]:
 
 
 def room(file: Path) -> str:
-    """The folder below lacore, or the ground where the file lies flat."""
+    """Return the package of a file; flat modules belong to the interface."""
     return GROUND if len(file.parts) == 1 else file.parts[0]
 
 
 def visits(rooms: list[str]) -> list[str]:
-    """The rooms one after the other, each as long as nothing leads out of it once."""
+    """Return the packages one after the other, without repetition."""
     return [name for name, _ in groupby(rooms)]
 
 
 def main() -> None:
-    """Print how many files and rooms are entered, and how often one is come back to."""
+    """Print how many files and packages are visited, and how often."""
     problem = block()
     la.solve(problem)
     files = called(problem)
@@ -69,13 +68,13 @@ def main() -> None:
     between = visits([name for name in rooms if name != GROUND])
     every, apart = Counter(visits(rooms)), Counter(between)
     lines = [
-        f"{len(set(files))} files of {len(every)} rooms, the ground as one of them",
-        f"{'':16}{'with the ground':>18}{'between rooms':>16}",
+        f"{len(set(files))} files of {len(every)} packages, counting the interface as one",
+        f"{'':16}{'all visits':>18}{'without interface':>20}",
     ]
     for name in dict.fromkeys(rooms):
-        lines.append(f"{name:16}{every[name]:18}{apart[name] or '':>16}")
-    lines.append(f"{'visits':16}{every.total():18}{apart.total():16}")
-    lines += ["", "between rooms: " + " > ".join(between)]
+        lines.append(f"{name:16}{every[name]:18}{apart[name] or '':>20}")
+    lines.append(f"{'visits':16}{every.total():18}{apart.total():20}")
+    lines += ["", "without interface: " + " > ".join(between)]
     sys.stdout.write("\n".join(lines) + "\n")
 
 

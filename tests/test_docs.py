@@ -14,6 +14,7 @@ import pytest
 
 import lacore as la
 from lacore.errors import DISTRIBUTION
+from tests.test_layers import script_of
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "backends.md").read_text(encoding="utf-8")
@@ -170,3 +171,12 @@ def _known(name):
             return part in fields
         thing = getattr(thing, part)
     return True
+
+
+def test_the_page_on_architecture_counts_packages_and_is_short():
+    """`make architecture` writes the count."""
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    script = script_of("architecture")
+    ((before, after),) = re.findall(script.COUNT, page)
+    assert f"{before}{script.passed()}{after}" in page
+    assert len(page.split()) <= 900
