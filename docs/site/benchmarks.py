@@ -1,7 +1,7 @@
-"""Tables of the benchmarks from their records: ``make bench`` prints, ``make bench-page`` keeps.
+"""Write tables of the benchmarks from their records, for ``make bench`` and ``make bench-page``.
 
-docs/benchmarks.md shows what docs/benchmarks.json keeps, with a picture of what width costs; the
-page of the site shows the same behind charts of its own.
+docs/benchmarks.md shows the records of docs/benchmarks.json, with a picture of the width of
+brackets against time. The page of the site shows charts before the same tables.
 """
 
 import argparse
@@ -35,7 +35,7 @@ _PROBLEMS = {
 
 
 def records(kept: dict[str, Any]) -> pd.DataFrame:
-    """One row a benchmark, sorted by kind, what was run and size."""
+    """Return one row per benchmark, sorted by kind, name and size."""
     frame = pd.DataFrame(kept["records"])
     needed = ["options", "triangles", "runs", "bar", "aim"]
     frame = frame.reindex(columns=frame.columns.union(needed, sort=False))
@@ -49,7 +49,7 @@ def records(kept: dict[str, Any]) -> pd.DataFrame:
 
 
 def rows_of(frame: pd.DataFrame, section: Section) -> pd.DataFrame:
-    """What a section shows."""
+    """Return the rows of a section."""
     if section.kinds == ("held",):
         return pd.DataFrame(held(frame, growth(frame, ("true gap",))))
     rows = pd.concat([frame[frame["kind"] == kind] for kind in section.kinds])
@@ -61,7 +61,7 @@ def rows_of(frame: pd.DataFrame, section: Section) -> pd.DataFrame:
 
 
 def _runs(record: dict[str, Any]) -> list[dict[str, Any]]:
-    """Those that a record holds, counted where there is one a program."""
+    """Return the runs of a record; of random programs, counts per backend."""
     runs = record["runs"] if isinstance(record["runs"], list) else []
     if record["kind"] == "programs":
         runs = _counted(runs)
@@ -69,7 +69,7 @@ def _runs(record: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _counted(runs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """What each backend did on all programs."""
+    """Count the results of each backend on all programs."""
     counted = []
     for backend, own in pd.DataFrame(runs).groupby("backend", sort=False):
         large = own[(own["unknowns"] >= 1500) & (own["verdict"] != "refused")]
@@ -89,7 +89,7 @@ def _counted(runs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def widths(frame: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Seconds and widths of brackets of problems that were asked for several, the widest first."""
+    """Return seconds and widths of problems with several brackets, the widest first."""
     rows = frame[frame["kind"] == "bracket"]
     return {
         told: own.sort_values("width", ascending=False)[["seconds", "width"]]
@@ -99,12 +99,12 @@ def widths(frame: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def drawn(frame: pd.DataFrame) -> Figure:
-    """Width against time."""
+    """Draw the width of brackets against time."""
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axes = figure.add_subplot()
     for marker, (name, rows) in zip("osD^", widths(frame).items(), strict=False):
         axes.loglog(rows["seconds"], 100 * rows["width"], f"{marker}-", label=name)
-    axes.set(xlabel="processor time, s", ylabel="width of the bracket per its mean, %")
+    axes.set(xlabel="processor time, s", ylabel="width of the bracket relative to its mean, %")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -115,7 +115,7 @@ def drawn(frame: pd.DataFrame) -> Figure:
 
 
 def markdown(frame: pd.DataFrame, columns: Columns) -> str:
-    """A table, of the columns that have anything."""
+    """Return a table in Markdown, without empty columns."""
     there = {
         name: own
         for name, own in columns.items()
@@ -140,7 +140,7 @@ def growth(frame: pd.DataFrame, kinds: Sequence[str]) -> pd.DataFrame:
 
 
 def shown(kept: dict[str, Any]) -> str:
-    """What stands between the marks."""
+    """Return the generated part of the page."""
     frame, parts = records(kept), []
     for section in SECTIONS:
         rows = rows_of(frame, section)
@@ -149,22 +149,22 @@ def shown(kept: dict[str, Any]) -> str:
         parts += [f"## {section.heading}"] if section.heading else []
         parts += [section.text, markdown(rows, section.columns), *_after(section, frame)]
     rest = [*_rest(frame)]
-    parts += ["## What else takes time", *rest] if rest else []
-    parts += ["## On which machine", _machine(kept["measured"], frame)]
+    parts += ["## Other times", *rest] if rest else []
+    parts += ["## Machine and versions", _machine(kept["measured"], frame)]
     return "\n\n".join(parts) + "\n"
 
 
 def _after(section: Section, frame: pd.DataFrame) -> Iterator[str]:
-    """What is said of a table."""
+    """Yield what follows a table."""
     if section.kinds == ("bracket",):
         if widths(frame):
-            told = "Width of proven brackets against the processor time that they take"
+            told = "Width of proven brackets against their processor time"
             yield f"![{told}](widths.svg)"
         for order in frame[frame["kind"] == "bracket order"].to_dict("records"):
             yield (
-                f"The width of the bracket of the {order['what']} goes with the number of triangles"
-                f" to the power of {order['even']:.2f} on even meshes and {order['adaptive']:.2f}"
-                " on adapted ones."
+                f"The width of the bracket of the {order['what']} is proportional to the number of"
+                f" triangles to the power of {order['even']:.2f} on uniform meshes and"
+                f" {order['adaptive']:.2f} on adaptive ones."
             )
     fits = growth(frame, section.kinds)
     if len(fits) and section.kinds in (("true gap",), SOLVES):
@@ -172,51 +172,58 @@ def _after(section: Section, frame: pd.DataFrame) -> Iterator[str]:
             f"{row.exponent:.2f} ± {row.error:.2f} ({row.label})" for row in fits.itertuples()
         )
         yield (
-            f"Time grows with the number of triangles to the power of {exponents}: log-log fits"
-            f" from {fits['from'].min()} to {fits['to'].max()} triangles, with standard errors."
+            f"Time grows with the number of triangles to the power of {exponents}. These exponents"
+            f" and their standard errors are from log-log fits from {fits['from'].min()} to"
+            f" {fits['to'].max()} triangles."
         )
 
 
 def _rest(frame: pd.DataFrame) -> Iterator[str]:
-    """The loop's own share, that of a sweep, and starts."""
+    """Yield the overhead of loops and sweeps, and the times to start a process."""
     loops = frame[frame["kind"] == "loop"]
     if len(loops):
         yield (
-            f"Of a reaction loop on {loops['triangles'].min():.0f} triangles, lacore's own part"
-            f" between the calls of clarabel takes at most {100 * loops['own_share'].max():.1f} %."
+            f"In a reaction loop on {loops['triangles'].min():.0f} triangles, the work of lacore"
+            f" between the calls of clarabel takes at most {100 * loops['own_share'].max():.1f} %"
+            " of the time."
         )
     for sweep in frame[frame["kind"] == "sweep"].to_dict("records"):
         yield (
             f"A sweep of {sweep['runs']:.0f} runs of {1000 * sweep['seconds_a_run']:.0f} ms"
-            f" ({sweep['what']}), one at a time, takes {sweep['seconds']:.1f} s; all but building"
-            f" and solving, the start of the process included, is {sweep['own_share']:.1%} of it."
+            f" ({sweep['what']}), one at a time, takes {sweep['seconds']:.1f} s. Everything except"
+            " building and solving, including the start of the process, takes"
+            f" {sweep['own_share']:.1%} of this time."
         )
     starts = [
-        f"{start['what']} {start['seconds']:.2f} s, {start['bare_starts']:.2g} times a bare Python"
+        f"{start['what']} {start['seconds']:.2f} s, {start['bare_starts']:.2g} times that of Python"
         for start in frame[frame["kind"] == "start"].to_dict("records")
     ]
     if starts:
-        yield f"Processor time of a process of its own: {'; '.join(starts)}."
+        told = "Processor time in a new process, and relative to starting Python"
+        yield f"{told}: {'; '.join(starts)}."
 
 
 def _machine(measured: dict[str, Any], frame: pd.DataFrame) -> str:
-    """What all was measured with."""
+    """Return the machine, versions and date of the measurements."""
     analysis, unit = "", frame[frame["what"] == "elastic solve, PARDISO"]  # SuperLU keeps none
     if len(unit):
         largest = unit.sort_values("triangles").iloc[-1]
         share = 1 - largest["again_seconds"] / largest["seconds"]
-        analysis = f", of which analysis takes {share:.0%} on {largest['triangles']:.0f} triangles"
+        analysis = (
+            f" (analysis takes {share:.0%} of the time on {largest['triangles']:.0f} triangles)"
+        )
     return (
-        f"Elastic solves by {measured['direct_solver']}{analysis}; {measured['machine']}, one"
-        f" thread a solve; Python {measured['python']}, {measured['packages']}; {measured['date']}."
+        f"Elastic solves: {measured['direct_solver']}{analysis}; {measured['machine']}, one"
+        f" thread per solve; Python {measured['python']}, {measured['packages']};"
+        f" {measured['date']}."
     )
 
 
 def main() -> None:
-    """Print all; or keep the records, and refresh the page and its picture."""
+    """Print the tables, or store the records and write the page and its picture."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("records", type=Path, help="written by make bench")
-    parser.add_argument("--page", action="store_true", help="refresh docs/benchmarks.md and .json")
+    parser.add_argument("records", type=Path, help="file that make bench has written")
+    parser.add_argument("--page", action="store_true", help="write docs/benchmarks.md and .json")
     given = parser.parse_args()
     kept = found(given.records.read_text(encoding="utf-8"))
     sys.stdout.write(shown(kept))
@@ -242,7 +249,7 @@ def _empty(cell: Any) -> bool:
 
 
 def _text(value: Any, pattern: str) -> str:
-    """Without a pattern two digits, and all before the point."""
+    """Format a value; without a pattern with two digits, or all digits before the point."""
     if pattern:
         return pattern.format(value)
     return f"{value:.{max(1 - floor(log10(value)), 0)}f}" if value else "0"

@@ -1,24 +1,24 @@
-"""The questions that docs/benchmarks.md answers, and the columns of its tables."""
+"""The sections of docs/benchmarks.md, and the columns of their tables."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 SOLVES = ("assembly", "elastic", "solve")
-"""Benchmarks of the punch by backends with their own defaults, and what they stand beside."""
+"""Benchmarks of backends with their defaults, and of assembly and elastic solves."""
 Columns = Mapping[str, tuple[str, str]]
-"""Of a table: field of a record, and its format; none: two digits."""
+"""Columns of a table: field of a record, and its format; two digits if the format is empty."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A question, and the table that answers it.
+    """A section: a table of benchmarks with its explanation.
 
     Attributes:
-        kinds: of the records that it shows; those with a list of runs show each of them.
-        heading: above it; none: it goes on with the section before.
-        text: what its figures are.
-        columns: of the table.
-        order: the columns that rows are sorted by.
+        kinds: Kinds of records in the table; a record with a list of runs gives one row per run.
+        heading: Heading; if empty, the section continues the one before.
+        text: Explanation of the table.
+        columns: Columns of the table.
+        order: Columns by which rows are sorted.
     """
 
     kinds: tuple[str, ...]
@@ -31,46 +31,48 @@ class Section:
 SECTIONS = (
     Section(
         ("held",),
-        "What lacore is held to",
-        "Figures that were asked for before they were reached, at most or at least, and what was"
-        " measured; an aim is what was hoped for. By the clock two bounds at a time on two cores;"
-        " all else is processor time on one thread, or a ratio of it in the same run.",
+        "Requirements",
+        "These limits were set before they were reached. An aim is a stricter value that is not"
+        " required. Elapsed times are of two bounds computed in parallel on two cores; all other"
+        " times are processor times on one thread, and ratios are of times in the same run.",
         {
-            "figure": ("what", "{}"),
-            "asked": ("bar", "{}"),
+            "benchmark": ("what", "{}"),
+            "required": ("bar", "{}"),
             "aim": ("aim", "{}"),
             "measured": ("measured", "{}"),
-            "holds": ("holds", "{}"),
+            "fulfilled": ("holds", "{}"),
         },
     ),
     Section(
         ("bracket",),
-        "How long does a proof take?",
-        "**Brackets**, from the start to the certificate, all solves and refinements included:"
-        " processor time of one bound at a time, which elastic solves of the last mesh of the upper"
-        " bound count, too; and time by the clock of two at a time, which find the same.",
+        "Time of brackets",
+        "**Brackets**, from the first mesh to the certificate, including all solves and"
+        " refinements. Seconds are the processor time if one bound is computed after the other."
+        " Elastic solves give the same time in units of one elastic solve on the last mesh of the"
+        " upper bound. The last columns are of both bounds in parallel, which gives the same"
+        " bounds.",
         {
             "bracket": ("what", "{}"),
             "lower": ("lower", "{:.5f}"),
             "upper": ("upper", "{:.5f}"),
             "width": ("width", "{:.3%}"),
-            "triangles below": ("triangles_lower", "{:.0f}"),
-            "above": ("triangles_upper", "{:.0f}"),
+            "triangles of the lower bound": ("triangles_lower", "{:.0f}"),
+            "of the upper bound": ("triangles_upper", "{:.0f}"),
             "solves": ("solves", "{:.0f}"),
             "seconds": ("seconds", ""),
             "elastic solves": ("elastic_solves", "{:.0f}"),
-            "two at a time, s by the clock": ("wall", ""),
-            "their processor s": ("of_both", ""),
+            "in parallel, elapsed s": ("wall", ""),
+            "in parallel, processor s": ("of_both", ""),
         },
         ("problem", "-width"),
     ),
     Section(
         ("bracket peers",),
         "",
-        "**The same brackets by each backend**, one bound at a time, in one run. `cvxpy` is"
-        " Clarabel through cvxpy, without what lacore knows of units of rows: at the same nominal"
-        " tolerance it leaves larger gaps, and so needs more elements, or stops at the most there"
-        " may be.",
+        "**The same brackets by each backend**, one bound after the other, in one run. `cvxpy`"
+        " calls Clarabel through cvxpy, without the scaling of rows that lacore uses. At the same"
+        " nominal tolerance its gaps are larger, so it needs more elements or reaches the largest"
+        " number that is allowed.",
         {
             "bracket": ("what", "{}"),
             "backend": ("backend", "{}"),
@@ -78,23 +80,24 @@ SECTIONS = (
             "ending": ("ending", "{}"),
             "solves": ("solves", "{:.0f}"),
             "seconds": ("seconds", ""),
-            "times auto": ("ratio", ""),
+            "relative to auto": ("ratio", ""),
         },
     ),
     Section(
         ("true gap",),
-        "How long does one solve take?",
-        "**Upper bounds of the smooth punch at the same true gap**, 1e-5 at most: what lies between"
-        " the dissipation of the velocity and the load of the stresses, recomputed. Tolerances are"
-        " the loosest that leave so much of three that were tried; doubt is by how much the load"
-        " could be off if all that is left counted against it. Memory is the peak of the process.",
+        "Time of one solve",
+        "**Upper bounds of the smooth punch at the same true gap**, at most 1e-5. The true gap is"
+        " the recomputed difference between the dissipation of the velocity and the load of the"
+        " stresses. Each tolerance is the loosest of three that reaches this gap. The uncertainty"
+        " is the largest error of the load that the residuals permit. Memory is the peak of the"
+        " process.",
         {
             "backend": ("what", "{}"),
             "triangles": ("triangles", "{:.0f}"),
             "unknowns": ("unknowns", "{:.0f}"),
             "tolerance": ("tolerance", "{:.0e}"),
             "true gap": ("gap", "{:.0e}"),
-            "doubt": ("doubt", "{:.0e}"),
+            "uncertainty": ("doubt", "{:.0e}"),
             "seconds": ("seconds", ""),
             "elastic solves": ("elastic_solves", ""),
             "iterations": ("iterations", "{:.0f}"),
@@ -105,8 +108,8 @@ SECTIONS = (
     Section(
         SOLVES,
         "",
-        "**Cold solves of the smooth punch**, each backend with its own defaults, as far as it"
-        " goes, beside assembly and one elastic solve of the same mesh.",
+        "**Cold solves of the smooth punch**, each backend with its defaults and up to the size"
+        " that it supports, with assembly and one elastic solve of the same mesh for comparison.",
         {
             "backend": ("label", "{}"),
             "triangles": ("triangles", "{:.0f}"),
@@ -119,32 +122,32 @@ SECTIONS = (
     ),
     Section(
         ("soil",),
-        "What does friction of soils cost?",
-        "**Soil beside von Mises** on the same mesh, with the same loads, in turns, from the"
-        " problem to the certificate.",
+        "Time of soils with friction",
+        "**Soil with friction compared with von Mises** on the same mesh with the same loads,"
+        " solved alternately, from the problem to the certificate.",
         {
             "problem": ("what", "{}"),
             "triangles": ("triangles", "{:.0f}"),
             "unknowns": ("unknowns", "{:.0f}"),
             "seconds": ("seconds", ""),
             "iterations": ("iterations", "{:.0f}"),
-            "of von Mises": ("beside", "{:.0f}"),
+            "iterations, von Mises": ("beside", "{:.0f}"),
             "largest residual": ("largest", "{:.0e}"),
-            "time per von Mises": ("ratio", ""),
+            "time relative to von Mises": ("ratio", ""),
         },
     ),
     Section(
         ("wall",),
-        "How long does a wall of blocks take?",
-        "**The certified loop on masonry walls** with windows, mu = 0.65 in all joints, in units of"
-        " one associated solve of the same wall; memory is the peak above that of the assembled"
-        " problem.",
+        "Time of walls of blocks",
+        "**The certified loop on masonry walls** with windows and mu = 0.65 in all joints. Times"
+        " are also given in units of one associated solve of the same wall. Memory is the peak"
+        " minus that of the assembled problem.",
         {
             "wall": ("what", "{}"),
             "blocks": ("blocks", "{:.0f}"),
             "courses": ("courses", "{:.0f}"),
             "joints": ("joints", "{:.0f}"),
-            "asked": ("tolerance", "{:.0e}"),
+            "tolerance": ("tolerance", "{:.0e}"),
             "status": ("status", "{}"),
             "gap": ("gap", "{:.0e}"),
             "inner solves": ("solves", "{:.0f}"),
@@ -157,22 +160,23 @@ SECTIONS = (
     Section(
         ("wall peers",),
         "",
-        "**The wall of 1 000 by each backend**, in one run: one associated solve, and the loop.",
+        "**The wall of 1 000 blocks by each backend**, in one run: one associated solve, and the"
+        " whole loop.",
         {
             "backend": ("backend", "{}"),
             "associated, s": ("associated", ""),
             "loop, s": ("seconds", ""),
             "inner solves": ("solves", "{:.0f}"),
             "largest residual": ("residual", "{:.0e}"),
-            "times clarabel": ("ratio", ""),
+            "relative to clarabel": ("ratio", ""),
         },
     ),
     Section(
         ("path",),
-        "How long does a path of large deformation take?",
-        "**Paths**, all steps with their certificates, beside the time before, of the loop that"
-        " began each step at the associated state, in units of one associated solve of the first"
-        " step and of one elastic solve of its mesh.",
+        "Time of paths of large deformation",
+        "**Paths**, all steps with their certificates. The earlier time is that of a loop that"
+        " started each step from the associated state. Times are also given in units of one"
+        " associated solve of the first step and of one elastic solve of its mesh.",
         {
             "path": ("what", "{}"),
             "triangles": ("triangles", "{:.0f}"),
@@ -180,7 +184,7 @@ SECTIONS = (
             "inner solves": ("solves", "{:.0f}"),
             "largest gap": ("gap", "{:.0e}"),
             "seconds": ("seconds", ""),
-            "before, s": ("before", ""),
+            "earlier, s": ("before", ""),
             "associated solves": ("ratio", "{:.0f}"),
             "elastic solves": ("elastic_solves", "{:.0f}"),
         },
@@ -188,33 +192,34 @@ SECTIONS = (
     Section(
         ("path peers",),
         "",
-        "**The first steps of that path by each backend** that takes hardening, in one run.",
+        "**The first steps of this path by each backend** that supports hardening, in one run.",
         {
             "backend": ("backend", "{}"),
             "steps": ("steps", "{:.0f}"),
             "inner solves": ("solves", "{:.0f}"),
             "largest gap": ("gap", "{:.0e}"),
             "seconds": ("seconds", ""),
-            "times clarabel": ("ratio", ""),
+            "relative to clarabel": ("ratio", ""),
         },
     ),
     Section(
         ("robustness", "programs"),
-        "How often does a backend answer?",
-        "**Random programs of all classes**, right by residuals within 1e-6 that are recomputed, or"
-        " by a word, locked or unsafe, that is proven. Wrong is a claim that they refute, which"
-        " `lacore.solve` does not give out. Large ones have 1 500 unknowns or more.",
+        "Reliability",
+        "**Random programs of all classes.** A result is right if its recomputed residuals are at"
+        " most 1e-6, or if its status, locked or unsafe, is proven. A result is wrong if the"
+        " residuals refute it; `lacore.solve` does not report such a result. Large programs have"
+        " at least 1 500 unknowns.",
         {
             "programs": ("what", "{}"),
             "backend": ("backend", "{}"),
-            "asked": ("programs", "{:.0f}"),
+            "count": ("programs", "{:.0f}"),
             "right": ("right", "{:.0f}"),
             "wrong": ("wrong", "{:.0f}"),
             "no answer": ("nothing", "{:.0f}"),
             "refused": ("refused", "{:.0f}"),
             "large": ("large", "{:.0f}"),
-            "of them right": ("large_right", "{:.0f}"),
-            "seconds of all": ("seconds", ""),
+            "large, right": ("large_right", "{:.0f}"),
+            "total seconds": ("seconds", ""),
         },
     ),
 )
