@@ -73,12 +73,12 @@ def test_values_outside_of_proven_bounds_are_found(scripts, results):
     wrong = replace(case, reference=lambda: replace(right, value=1.1 * right.value))
     inside, all_of_them = manual.excluded([case], results).split("## All that were compared")
     assert "None lies outside" in inside
-    said = rf"\| \[{right.low:.7g}, {right.high:.7g}\] \| \[3\.77.* elements below, "
+    said = rf"\| \[{right.low:.7g}, {right.high:.7g}\] \| \[3\.77.* elements for the lower bound, "
     assert re.search(said, all_of_them)
     told, _ = manual.excluded([wrong], results).split("## All that were compared")
     assert "1 lies outside" in told
     assert "| [4.15" in told
-    with pytest.raises(ValueError, match="nothing is proven"):
+    with pytest.raises(ValueError, match="no case has proven bounds"):
         manual.excluded([catalogue()["wall-1"]], results)
 
 
@@ -100,7 +100,7 @@ def test_a_case_without_results_says_so(scripts, results):
     case = catalogue()["wall-1"]
     none = replace(results, outcomes=[])
     drawn = {f"{case.id}-sketch": scripts("pictures").Text("not drawn")}
-    assert "not among the committed results" in manual.page(case, none, drawn)
+    assert "newer than the committed results" in manual.page(case, none, drawn)
     assert "not run yet" in manual.index([case], none)
     assert case.reference_of(case.variants[0]).text[1:6] in manual.page(case, results, drawn)
 
@@ -125,7 +125,7 @@ def test_random_programs_that_nobody_solved_and_wrong_claims_are_told(scripts):
     ]
     kept = {"kind": "programs", "what": "2 programs", "limit": 60.0, "runs": runs}
     blocks = [*speed._programs(pd.DataFrame([kept]), pd.DataFrame(runs))]
-    assert "none solved: 1." in blocks[1].text
+    assert "that no backend solved: 1." in blocks[1].text
     table = blocks[-1].data.set_index("solver")
     assert list(table.loc["one", ["solved", "wrong"]]) == [1, 0]
     assert list(table.loc["two", ["solved", "wrong"]]) == [0, 2]

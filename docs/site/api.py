@@ -1,4 +1,4 @@
-"""Pages of the API, a room a page: the public names as `lacore/__init__.pyi` groups them."""
+"""Pages of the API reference: public names grouped by package as in `lacore/__init__.pyi`."""
 
 import ast
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ _STUB = ROOT / "lacore" / "__init__.pyi"
 
 
 def by_room() -> dict[str, list[str]]:
-    """Public names by the room of lacore that they are from, in the order of the stub."""
+    """Return the public names by the package that defines them, in the order of the stub."""
     found: dict[str, list[str]] = {}
     for node in ast.parse(_STUB.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom):
@@ -27,10 +27,10 @@ def by_room() -> dict[str, list[str]]:
 
 
 def pages() -> Mapping[str, str]:
-    """A page a room, and one that leads to them."""
+    """Return one page per package, and one that leads to them."""
     rooms = by_room()
     found = {f"api/{room}.md": _page(room, names) for room, names in rooms.items()}
-    said = "All public names, by the room that they are from. Examples follow `import lacore as la`"
+    said = "All public names by package. Examples assume `import lacore as la`"
     lines = ["# API reference", "", f"{said} and `import numpy as np`.", ""]
     for room, names in rooms.items():
         shown = ", ".join(f"{{any}}`{name} <lacore.{name}>`" for name in names)
@@ -44,7 +44,7 @@ def pages() -> Mapping[str, str]:
 
 
 def public(module: ModuleType) -> list[str]:
-    """Names that a module shows: those that it lists, else what is written in it."""
+    """Return the public names of a module: those in `__all__`, or else those defined in it."""
     listed = getattr(module, "__all__", None)
     own = (name for name, thing in vars(module).items() if _of(thing) == module.__name__)
     return list(listed) if listed else [name for name in own if not name.startswith("_")]
@@ -77,7 +77,7 @@ def _page(room: str, names: list[str]) -> str:
 
 
 def aliases() -> dict[str, str]:
-    """What each name of `lacore.types` stands for, as its own file writes it, and its docstring."""
+    """Return definition and docstring of each name of `lacore.types`, as in its own file."""
     stated = ast.parse(Path(str(la.types.__file__)).read_text(encoding="utf-8")).body
     homes = {
         a.name: node.module

@@ -1,6 +1,6 @@
-"""Put the pages of the site together and have Sphinx make it: ``make docs``.
+"""Write the sources of the site and build it with Sphinx: ``make docs``.
 
-Sources lie in reports/site/sources, the site in reports/site/html; drawn pictures are kept.
+Sources are in reports/site/sources and the site in reports/site/html. Pictures are drawn once.
 """
 
 import argparse
@@ -28,12 +28,12 @@ FOLDER = ROOT / "reports" / "site"
 
 
 def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
-    """The site in a folder, with at most so many pictures that were not drawn before.
+    """Build the site in a folder, and draw at most `most` new pictures.
 
     Returns:
-        what is wrong with it: that Sphinx warned, links that lead nowhere.
+        Problems of the site: warnings of Sphinx, and broken links.
     """
-    for old in ("sources", "html"):  # with pages that are no more
+    for old in ("sources", "html"):  # which may have pages that were removed
         shutil.rmtree(folder / old, ignore_errors=True)
     site = Site(folder / "sources", sources())
     site.copy()
@@ -43,13 +43,13 @@ def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
     here = str(Path(__file__).parent)
     places = [str(folder / name) for name in ("doctrees", "sources", "html")]
     copied = f"html_extra_path={folder / 'sources' / EXTRA}"
-    anew = ["-E"]  # every page names all others beside it: one that is kept shows older names
+    anew = ["-E"]  # the navigation of every page shows the titles of all others
     failed = sphinx(["-q", *anew, "-W", "--keep-going", "-c", here, "-D", copied, "-d", *places])
     return [*(["Sphinx warned"] if failed else []), *links.broken(folder / "html")]
 
 
 def _charts_css() -> bytes:
-    """The colours that charts name, as our reports have them, in the light and in the dark."""
+    """Return the colours of charts, as reports define them, for the light and the dark scheme."""
     style = (Path(document.__file__).parent / "style.html.j2").read_text(encoding="utf-8")
     light, dark = (own.replace("\n", " ") for own in re.findall(r":root \{([^}]*)\}", style)[:2])
     light = light.partition(";")[2]  # the scheme is chosen by the theme
@@ -73,10 +73,12 @@ def _of_cases(site: Site, cases: list[Case], most: int) -> dict[str, str]:
 
 
 def main() -> int:
-    """Build, and say what is wrong; the exit code."""
+    """Build the site, print its problems, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=FOLDER)
-    parser.add_argument("--most", type=int, default=sys.maxsize, help="pictures that are drawn")
+    parser.add_argument(
+        "--most", type=int, default=sys.maxsize, help="largest number of new pictures"
+    )
     asked = parser.parse_args()
     begin = time.perf_counter()
     wrong = build(asked.folder.resolve(), asked.most)

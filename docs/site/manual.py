@@ -1,4 +1,4 @@
-"""The verification manual as pages of the site: of each case, and what leads to them."""
+"""Pages of the verification manual: one page per case, and the tables that lead to them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ INDEX = "manual/index.md"
 
 
 def page(case: Case, results: Results, drawn: Drawn) -> str:
-    """The page of a case."""
+    """Return the page of a case."""
     outcomes = [own for own in results.outcomes if own.run.case.id == case.id]
     checks = results.checks
     asked = checks[checks["case"] == case.id] if len(checks) else checks
@@ -38,15 +38,15 @@ def page(case: Case, results: Results, drawn: Drawn) -> str:
         blocks = [*_without_sketches(section.blocks)]
         if section.id == "problem":
             blocks += _moving(case, drawn)
-            blocks += [Details("The same in letters", sketches)] if sketches else []
+            blocks += [Details("Sketch as text", sketches)] if sketches else []
         bracketed = enclosed(case, outcomes)
         if section.id == "results" and bracketed is not None and bracketed.name in drawn:
             blocks = [drawn[bracketed.name], *blocks]
         parts += [f"## {section.title}", write.page(blocks)]
     if not outcomes:
         parts.append(
-            "It is not among the committed results, which are older:"
-            f" `lacore verify {case.id}` solves it."
+            "This case is newer than the committed results."
+            f" Run `lacore verify {case.id}` to solve it."
         )
     return "\n\n".join(parts) + "\n"
 
@@ -77,20 +77,20 @@ def _without_sketches(blocks: Sequence[Block]) -> Iterator[Block]:
 
 
 def index(cases: Sequence[Case], results: Results) -> str:
-    """The front table, and where all that is from."""
+    """Return the page with the table of all cases, and the machine and versions of the results."""
     rows = {(one.case, one.variant): one for one in summaries(results.outcomes)}
     parts = [
         "# Verification manual",
-        "A page a case: the problem as its model has it, the calculation by hand, the reference"
-        " with its source, what lacore found with every backend, and why that is allowed."
-        " `lacore verify` finds all of it again.",
+        "Each case has a page with the problem, the hand calculation, the reference with its"
+        " source, the results of every solver, and the reason for the error that is allowed."
+        " `lacore verify` computes all results again.",
         f"[{_EXCLUDED}](excluded.md)",
     ]
     for kind in (*KINDS, ""):
         own = [case for case in cases if _kind(case) == kind]
         if own:
             parts += [f"## {(kind or 'others').capitalize()}", _front(own, rows)]
-    parts += ["## Machine and versions", "Of the results in these tables:"]
+    parts += ["## Machine and versions", "The results in these tables were computed with:"]
     for runs, provenance in results.provenances.items():
         parts += [f"### {runs}", Writer({}).block(Facts(provenance))]
     contents = [":::{toctree}", ":hidden:", *(case.id for case in cases), "excluded", ":::"]
@@ -103,7 +103,7 @@ def _kind(case: Case) -> str:
 
 def _front(cases: Sequence[Case], rows: Mapping[tuple[str, str], VariantSummary]) -> str:
     lines = [
-        "| case | variant | reference | ours | proven width | verdict |",
+        "| case | variant | reference | lacore | width of the bracket | verdict |",
         "|---|---|---|---|--:|---|",
     ]
     for case in cases:
@@ -120,11 +120,11 @@ def _front(cases: Sequence[Case], rows: Mapping[tuple[str, str], VariantSummary]
 
 
 _MOST = 8
-"""Variants of a case in the front table."""
+"""Largest number of variants of a case in the table of all cases."""
 
 
 def _width(own: VariantSummary) -> str:
-    """Of a proven bracket, per its mean, in per cent; nothing of what has no two sides."""
+    """Return the width of a bracket relative to its mean, in per cent; empty without a bracket."""
     if not (isfinite(own.lower) and isfinite(own.upper)):
         return ""
     mean = (abs(own.upper) + abs(own.lower)) / 2
@@ -135,25 +135,27 @@ def _width(own: VariantSummary) -> str:
 
 
 _LEAST_WIDTH = 1e-4
-"""Of the front table: a narrower one is that of an exact solution and its round-off."""
+"""Smallest width that is shown: a narrower bracket is an exact solution with round-off."""
 
 
 def excluded(cases: Sequence[Case], results: Results) -> str:
-    """References that lie outside of what is proven of the continuum, with the run; and all.
+    """Return the page that lists references outside of proven bounds, and all that were compared.
 
-    Of Coulomb friction an upper bound is proven: that of associated friction (T14).
+    With Coulomb friction only the upper bound of associated friction is proven (T14).
+
+    Raises:
+        ValueError: No case has proven bounds.
     """
     compared = list(_compared(cases, results))
     if not compared:
-        raise ValueError("nothing is proven of any case: no value can be held against it")
+        raise ValueError("no case has proven bounds that references can be compared with")
     rows = [_held(one) for one in compared if _is_outside(one)]
     head = (
-        f"# {_EXCLUDED}\n\nEach value that a case is judged by, its reference and what stands"
-        " beside it, published or by hand, is held against the bounds that are proven of"
-        " the same problem. One that lies outside, by more than its own uncertainty and what the"
-        " proof lets through, is listed here with the run that proves it. With Coulomb friction"
-        " no load factor is above that of associated friction (T14), and a lower bound is not"
-        " proven.\n\n"
+        f"# {_EXCLUDED}\n\nThis page compares the reference of each case, and other published or"
+        " analytical values for it, with the bounds that are proven for the same problem. A value"
+        " is outside if it differs from the bounds by more than its own uncertainty and the"
+        " tolerance of the certificate. With Coulomb friction, no load factor is above that of"
+        " associated friction (T14), and no lower bound is proven.\n\n"
     )
     counted = f"{len(compared)} values were compared with proven bounds. "
     verb = "lies" if len(rows) == 1 else "lie"
@@ -162,20 +164,23 @@ def excluded(cases: Sequence[Case], results: Results) -> str:
 
 
 def _listed(rows: Iterable[Sequence[str]]) -> str:
-    lines = ["| case | variant | who says | value | proven | by |", "|---|---|---|---|---|---|"]
+    lines = [
+        "| case | variant | source | value | proven bounds | computed by |",
+        "|---|---|---|---|---|---|",
+    ]
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
 
 
-_EXCLUDED = "References that our bounds exclude"
+_EXCLUDED = "References outside of proven bounds"
 _ROUND_OFF = 1e-6
-"""Relative: what a certificate lets through."""
+"""Relative tolerance of a certificate."""
 
 
 Told = tuple[Case, str, str, float, float]
 
 
 def _told(cases: Sequence[Case]) -> Iterator[Told]:
-    """Case, variant, who says it, and the ends of what is said."""
+    """Yield case, variant, source and the ends of each published or analytical value."""
     for case in cases:
         for variant in case.variants:
             one = case.reference_of(variant)
@@ -188,7 +193,7 @@ def _told(cases: Sequence[Case]) -> Iterator[Told]:
 
 
 def _compared(cases: Sequence[Case], results: Results) -> Iterator[tuple[Told, Row]]:
-    """What is said of a variant, with the run that proves strict bounds of it."""
+    """Yield each value of a variant with the run that proves strict bounds for it."""
     proofs = {
         (own.row.case, own.row.variant): own.row
         for own in results.outcomes
@@ -201,7 +206,7 @@ def _compared(cases: Sequence[Case], results: Results) -> Iterator[tuple[Told, R
 
 
 def _is_of_both_sides(case: Case, name: str) -> bool:
-    """Whether a bracket is of the problem itself: that of Coulomb friction is of associated one."""
+    """Return whether both bounds hold: with Coulomb friction only the upper one does."""
     (variant,) = (one for one in case.variants if one.name == name)
     return not has_coulomb(case.problem(variant, case.bracketed_from))
 
@@ -213,12 +218,13 @@ def _is_outside(compared: tuple[Told, Row]) -> bool:
 
 
 def _held(compared: tuple[Told, Row]) -> tuple[str, ...]:
-    """A line: what is said of a variant, and what is proven of it."""
+    """Return a row: a value, and the bounds that are proven for it."""
     (case, variant, who, low, high), row = compared
     value = f"{low:.7g}" if low == high else f"[{low:.7g}, {high:.7g}]"
     bounds, size = f"<= {row.upper:.7g}", f"{row.n_elements:g} elements"
     if isfinite(row.lower):
         bounds = f"[{row.lower:.7g}, {row.upper:.7g}]"
-        size = f"{row.n_elements_lower:g} elements below, {row.n_elements:g} above"
+        size = f"{row.n_elements_lower:g} elements for the lower bound"
+        size += f", {row.n_elements:g} for the upper"
     by = f"{row.backend}, {size}"
     return f"[{escaped(case.title)}]({case.id}.md)", variant, escaped(who), value, bounds, by

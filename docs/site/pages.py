@@ -1,7 +1,7 @@
-"""Pages of the repository as sources of the site: the same text, links led to where things are.
+"""Pages of the repository as sources of the site, with links adapted.
 
-A page says where a thing is in the repository, so that it is read there as well. On the site other
-pages are pages, pictures lie where they lay, and a file of code is copied to be opened.
+Pages link to files of the repository, so that they can be read there as well. On the site, links
+lead to the pages of the site, and files of code are copied.
 """
 
 import posixpath
@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRA = "extra"
-"""Folder of what is copied to the site as it is."""
+"""Folder of files that are copied to the site unchanged."""
 _LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
 _PLACES = {
     "README.md": "index.md",
@@ -24,15 +24,13 @@ _PLACES = {
 _ENTRANCES = {"docs/guide/start-structure.md": (), "docs/guide/start-solver.md": ("../backends",)}
 """Pages that lead to all pages of the guide, and to others that the navigation shows with them."""
 _KEPT = {"reports/reference": "reference"}
-"""Folders that are copied whole, with a page of their own."""
-
-
+"""Folders that are copied whole, because they contain pages."""
 _RECORDS = {"CHANGELOG.md", "docs/design-decisions.md"}
-"""What was measured once, by hand: numbers of the site are computed, or of what is kept."""
+"""Files with numbers that were measured once. Numbers on the site are computed or stored data."""
 
 
 def sources() -> dict[str, str]:
-    """Pages of the site by the files of the repository that they are from."""
+    """Return the pages of the site by their files in the repository."""
     found = {"CONTRIBUTING.md": "contributing.md"}
     for path in sorted((ROOT / "docs").rglob("*.md")):
         own = path.relative_to(ROOT / "docs")
@@ -62,18 +60,18 @@ def contents() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Site:
-    """Where things of the repository are on the site.
+    """The sources of the site.
 
     Attributes:
-        folder: of the sources that Sphinx reads.
-        pages: by file of the repository.
+        folder: Folder of the sources that Sphinx reads.
+        pages: Pages of the site by file of the repository.
     """
 
     folder: Path
     pages: Mapping[str, str]
 
     def copy(self) -> None:
-        """All pages of the repository, and what they show."""
+        """Copy all pages of the repository, and the files that they show."""
         more = contents()
         for source, page in self.pages.items():
             text = (ROOT / source).read_text(encoding="utf-8")
@@ -82,11 +80,11 @@ class Site:
             shutil.copytree(ROOT / source, self.folder / EXTRA / folder, dirs_exist_ok=True)
 
     def write(self, page: str, text: str) -> None:
-        """A page."""
+        """Write a page."""
         self.put(page, text.encode())
 
     def put(self, file: str, data: bytes) -> None:
-        """A file."""
+        """Write a file."""
         path = self.folder / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
@@ -98,7 +96,7 @@ class Site:
                 return found[0]
             target = posixpath.normpath(posixpath.join(posixpath.dirname(source), file))
             if not (ROOT / target).exists():
-                raise FileNotFoundError(f"{source}: {target} is linked and not there")
+                raise FileNotFoundError(f"{source} links to {target}, which does not exist")
             if picture or target.endswith(".svg"):
                 return f"{picture}[{words}]({self._beside(page, self._picture(target))})"
             if target in _RECORDS:
@@ -120,7 +118,7 @@ class Site:
         return own
 
     def _copied(self, target: str) -> str:
-        """A folder with a page of its own, or a file as it is; of another folder what it says."""
+        """Copy a file, or the README of a folder, and return its path on the site."""
         if target in _KEPT:
             return f"{_KEPT[target]}/index.html"
         if (ROOT / target).is_dir():

@@ -1,4 +1,4 @@
-"""Pictures of cases for the manual and the gallery: drawn once for each version of the code."""
+"""Pictures of cases for the manual and the gallery, drawn once per version of the code."""
 
 import hashlib
 import inspect
@@ -23,20 +23,20 @@ from verification.verdicts.words import PASS
 
 _SEEN = "mechanism"
 _SMALL = "small"
-_DEAR = 20.0  # s, of a bracket when it was kept
+_DEAR = 20.0  # s: brackets that took longer are not drawn
 
 
 def mechanism(case: Case) -> Subject:
-    """How the first variant of a case collapses, on its second mesh level."""
+    """Return the collapse mechanism of the first variant of a case, on its second mesh level."""
     variant = case.variants[0]
-    text = f"How {variant.name} collapses, found anew when this page was made"
+    text = f"Collapse mechanism of {variant.name}, computed when this page was built"
     return Subject(f"{case.id}-{_SEEN}", text, case, partial(_mechanism, case))
 
 
 def _mechanism(case: Case) -> Figure:
     state = _state(case)
     if state.status is not la.Status.SOLVED:
-        raise ValueError(f"nothing moves: {state.status.label}. {state.message}")
+        raise ValueError(f"there is no collapse mechanism: {state.status.label}. {state.message}")
     return state.plot()
 
 
@@ -45,12 +45,12 @@ def _state(case: Case) -> la.LimitState:
 
 
 def small(case: Case) -> Subject:
-    """What is seen of a case in the gallery: its mechanism, or else the problem, with no words."""
+    """Return the thumbnail of a case: its mechanism, or else the problem, without text."""
     return Subject(f"{case.id}-{_SMALL}", case.title, case, partial(_bare, case))
 
 
 def _bare(case: Case) -> Figure:
-    """The first axes alone, without titles, scales and legends: no one could read them."""
+    """Draw the first axes without titles, scales and legends, which would be too small to read."""
     state = _state(case) if case.path is None else None
     solved = state is not None and state.status is la.Status.SOLVED
     figure = state.plot() if state is not None and solved else sketch(case).draw()
@@ -66,7 +66,7 @@ def _bare(case: Case) -> Figure:
 
 
 def subjects(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Subject]:
-    """The problem, small and large, how it collapses (a path has many loads), its bracket."""
+    """Yield sketch, thumbnail, mechanism (but not of paths, with many loads) and bracket."""
     yield sketch(case)
     yield small(case)
     if case.path is None:
@@ -77,13 +77,13 @@ def subjects(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Subject]:
 
 
 def enclosed(case: Case, outcomes: Sequence[Outcome]) -> Subject | None:
-    """The meshes of the bracket of the first variant; None where there is none, or a dear one."""
+    """Return the meshes of the bracket of the first variant; None without one that is fast."""
     name = case.variants[0].name
     for own in outcomes:
         row = own.row
         good = row.verdict == PASS and row.solve_time < _DEAR
         if good and (row.case, row.variant, row.coupling) == (case.id, name, BRACKET):
-            text = f"Bracket of {name}, found anew when this page was made"
+            text = f"Bracket of {name}, computed when this page was built"
             return Subject(f"{case.id}-bracket", text, case, partial(_bracketed, own.run))
     return None
 
@@ -97,12 +97,12 @@ def _bracketed(run: Run) -> Figure:
 
 @dataclass(frozen=True)
 class Kept:
-    """Pictures in a folder, by what they were drawn with."""
+    """Pictures in a folder, by the code that they were drawn with."""
 
     folder: Path
 
     def drawn(self, cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> Drawn:
-        """Pictures of all cases; of what is not in the folder the first `most` are drawn."""
+        """Return the pictures of all cases, and draw at most `most` that are not in the folder."""
         found: dict[str, Picture | Text] = {}
         todo: list[Subject] = []
         for subject in (one for case in cases for one in subjects(case, outcomes)):
@@ -112,7 +112,9 @@ class Kept:
             elif len(todo) < most:
                 todo.append(subject)
             else:
-                found[subject.name] = Text("Not drawn: `make docs` draws all.", soft=True)
+                found[subject.name] = Text(
+                    "This picture was not drawn. `make docs` draws all.", soft=True
+                )
         new = draw(todo, jobs=os.cpu_count() or 1)
         for subject in todo:
             self._keep(subject, new[subject.name])
@@ -139,7 +141,7 @@ class Kept:
 
 
 def files(drawn: Drawn) -> Mapping[str, bytes]:
-    """Pictures as files of the site, by their paths; the gallery has its own."""
+    """Return the pictures as files of the site by their paths, without those of the gallery."""
     shown = {name: one for name, one in drawn.items() if not name.endswith(f"-{_SMALL}")}
     found = {name: one for name, one in shown.items() if isinstance(one, Picture)}
     return {f"pictures/{name}.png": one.data for name, one in found.items()}
