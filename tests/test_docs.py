@@ -91,6 +91,12 @@ def test_links_within_the_repository_lead_somewhere(page):
             assert anchor in made, target
 
 
+def test_design_decisions_stay_short():
+    """A paragraph and a table for each; the complete measurements are in the history of the file."""
+    text = (ROOT / "docs" / "design-decisions.md").read_text(encoding="utf-8")
+    assert len(text.split()) <= 6000
+
+
 CITATION = re.compile(r"\((T\d[^()]*)\)|\bof (T\d+)")  # (T8, T15), (T17-T20), of T19
 CODE = [
     path

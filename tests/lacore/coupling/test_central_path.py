@@ -234,7 +234,7 @@ def recorded(monkeypatch, answer):
 
 
 def test_from_pairs_that_are_nearly_proven_steps_go_on(monkeypatch):
-    """Means stay at 1.3e-3 on this wall (docs/design-decisions.md), below ten bars."""
+    """Means of both steps stay at a gap of 1.3e-3 on this wall, below ten tolerances."""
     calls = recorded(monkeypatch, alternate)
     with started(wall(12, 30, 3)) as run:
         run.options = CouplingOptions(tolerance=2e-4)
