@@ -25,7 +25,7 @@ from lacore.errors import DISTRIBUTION
 from tests.conftest import ROOT
 
 ROOMS = ("lacore", "lacore_start", "backends", "verification")
-KINDS = (".py", ".pyi", ".typed", ".j2", ".toml", ".json")
+KINDS = (".py", ".pyi", ".typed", ".j2", ".toml", ".json", ".txt")
 STEM = f"{DISTRIBUTION.replace('-', '_')}-{la.__version__}"
 BUILD = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
 NO_INDEX = ("--no-deps", "--no-build-isolation", "--no-index", "--no-cache-dir")

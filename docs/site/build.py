@@ -38,6 +38,7 @@ def build(folder: Path = FOLDER, most: int = sys.maxsize) -> list[str]:
     site = Site(folder / "sources", sources())
     site.copy()
     site.put(f"{EXTRA}/_static/charts.css", _charts_css())
+    site.put(f"{EXTRA}/llms.txt", (ROOT / "lacore" / "llms.txt").read_bytes())
     for page, text in {**api.pages(), **_of_cases(site, [*catalogue().values()], most)}.items():
         site.write(page, text)
     here = str(Path(__file__).parent)
