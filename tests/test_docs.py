@@ -92,7 +92,7 @@ def test_links_within_the_repository_lead_somewhere(page):
 
 
 def test_design_decisions_stay_short():
-    """A paragraph and a table for each; the complete measurements are in the history of the file."""
+    """One paragraph and one table each; complete measurements are in the history of the file."""
     text = (ROOT / "docs" / "design-decisions.md").read_text(encoding="utf-8")
     assert len(text.split()) <= 6000
 
