@@ -1,0 +1,90 @@
+"""Pages, help texts, starter files and report templates use the established terms.
+
+The project once had words of its own, such as "mend" for fix and "told" for reported. Each entry of
+`PRIVATE` is a pattern that finds one of them, with the term to write instead. The patterns are
+narrow on purpose: "bar" finds a bar of residuals, and not a bar in tension.
+"""
+
+import re
+
+PRIVATE = {
+    r"fit backends?\b": "applicable backends",
+    r"what (it|each|he|they|a backend|backends?) takes?\b": "supported",
+    r"how (it|they|these|those|each|the [\w ]{3,20}|an? \w+) (alone )?falls?\b(?! with)": (
+        "collapse mechanism"
+    ),
+    r"(structure|wall|arch|dome|block|frame|slope|vault|pier|bridge|building)s? (falls?|fell)\b": (
+        "collapses"
+    ),
+    r"stands? or falls?\b": "stands or collapses",
+    r"dilates? less\b": "non-associated flow (dilation angle smaller than the friction angle)",
+    r"mend(s|ed|ing)?\b": "fix",
+    r"told\b": "reported",
+    r"said\b(?! to be\b)": "reported, stated",
+    r"(by|with|in) a word\b|a word, (locked|unsafe|free)\b|words are proven\b": "message",
+    r"what (it|they|that|this|an?|the|is|are|each|one)\b[^.;:|?]{0,60}\bworth\b": (
+        "what the value proves, rigour"
+    ),
+    r"(go|goes|going|went|gone) on\b": "continue",
+    r"comes? to (?!rest\b|an end\b|mind\b|lie\b)": "reach, converge to",
+    r"(loop|iteration|solve|solver|scheme|sequence|factor|residual|value|it)s? settles?\b": (
+        "converges"
+    ),
+    r"turn(s|ed|ing)? over\b": "dissipated (power); overturns (a body)",
+    r"left over\b|leftovers?\b|what (it|they|is|the \w+|a \w+) (left|leaves?)\b(?! out)": "residual, rest",
+    r"nearby\b|near (start|solve)s?\b": "warm start; close",
+    r"good units?\b|(is|are) good (for|to)\b|good to \d": "scaled units; accuracy",
+    r"(?<!frequently )asked\b|(is|are|was|were) held to\b": "requested, required",
+    r"bars? of (the )?(certificate|residual|tolerance|\d)": "tolerance",
+    r"(above|below|within|meets?|met by|at|over) (the|its|this|ten) bars?\b": "tolerance",
+    r"the bar (is|was) [\d.]": "tolerance",
+    r"(a|another|one|first|second|closer|quick) looks?\b(?! like)": "check",
+    r"(a|each|every|one|another) round (of|that|is|begins|ends|takes)\b": "iteration",
+    r"(two|three|few|more|\d+) (more )?rounds\b": "iterations",
+    r"besides?\b": "next to, in addition to",
+    r"(in|inside) each other\b": "overlaps",
+    r"larger than life\b": "displacements exaggerated",
+    r"(go|goes|going|went|gone) by\b|vary by levels?\b|varies by levels?\b": "varies with",
+    r"(?<!axis )of revolution\b|in \(r, z\)": "axisymmetric",
+    r"in space\b(?! and)": "three-dimensional, in three dimensions",
+    r"(problem|bod(y|ie)|case|block|load|structure|soil|mesh|element)s? of the plane\b": "plane",
+    r"(?:that|what) deforms?\b(?! plastically)": "deformable",
+    r"strength zero\b": "cohesionless, tensionless",
+    r"of one's own\b|(field|function) of your own\b": "user-defined",
+    r"plant(s|ed|ing)? (an?|the|one) \w*\s?errors?\b|planted\b": "inject an error",
+    r"newcomers?'?\b|wrong runs?\b": "new user; invalid input",
+    r"(?<!typed )(?<!written )(?<!edited )by hand\b": "analytical, analytically",
+    r"questions? (of|to) (an |the |all |a )?(engineer|user|case)s?\b|more questions\b": "analysis",
+    r"(each|every|page a) question\b": "analysis",
+    r"(?<!no )(?<!more )(?<!enough )rooms?\b(?! for\b| temperature)": "package",
+    r"houses?\b": "project, package",
+    r"front doors?\b|doors? (of|to|into) (the )?(package|lacore|room|module|user)s?\b": "interface",
+    r"floors? of (the )?(house|package|code)s?\b": "layer",
+    r"everything against everything\b": "every combination",
+    r"set (themselves|itself|themself) up\b": "create .venv on first use",
+    r"(a|an|one) (line|page|row|process|card|picture|solve|table|step|column|test) an? [a-z]+\b": (
+        "one ... per ..."
+    ),
+    r"(?<!there )(is|are) no (number|bound|answer|proof|mesh|case)\b": "is not a ...",
+}
+"""Patterns of private words, matched without regard to case, and what to write instead."""
+_PATTERNS = {re.compile(rf"\b(?:{how})", re.IGNORECASE): write for how, write in PRIVATE.items()}
+_FENCE = re.compile(r"^```[^\n]*\n(.*?)^```", re.DOTALL | re.MULTILINE)
+_COMMENT = re.compile(r"#+ .*")
+
+
+def prose(page):
+    """Return the sentences of a Markdown page: its text, and the comments in its code."""
+    comments = [text for code in _FENCE.findall(page) for text in _COMMENT.findall(code)]
+    text = re.sub(r"<!--.*?-->", "", _FENCE.sub("", page), flags=re.DOTALL)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    return re.sub(r"`[^`]*`", "`code`", text) + "\n\n" + "\n".join(comments)
+
+
+def private_words(text):
+    """Return the private words of a text, each with its surroundings and the term to write."""
+    line = " ".join(text.split())
+    for pattern, write in _PATTERNS.items():
+        for found in pattern.finditer(line):
+            around = line[max(0, found.start() - 40) : found.end() + 40]
+            yield f"{found[0]!r} in {around!r}: write {write}"
