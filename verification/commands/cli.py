@@ -1,10 +1,9 @@
 """The command line: ``lacore``, also ``python -m verification``.
 
-Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
+Exit codes: 0 success, 1 a result is wrong or missing, 2 invalid input.
 
-A command imports what it works with when it is called, here and in the modules of other commands:
-help and mistyped names are answered before any solver, table or picture is loaded, which takes
-seconds.
+Commands import solvers, tables and pictures when they are called, here and in the modules of the
+other commands. Help texts and messages about mistyped names therefore appear without delay.
 """
 
 from collections import Counter
@@ -24,44 +23,51 @@ from verification.commands.programs import programs
 from verification.commands.report import manual, report
 from verification.commands.solve import solve
 from verification.commands.sweep import sweep
+from verification.commands.usage import Commands
 from verification.commands.verify import verify
 
+START = """\
+lacore computes the load at which a structure collapses, and proves the result.
 
-class _BadInput(click.ClickException):
-    exit_code = 2
+  lacore new footing > footing.toml   write a starter file that describes a problem
+  lacore solve footing.toml           compute its collapse load, and write a report
+  lacore compare                      compare all solvers on the verification cases
 
-
-class _Commands(click.Group):
-    """Bad input is one sentence and exit code 2, never a traceback."""
-
-    def invoke(self, ctx: click.Context) -> Any:
-        try:
-            return super().invoke(ctx)
-        except (la.InputError, la.CapabilityError) as error:
-            raise _BadInput(str(error)) from error
+`lacore new` lists the other starter files, and `lacore --help` lists all commands."""
+"""Text of `lacore` without arguments."""
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="lacore")
-def main() -> None:
-    """Plastic collapse loads of bodies in frictional contact, verified.
+@click.group(
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(la.__version__, prog_name="lacore")
+@click.pass_context
+def main(ctx: click.Context) -> None:
+    """Compute the loads at which structures collapse, and verify solvers that compute them.
 
-    Exit codes: 0 good, 1 a result is wrong or failed, 2 bad input.
+    To solve a problem of your own, use `new` and `solve`. To test solvers, use `compare` and
+    `verify`. Every command has its own help, such as `lacore solve --help`.
+
+    Exit codes: 0 success, 1 a result is wrong or missing, 2 invalid input, 130 stopped by Ctrl-C.
     """
+    if ctx.invoked_subcommand is None:
+        click.echo(START)
 
 
-@main.command("cases")
+@click.command("cases", short_help="List the verification cases.")
 @click.option(
     "--tag",
     "tags",
     callback=name_list,
     metavar="A,B",
-    help=f"Only cases that have all of these tags: {', '.join(KINDS)}, and those listed.",
+    help=f"List only the cases that have all of these tags, such as {', '.join(KINDS)}.",
 )
 @cases_option
 @json_option
 def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
-    """List the verification cases."""
+    """List the verification cases, with their variants, mesh levels and tags."""
     from verification.commands import tables
 
     records = [
@@ -87,12 +93,13 @@ def list_cases(tags: list[str], known: Catalogue, as_json: bool) -> None:
         tables.show_cases(tables.table_console(), records)
 
 
-@main.command("backends")
+@click.command("backends", short_help="List the backends (solvers) and what they solve.")
 @json_option
 def list_backends(as_json: bool) -> None:
-    """List the backends: what they solve, their limits, when comparisons run them, what is missing.
+    """List the backends, which are the solvers that lacore can use.
 
-    Solvers that a family of backends offers are asked for as NAME:SOLVER.
+    The list shows what each backend solves, its limits, when comparisons run it, and what is
+    missing where it cannot run. Some backends offer several solvers, selected as NAME:SOLVER.
     """
     from verification.commands import doctor, tables
 
@@ -103,16 +110,18 @@ def list_backends(as_json: bool) -> None:
         tables.show_backends(tables.table_console(), records)
 
 
-@main.command("conformance")
+@click.command("conformance", short_help="Check backends on small programs.")
 @click.argument("backends", nargs=-1, metavar="[BACKEND]...")
 @json_option
 @click.pass_context
 def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool) -> None:
-    """Check backends on small programs that were solved by hand.
+    """Check backends on small programs with known solutions.
 
-    BACKEND is a name from `lacore backends`; without any, all that can run here are checked. Each
-    must find the known load factor, velocity, stresses and reactions, tell what has no answer,
-    keep its limits and refuse bad numbers.
+    BACKEND is a name from `lacore backends`. Without it, all backends that are installed are
+    checked. A backend must find the known load factor, velocities, stresses and reactions, detect
+    programs without a solution, observe its limits and reject invalid numbers.
+
+    Exit code: 0 if no check failed, 1 otherwise, 2 for invalid input.
 
     \b
     Examples:
@@ -124,7 +133,7 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
 
     ready = [name for name, _, missing in doctor.all_backends() if not missing]
     names = list(dict.fromkeys(backends or ready))
-    for name in names:  # a wrong name is to be known before the first one has run
+    for name in names:  # reports a mistyped name before any backend runs
         la.find_backend(name)
     rows: list[dict[str, Any]] = []
     for name in names:
@@ -149,13 +158,14 @@ def run_conformance(ctx: click.Context, backends: tuple[str, ...], as_json: bool
     ctx.exit(1 if failed else 0)
 
 
-@main.command("doctor")
+@click.command("doctor", short_help="Check the installation.")
 @json_option
 @click.pass_context
 def run_doctor(ctx: click.Context, as_json: bool) -> None:
-    """Check the installation: packages, BLAS threads, a self-test of every backend.
+    """Check the installation: packages, BLAS threads, and a self-test of every backend.
 
-    Says what is missing and how to get it. Exit code 1 when something has to be mended.
+    Missing packages are listed with the command that installs them. Exit code: 0 if everything
+    that lacore needs works, 1 otherwise.
     """
     from verification import progress
     from verification.commands import doctor, tables
@@ -170,13 +180,9 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
     ctx.exit(0 if found["healthy"] else 1)
 
 
-main.add_command(compare)
-main.add_command(export)
-main.add_command(fuzz)
-main.add_command(manual)
-main.add_command(new)
-main.add_command(programs)
-main.add_command(report)
-main.add_command(solve)
-main.add_command(sweep)
-main.add_command(verify)
+for command in (
+    *(new, solve),
+    *(compare, verify, report, manual, list_cases, list_backends),
+    *(sweep, fuzz, programs, run_conformance, export, run_doctor),
+):
+    main.add_command(command)

@@ -17,6 +17,7 @@ from verification.commands.options import (
     backends_option,
     cases_option,
     fresh_option,
+    jobs_option_with,
     json_option,
     named_cases,
     names_option,
@@ -25,42 +26,37 @@ from verification.commands.options import (
     resumable,
     time_limit_option,
 )
-from verification.defaults import RAW, cores
+from verification.defaults import RAW
 
 
-@click.command()
+@click.command(short_help="Compare solvers with reference collapse loads.")
 @named_cases("[CASE]...")
 @click.option(
     "--all",
     "everything",
     is_flag=True,
-    help="Everything against everything: all variants, all of their meshes and backends. Goes on"
-    " from what a first look has in the folder.",
+    help="Run every combination of variant, mesh level and backend. Results that are already in"
+    " the folder are used again.",
 )
-@click.option("--full", is_flag=True, help="Print every run, not a line a case.")
+@click.option("--full", is_flag=True, help="Print one line for every run.")
 @backends_option
 @names_option(
     "--meshes",
-    "Mesh levels: coarse, medium, fine; default: those of each variant. Rigid bodies have none.",
+    "Comma-separated mesh levels: coarse, medium, fine. Default: the levels of each variant. Cases"
+    " of rigid bodies have no mesh.",
 )
 @names_option(
     "--couplings",
-    f"Coupling loops: {', '.join(COUPLINGS)}; without damping and acceleration"
-    f" {', '.join(RAW)}; {BRACKET!r} for a lower and an upper bound, {RANGE!r} for the lowest"
-    " and the highest load factor of a soil that dilates less; default: that of each backend."
-    " Where they are named, a table says how many runs each certified.",
+    "Comma-separated iteration methods for Coulomb friction, of which a table compares the"
+    f" success: {', '.join(COUPLINGS)}; or, without damping and acceleration,"
+    f" {', '.join(RAW)}. In addition, {BRACKET!r} computes a lower and an upper bound, and"
+    f" {RANGE!r} the lowest and the highest load factor of soil with non-associated flow."
+    " Default: the method of each backend.",
 )
-@out_option("reports/compare", "Folder for the results, and the pages: open index.html.")
+@out_option("reports/compare", "Folder for the results and the report, index.html.")
 @time_limit_option
 @cases_option
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=cores,
-    metavar="N",
-    help="Runs at a time, each in a process of its own on one thread; default: number of cores."
-    " More than one blurs the times: compare speeds with --jobs 1 --fresh.",
-)
+@jobs_option_with(" To compare solution times, use --jobs 1 --fresh.")
 @fresh_option
 @json_option
 @click.pass_context
@@ -79,13 +75,21 @@ def compare(
     fresh: bool,
     as_json: bool,
 ) -> None:
-    """Compare backends with each other and with reference collapse loads.
+    """Compare solvers with each other and with reference collapse loads.
 
-    CASE is the id of a case (see `lacore cases`) or id:variant. Without any comes a first look: of
-    each case its first variant and one of each status, all backends on the coarsest mesh, the exact
-    one on a finer one; with --all, or couplings that are named, every variant. Each result is kept
-    in the folder as soon as it is there, and not run again by the same code; at the end come a line
-    a case, results.csv and the page index.html, with a page beside it that explains each case.
+    A case is a problem whose collapse load is known, such as a strip footing on clay; it has
+    several variants, such as a smooth and a rough footing. A backend is a solver. `lacore cases`
+    and `lacore backends` list them.
+
+    CASE is the name of a case, or NAME:VARIANT for one variant of it. Without CASE, a selection of
+    variants from all cases runs with all default backends, on meshes that are solved quickly.
+
+    Each run solves one variant on one mesh with one backend, and is compared with the reference
+    value. A table on the terminal summarises the errors. The folder DIR contains the report,
+    index.html, with a page for each case, and all runs in results.csv. Results are stored as soon
+    as they are computed, and a repeated command only computes what is missing.
+
+    Exit code: 0 if at least one run passed and none failed, 1 otherwise, 2 for invalid input.
 
     \b
     Examples:
@@ -108,7 +112,7 @@ def compare(
     from verification.verdicts.tally import tally
 
     if cases and everything:
-        raise InputError("--all", None, "CASE is there too", "leave out one of them")
+        raise InputError("--all", None, "a CASE is given, too", "omit one of them")
     first_look = not (cases or everything or couplings)
     runs = (
         overview.overview(backends, meshes, known)
@@ -143,7 +147,7 @@ def compare(
         print_json(document)
     else:
         places = {"Report": page, "Results": out / "results.csv"}
-        after = f"{'' if full else '--full prints every run; '}{_after(cases, first_look)}"
+        after = f"{_after(cases, first_look)}{'' if full else '; --full prints every run'}"
         console = tables.table_console()
         if full:
             tables.show_results(console, outcomes)
@@ -153,13 +157,13 @@ def compare(
             tables.show_couplings(console, analysis.couplings(results))
         screen.show_end(console, count.text, places, after)
     if not count.passed:
-        click.echo("nothing was verified: no run passed", err=True)
+        click.echo("no run passed, so nothing was verified", err=True)
     ctx.exit(0 if count.passed and not count.failed else 1)
 
 
 def _after(cases: Sequence[str], first_look: bool) -> str:
-    """What to ask next."""
+    """Return the commands that a reader may want next."""
     if first_look:
-        return "`lacore compare --all` runs the rest; `lacore verify` checks every case"
-    asked = " ".join(["lacore verify", *cases[:1]])
-    return f"`{asked}` checks orders, residuals and brackets, too"
+        return "`lacore compare --all` runs all combinations; `lacore verify` checks every case"
+    command = " ".join(["lacore verify", *cases[:1]])
+    return f"`{command}` also checks residuals, convergence orders and bounds"

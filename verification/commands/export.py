@@ -8,30 +8,47 @@ from typing import TYPE_CHECKING
 import click
 
 from verification.catalogue.catalogue import Catalogue
-from verification.commands.options import cases_option, named_cases, names_option, out_option
+from verification.commands.options import (
+    cases_option,
+    json_option,
+    named_cases,
+    names_option,
+    out_option,
+    print_json,
+)
 
 if TYPE_CHECKING:
     from verification.campaigns.instances import Instance
 
 
-@click.command()
+@click.command(short_help="Write the optimisation programs of cases.")
 @named_cases("[CASE]...")
-@names_option("--meshes", "Mesh levels: coarse, medium, fine; default: those of each variant.")
+@names_option(
+    "--meshes",
+    "Comma-separated mesh levels: coarse, medium, fine. Default: the levels of each variant.",
+)
 @names_option(
     "--formats",
-    "npz (arrays of numpy), cbf (Conic Benchmark Format), mps (linear programs of blocks and"
-    " frames); default: npz,cbf.",
+    "Comma-separated formats: npz (NumPy arrays), cbf (Conic Benchmark Format), mps (linear"
+    " programs of blocks and frames). Default: npz,cbf.",
 )
-@out_option("reports/instances", "Folder for the files, and index.csv.")
+@out_option("reports/instances", "Folder for the files and their index, index.csv.")
 @cases_option
+@json_option
 def export(
-    cases: tuple[str, ...], meshes: list[str], formats: list[str], out: Path, known: Catalogue
+    cases: tuple[str, ...],
+    meshes: list[str],
+    formats: list[str],
+    out: Path,
+    known: Catalogue,
+    as_json: bool,
 ) -> None:
-    """Write the optimisation programs of cases to files, for other solvers.
+    """Write the optimisation programs of cases to files, for use with other solvers.
 
-    CASE is the id of a case (see `lacore cases`) or id:variant; without any all are written. Each
-    program is that of one inner solve, its friction associated. index.csv has a row a file: the
-    least value, known to the residual beside it, or that there is none, and a checksum.
+    CASE is the name of a case (see `lacore cases`), or NAME:VARIANT for one variant of it. Without
+    CASE, the programs of all cases are written. Friction is associated in these programs. The table
+    index.csv has a row for each file, with the minimum value and the residual to which it is known,
+    or the status of a program without a minimum, and a checksum.
 
     \b
     Examples:
@@ -42,12 +59,15 @@ def export(
 
     table = write_instances(cases, meshes, formats or ["npz", "cbf"], out, known, _say)
     written = int((table["file"] != "").sum())
-    click.echo(f"{written} files and {out / INDEX}")
-    if left := len(table) - written:
-        click.echo(f"{left} left out, as the column left_out says", err=True)
+    if as_json:
+        print_json({"index": str(out / INDEX), "rows": table.to_dict("records")})
+        return
+    click.echo(f"{written} files written, listed in {out / INDEX}")
+    if omitted := len(table) - written:
+        click.echo(f"{omitted} omitted, for the reasons in column left_out", err=True)
 
 
 def _say(row: Instance) -> None:
-    """A line a file, as soon as it is there."""
-    name = row.file or f"{row.case}-{row.variant}-{row.mesh}: left out: {row.left_out}"
+    """Print a line for a file as soon as it is written."""
+    name = row.file or f"{row.case}-{row.variant}-{row.mesh} omitted: {row.left_out}"
     click.echo(f"{name}  {row.status}  {row.value:.9g}", err=True)

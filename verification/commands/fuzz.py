@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 _MOST_SHOWN = 12
 
 
-@click.command()
+@click.command(short_help="Solve random problems and check the results.")
 @drawn_options("problems", "classes", 300)
-@names_option("--classes", f"Classes; default: all of {', '.join(known_kinds())}.")
+@names_option("--classes", f"Comma-separated classes. Default: all of {', '.join(known_kinds())}.")
 @jobs_option
 @dask_options
 @time_limit_option
-@out_option("reports/fuzz", "Folder for the results and for what is wrong.")
+@out_option("reports/fuzz", "Folder for the results and for problems with wrong results.")
 @fresh_option
 @json_option
 @click.pass_context
@@ -55,18 +55,19 @@ def fuzz(
     fresh: bool,
     as_json: bool,
 ) -> None:
-    """Solve random small problems and judge each by checks that share no code with the solver.
+    """Solve small random problems, and check the results without the code of the solver.
 
-    Continua in three kinematics and all spaces, two bodies, rigid blocks of any weights, frames,
-    mixtures and short paths, each a pure function of seed, class and number. Checked are balance
-    and virtual power part by part, friction point by point, yield, powers; that without friction no
-    load factor is larger, associated none smaller; copies that are moved, rescaled, renamed or
-    reordered; other backends, equilibrium elements, and linear programs of assemblies that are
-    written from their polygons.
+    The problems have one or two deformable bodies in plane or axisymmetric states, rigid blocks,
+    frames, combinations of these, or short loading paths. Each follows from its seed, class and
+    number alone. Independent code checks equilibrium and virtual power of each part, friction at
+    each point, yield and dissipation. Results are also compared with those of the same problem
+    without friction, with associated friction, moved, rescaled, renamed or reordered, with other
+    backends, with equilibrium elements, and with linear programs of block assemblies.
 
-    What is wrong is cut down to a small problem and kept as DIR/wrong/*.py. A campaign that was
-    stopped goes on where it was when the same command is given again. Exit code 0 when nothing is
-    wrong, else 1; 130 after Ctrl-C.
+    A problem with a wrong result is reduced to a small problem, which is stored in DIR/wrong/*.py.
+    A campaign that was stopped continues when the same command is repeated.
+
+    Exit code: 0 if nothing is wrong, 1 otherwise, 2 for invalid input, 130 after Ctrl-C.
 
     \b
     Examples:
@@ -105,7 +106,7 @@ def fuzz(
         print_json(document)
     else:
         _show(tallies, outcomes)
-        click.echo(f"Store: {out / NAME}" + (f"\nWrong: {out / 'wrong'}" if files else ""))
+        click.echo(f"Results: {out / NAME}" + (f"\nWrong:   {out / 'wrong'}" if files else ""))
     ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
 
 
@@ -121,14 +122,14 @@ def _record(outcome: Outcome) -> dict[str, object]:
 
 
 def _show(tallies: Sequence[Tally], outcomes: Sequence[Outcome]) -> None:
-    """Final table, reasons, and the first of what is wrong."""
+    """Print the final table, reasons, and the first wrong results."""
     from rich.table import Table
 
     from verification.commands import tables
 
     console = tables.table_console()
     table = Table(box=None, pad_edge=False)
-    for head in ("class", "problems", "a load", "certified", "%", "no load", "unknown", "refused"):
+    for head in ("class", "problems", "loads", "certified", "%", "no load", "unknown", "rejected"):
         table.add_column(head, justify="left" if head == "class" else "right")
     for head in ("wrong", "exceptions", "hangs"):
         table.add_column(head, justify="right")

@@ -1,4 +1,4 @@
-"""The command ``lacore new``: problem files to begin with."""
+"""The command ``lacore new``: starter files."""
 
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
@@ -8,15 +8,16 @@ from lacore.errors import require_known
 from verification.commands.options import json_option, print_json
 
 
-@click.command()
+@click.command(short_help="Print a starter file, or list all starter files.")
 @click.argument("name", required=False)
 @click.option("--schema", is_flag=True, help="Print the JSON schema of problem files.")
 @json_option
 def new(name: str | None, schema: bool, as_json: bool) -> None:
-    """Print a problem file to begin with; without a NAME, list those that there are.
+    """Print a starter file that describes a problem; without NAME, list all starter files.
 
-    Each is a problem of its kind, with comments that say what to change, and is solved as it is in
-    seconds by `lacore solve`. Editors that are given the schema complete keys and mark mistakes.
+    Each file describes a complete problem that `lacore solve` solves within seconds. Its comments
+    explain what to change. Editors that support JSON schemas complete keys and mark mistakes in
+    problem files when they are given the schema.
 
     \b
     Examples:
@@ -26,16 +27,18 @@ def new(name: str | None, schema: bool, as_json: bool) -> None:
     """  # noqa: D301  # click reads the backspace
     from verification.problems import starters
 
-    if schema:
-        click.echo(starters.schema(), nl=False)
-        return
     titles = starters.titles()
     if name is not None:
         require_known("NAME", name, titles)
-        click.echo(starters.text(name), nl=False)
-    elif as_json:
+    if schema:
+        click.echo(starters.schema(), nl=False)
+    elif name is None and as_json:
         print_json(titles)
-    else:
+    elif name is None:
         for own, title in titles.items():
             click.echo(f"{own:<18}{title}")
-        click.echo("\nNext: lacore new NAME > my.toml, change it, and lacore solve my.toml")
+        click.echo("\nNext: lacore new NAME > my.toml, edit the file, then lacore solve my.toml")
+    elif as_json:
+        print_json({"name": name, "title": titles[name], "text": starters.text(name)})
+    else:
+        click.echo(starters.text(name), nl=False)

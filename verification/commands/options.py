@@ -1,4 +1,4 @@
-"""What several commands share: options, and how they print."""
+"""Options that several commands share, and how commands print."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import click
 
-from lacore.errors import require_positive
 from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.plugins import gather
+from verification.commands.usage import folder, positive, whole
 from verification.defaults import TIME_LIMIT, cores
 
 _STOPPED = 130  # as shells say of Ctrl-C
@@ -30,8 +30,8 @@ def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
 
 backends_option = names_option(
     "--backends",
-    "Backends, or 'all'; default: those that `lacore backends` lists as run by default, or on"
-    " rigid bodies.",
+    "Comma-separated names of backends (solvers), or 'all'. Default: the backends that `lacore"
+    " backends` lists as run by default or on rigid bodies.",
 )
 
 
@@ -40,12 +40,12 @@ def drawn_options(things: str, shares: str, default: int) -> Callable[[_Command]
 
     def given(command: _Command) -> _Command:
         seed = click.option(
-            "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="S",
-            help=f"Each number is another set of {things}.",
+            "--seed", type=whole(0), default=1, show_default=True, metavar="S",
+            help=f"Seed of the random generator; each seed gives another set of {things}.",
         )  # fmt: skip
         count = click.option(
-            "--count", type=click.IntRange(min=1), default=default, show_default=True, metavar="N",
-            help=f"{things.capitalize()}, in equal shares of all {shares}.",
+            "--count", type=whole(1), default=default, show_default=True, metavar="N",
+            help=f"Number of {things}, divided equally among the {shares}.",
         )  # fmt: skip
         return count(seed(command))
 
@@ -60,38 +60,33 @@ def out_option(default: str, text: str) -> Callable[[_Command], _Command]:
         default=Path(default),
         show_default=True,
         metavar="DIR",
+        callback=folder,
         help=text,
     )
 
 
-def _finite(ctx: click.Context, option: click.Parameter, value: float) -> float:
-    require_positive("--time-limit", value)
-    return value
-
-
 time_limit_option = click.option(
     "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
-    callback=_finite,
+    type=positive,
     default=TIME_LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Of a run; one that takes longer is stopped.",
+    help="Stop any run that takes longer than this.",
 )
 
 fresh_option = click.option(
-    "--fresh", is_flag=True, help="Run again what the folder has results of."
+    "--fresh", is_flag=True, help="Repeat runs whose results are already in the folder."
 )
 
 json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else."
+    "--json", "as_json", is_flag=True, help="Print one JSON document, and nothing else, on stdout."
 )
 
 
 def _gathered(ctx: click.Context, option: click.Parameter, folders: tuple[Path, ...]) -> Catalogue:
     known = gather(folders)
     for error in known.broken.values():
-        click.echo(f"warning: left out: {error}", err=True)
+        click.echo(f"warning: cases omitted: {error}", err=True)
     return known
 
 
@@ -103,8 +98,9 @@ cases_option = click.option(
     metavar="FOLDER",
     callback=_gathered,
     is_eager=True,  # names of cases are looked up in it
-    help="Folder with cases of your own: each NAME.py in it defines CASE or CASES. May be repeated."
-    " Those of installed packages (entry-point group lacore.cases) are found without it.",
+    help="Folder with your own cases: each file NAME.py in it defines CASE or CASES. Can be given"
+    " several times. Cases of installed packages (entry-point group lacore.cases) are always"
+    " included.",
 )
 """Gives a command the `Catalogue` as its argument `known`."""
 
@@ -122,13 +118,19 @@ def named_cases(metavar: str, required: bool = False) -> Callable[[_Command], _C
     return click.argument("cases", nargs=-1, required=required, metavar=metavar, callback=_existing)
 
 
-jobs_option = click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=cores,
-    metavar="N",
-    help="Runs at a time, each in a process of its own on one thread; default: number of cores.",
-)
+def jobs_option_with(note: str = "") -> Callable[[_Command], _Command]:
+    """Give a command the argument `jobs`; `note` is added to the help text."""
+    return click.option(
+        "--jobs",
+        type=whole(1),
+        default=cores,
+        metavar="N",
+        help="Number of runs at the same time, each in its own process with one thread. Default:"
+        f" the number of cores.{note}",
+    )
+
+
+jobs_option = jobs_option_with()
 
 
 def print_json(document: Any) -> None:
@@ -149,13 +151,12 @@ def strict(value: Any) -> Any:
 
 @contextmanager
 def resumable(store: Path) -> Iterator[None]:
-    """Of Ctrl-C say how to go on; exit code 130."""
+    """On Ctrl-C, explain how to continue, and exit with code 130."""
     try:
         yield
     except KeyboardInterrupt:
         click.echo(
-            f"stopped: what was finished is kept in {store}; give the same command again to go on"
-            " from there",
+            f"stopped: finished runs are kept in {store}; repeat the command to continue",
             err=True,
         )
         click.get_current_context().exit(_STOPPED)

@@ -16,6 +16,7 @@ from verification.commands.options import (
     print_json,
     time_limit_option,
 )
+from verification.commands.usage import whole
 
 if TYPE_CHECKING:
     from verification.fuzz.programs.sweep import Row, Tally
@@ -23,14 +24,14 @@ if TYPE_CHECKING:
 _MOST_SHOWN = 20
 
 
-@click.command()
+@click.command(short_help="Solve random programs with backends.")
 @click.argument("backends", nargs=-1, required=True, metavar="BACKEND...")
 @drawn_options("programs", "families", 100)
 @click.option(
-    "--most", type=click.IntRange(min=2000), default=4000, show_default=True, metavar="UNKNOWNS",
-    help="Size of the largest; every other one has 1 500 or more.",
+    "--most", type=whole(2000), default=4000, show_default=True, metavar="UNKNOWNS",
+    help="Size of the largest programs; every second program has 1500 unknowns or more.",
 )  # fmt: skip
-@names_option("--families", "Families of programs; default: all.")
+@names_option("--families", "Comma-separated families of programs. Default: all.")
 @time_limit_option
 @json_option
 @click.pass_context
@@ -44,16 +45,20 @@ def programs(
     time_limit: float,
     as_json: bool,
 ) -> None:
-    """Ask backends random programs of all classes, and judge the answers by residuals.
+    """Solve random programs with backends, and check the solutions by their residuals.
 
-    Bodies in all kinematics and in space from above and from below, soils, contact, rigid blocks,
-    frames, steps of paths, chains of random cones, loads that are locked and dead loads that
-    nothing carries; each a pure function of seed, family and number. A number is right if all
-    residuals, recomputed, are within 1e-6, and wrong if it is claimed and they are not. A word,
-    locked or unsafe, is right where another backend has found the same, or where it is proven, and
-    wrong where another one has a number that is right: so ask two.
+    A program is the optimisation problem that lacore gives to a backend (`lacore backends` lists
+    them). The families contain deformable bodies in two and three dimensions, soils, contact, rigid
+    blocks, frames, steps of loading paths and chains of random cones, including programs whose load
+    is locked or whose dead load cannot be carried. Each program follows from its seed, family and
+    number alone.
 
-    Exit code 0 when nothing is wrong, else 1.
+    A load factor is right if all recomputed residuals are at most 1e-6, and wrong if the backend
+    reports it as solved and they are not. A status without a load factor is right if it is proven
+    or if another backend finds the same, and wrong if another backend finds a right load factor.
+    Give at least two backends to check such programs.
+
+    Exit code: 0 if nothing is wrong, 1 otherwise, 2 for invalid input.
 
     \b
     Examples:
@@ -86,7 +91,7 @@ def programs(
 
 
 def _show(tallies: Sequence[Tally], rows: Sequence[Row]) -> None:
-    """A table of each backend, and the first of what is not right."""
+    """Print a table for each backend, and the first results that are not right."""
     from rich.table import Table
 
     from verification.commands import tables
@@ -95,7 +100,7 @@ def _show(tallies: Sequence[Tally], rows: Sequence[Row]) -> None:
 
     console = tables.table_console()
     table = Table(box=None, pad_edge=False)
-    heads = ("backend", "family", "programs", "right", "wrong", "no answer", "refused")
+    heads = ("backend", "family", "programs", "right", "wrong", "no result", "rejected")
     for head in (*heads, f"right from {LARGE}", "s"):
         table.add_column(head, justify="left" if head in heads[:2] else "right")
     for one in tallies:
@@ -105,9 +110,9 @@ def _show(tallies: Sequence[Tally], rows: Sequence[Row]) -> None:
     console.print(table)
     rest = [row for row in rows if row.verdict not in (RIGHT, REFUSED)]
     for row in rest[:_MOST_SHOWN]:
-        said = f"{row.backend}, {row.family} {row.place}, {row.unknowns} unknowns: {row.verdict}"
+        text = f"{row.backend}, {row.family} {row.place}, {row.unknowns} unknowns: {row.verdict}"
         console.print(
-            f"{said}, {row.native}, residual {row.residual:.1e}", markup=False, highlight=False
+            f"{text}, {row.native}, residual {row.residual:.1e}", markup=False, highlight=False
         )
     if len(rest) > _MOST_SHOWN:
         console.print(f"... and {len(rest) - _MOST_SHOWN} more")

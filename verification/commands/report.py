@@ -1,45 +1,58 @@
 """The commands ``lacore report`` and ``lacore manual``."""
 
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import click
 
 import lacore as la
 from verification.catalogue.catalogue import Catalogue, find
-from verification.commands.options import cases_option, named_cases, out_option
+from verification.commands.options import (
+    cases_option,
+    json_option,
+    named_cases,
+    out_option,
+    print_json,
+)
+from verification.commands.usage import folder, whole
 
 VERIFIED = Path("reports/verify")
 """Where `lacore verify` writes by default."""
 COMPARED = Path("reports/compare")
-"""Where `lacore compare` does."""
+"""Where `lacore compare` writes by default."""
 
 pictures_option = click.option(
     "--pictures",
     "most",
-    type=click.IntRange(min=0),
+    type=whole(0),
     metavar="N",
-    help="Mechanisms, and brackets, that are drawn of each case, a second or so each; default:"
-    " 4 of a few cases, 1 of many.",
+    help="Number of collapse mechanisms and bounds drawn for each case, at about a second each."
+    " Default: 4 if there are few cases, 1 if there are many.",
 )
 
 
-@click.command()
-@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@click.command(short_help="Write the report of stored results.")
+@click.argument("results", type=click.Path(path_type=Path), metavar="DIR")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="Folder for the pages, tables and pictures; default: DIR itself.",
+    metavar="FOLDER",
+    callback=folder,
+    help="Folder for the pages, tables and pictures. Default: DIR itself.",
 )
 @pictures_option
 @cases_option
-def report(folder: Path, out: Path | None, most: int | None, known: Catalogue) -> None:
-    """Write the report of the results in DIR, from `compare`, `verify` or `sweep`.
+@json_option
+def report(
+    results: Path, out: Path | None, most: int | None, known: Catalogue, as_json: bool
+) -> None:
+    """Write the report of results that `compare`, `verify` or `sweep` stored in the folder DIR.
 
-    index.html has a card a case: its picture, references, what is proven, the worst error beside
-    the one allowed, and backends side by side. A page for each case, in cases/, has every run with
-    its certificate, and says why it passes. They load nothing but the pictures beside them. The
-    same tables are in tables/ as CSV and Markdown.
+    index.html shows for each case a picture, the reference value, the proven bounds, the largest
+    error next to the allowed error, and a comparison of the backends. The page of a case, in
+    cases/, lists every run with its certificate and explains why it passes. The pages load
+    nothing from the internet. The folder tables/ contains the tables as CSV and Markdown.
     """
     from verification.commands import screen, tables
     from verification.report.reporting import write_report
@@ -47,65 +60,112 @@ def report(folder: Path, out: Path | None, most: int | None, known: Catalogue) -
     from verification.store.store import file_of, sessions
     from verification.verdicts.tally import tally
 
-    outcomes, strange = load_outcomes(folder, known)
+    require_results("DIR", results)
+    outcomes, strange = load_outcomes(results, known)
     for entry in strange:
         name = f"{entry.row.case}:{entry.row.variant}"
-        click.echo(f"warning: left out: {name}: no such case here (--cases?)", err=True)
+        click.echo(f"warning: {name} omitted: unknown case (use --cases?)", err=True)
     if not outcomes:
-        raise la.InputError("DIR", str(folder), "holds no finished run", "run something into it")
-    about = list(sessions(file_of(folder)).values())[-1]
-    page = write_report(outcomes, about, out or folder, most)
-    after = "open it in a browser; `lacore verify` checks every case"
+        why = "contains no finished run"
+        raise la.InputError("DIR", str(results), why, "run `lacore compare` or `lacore verify`")
+    about = list(sessions(file_of(results)).values())[-1]
+    page = write_report(outcomes, about, out or results, most)
+    if as_json:
+        print_json({"summary": vars(tally(outcomes)), "report": str(page)})
+        return
+    after = "open the report in a browser; `lacore verify` checks every case"
     screen.show_end(tables.table_console(), tally(outcomes).text, {"Report": page}, after)
 
 
-@click.command()
+@click.command(short_help="Write the verification manual.")
 @named_cases("[CASE]...")
 @click.option(
     "--results",
     type=click.Path(path_type=Path),
     default=VERIFIED,
     show_default=True,
-    help="Folder whose results are shown: that of `lacore verify`.",
+    metavar="FOLDER",
+    help="Folder with the results to show, as written by `lacore verify`.",
 )
 @out_option("reports/manual", "Folder for the pages.")
 @pictures_option
 @cases_option
+@json_option
 def manual(
-    cases: tuple[str, ...], results: Path, out: Path, most: int | None, known: Catalogue
+    cases: tuple[str, ...],
+    results: Path,
+    out: Path,
+    most: int | None,
+    known: Catalogue,
+    as_json: bool,
 ) -> None:
-    """Write the verification manual: a page for each case.
+    """Write the verification manual, which has a page for each case.
 
-    Each shows the problem drawn from its model, the reference and how it is found by hand, what
-    error is allowed and why, and what lacore found, with its certificates. CASE is the id of a
-    case; without any, all that have results are shown. It shows what `lacore verify` has found.
+    A page shows the problem drawn from its model, the reference value with its derivation, the
+    allowed error with its reason, and the results of `lacore verify` with their certificates. CASE
+    is the name of a case. Without CASE, all cases that have results are shown.
     """
     from verification.commands import screen, tables
     from verification.report.reporting import write_manual
     from verification.store.results import load_outcomes
-    from verification.store.store import NAME
     from verification.verdicts.tally import tally
 
-    if not results.is_file() and not (results / NAME).is_file():
-        raise _nothing_yet(cases, results)
+    if not results.exists() and not _similar(results):
+        raise _no_results(cases, results)
+    require_results("--results", results)
     outcomes, _ = load_outcomes(results, known)
     seen = {outcome.run.case.id for outcome in outcomes}
     named = dict.fromkeys(find(name, known)[0].id for name in cases)
     chosen = [known[name] for name in named or known if named or name in seen]
     if not chosen:
-        raise _nothing_yet(cases, results)
+        raise _no_results(cases, results)
     page = write_manual(chosen, outcomes, results, out, most)
-    after = "open it in a browser; its pages say how to run each case"
+    if as_json:
+        print_json({"summary": vars(tally(outcomes)), "manual": str(page)})
+        return
+    after = "open the manual in a browser; each page shows how to run its case"
     screen.show_end(tables.table_console(), tally(outcomes).text, {"Manual": page}, after)
 
 
-def _nothing_yet(names: Sequence[str], results: Path) -> la.InputError:
-    """What to run first, or what a first look has left."""
+def _similar(results: Path) -> list[str]:
+    """Return names of folders with results that a mistyped name may mean."""
+    from verification.store.store import NAME
+
+    try:
+        there = [str(own) for own in results.parent.iterdir() if (own / NAME).is_file()]
+    except OSError:
+        return []
+    return get_close_matches(str(results), there, n=1)
+
+
+def require_results(field: str, results: Path) -> None:
+    """Raise `InputError` unless a path is a folder with results, or the file of these.
+
+    Args:
+        field: Name of the argument or option, for the message.
+        results: Its value.
+    """
+    from verification.store.store import NAME, file_of
+
+    if file_of(results).is_file():
+        return
+    fix = "give the folder of `lacore compare`, `lacore verify` or `lacore sweep`"
+    if results.is_dir():
+        raise la.InputError(field, str(results), f"contains no results ({NAME})", fix)
+    if results.exists():
+        raise la.InputError(field, str(results), "is a file without results", fix)
+    close = _similar(results)
+    fix = f"did you mean {close[0]!r}?" if close else fix
+    raise la.InputError(field, str(results), "there is no such folder", fix)
+
+
+def _no_results(names: Sequence[str], results: Path) -> la.InputError:
+    """Return the error that tells which command produces the missing results."""
     from verification.store.store import NAME
 
     words = ["lacore", "verify", *names, *([] if results == VERIFIED else ["--out", str(results)])]
     there = results != COMPARED and (COMPARED / NAME).is_file()
-    other = f"give --results {COMPARED}" if there else "name the folder of results that are there"
+    other = f"give --results {COMPARED}" if there else "give a folder with results"
     return la.InputError(
         "--results",
         str(results),

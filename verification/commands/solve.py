@@ -9,56 +9,104 @@ import click
 
 from lacore.errors import InputError
 from verification.commands.options import json_option, print_json
+from verification.commands.usage import Sectioned, folder, number, positive
 
 _STOPPED = 130
+_NAME = 17  # characters
+_SECTIONS = {
+    "Bounds and safety": ("bracket", "whole_range", "safety", "interfaces", "stable"),
+    "Influence of parameters": ("sensitivity", "vary", "critical", "limit", "worst"),
+    "Load cases": ("cases", "envelope"),
+}
 
 
-@click.command()
+@click.command(
+    cls=Sectioned, sections=_SECTIONS, short_help="Compute the collapse load of a problem file."
+)
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.toml")
 @click.option(
     "--bracket",
-    type=click.FloatRange(min=0, min_open=True),
+    type=positive,
     metavar="WIDTH",
-    help="Prove bounds from both sides until they are this near, per their mean: 0.02.",
+    help="Compute a lower and an upper bound on the load factor, and refine the mesh until they"
+    " differ by at most the fraction WIDTH of their mean; 0.02 means 2 %.",
 )
 @click.option(
     "--range",
     "whole_range",
     is_flag=True,
-    help="Search for the lowest and the highest load factor, where friction leaves a choice; for"
-    " ten minutes at most.",
+    help="Search for the lowest and the highest load factor. With friction, more than one load"
+    " factor may be possible. The search takes up to ten minutes.",
 )
 @click.option(
     "--safety",
     is_flag=True,
-    help="Prove the factor of safety on strength; with Coulomb friction, between certified states.",
+    help="Compute the factor of safety: the structure collapses under the given loads if the"
+    " strength of all materials is divided by it.",
 )
-@click.option("--interfaces", is_flag=True, help="With --safety, divide friction of contact, too.")
-@click.option("--stable", is_flag=True, help="Draw what carries the dead loads, or how they fall.")
-@click.option("--sensitivity", is_flag=True, help="List what the load factor depends on.")
-@click.option("--cases", is_flag=True, help="Solve each case of the loads alone: which governs?")
-@click.option("--envelope", is_flag=True, help="Search all combinations of two or three cases.")
+@click.option(
+    "--interfaces",
+    is_flag=True,
+    help="With --safety, also divide the friction coefficients between bodies.",
+)
+@click.option(
+    "--stable",
+    is_flag=True,
+    help="Prove whether the dead loads alone are carried, and draw the stresses that carry them or"
+    " the mechanism by which the structure collapses.",
+)
+@click.option(
+    "--sensitivity",
+    is_flag=True,
+    help="List by how much the load factor changes with each parameter.",
+)
+@click.option(
+    "--cases",
+    is_flag=True,
+    help="Compute the load factor of each load case separately, and name the governing case. In the"
+    " file, assign reference loads to cases, such as case = 'wind'.",
+)
+@click.option(
+    "--envelope",
+    is_flag=True,
+    help="Compute which combinations of two or three load cases the structure carries.",
+)
 @click.option(
     "--vary",
     metavar="NAME=LOW:HIGH",
-    help="A number of the file that varies: 'arch.thickness=5 cm:20 cm'.",
+    help="Vary a number of the file between two values, such as 'arch.thickness=5 cm:20 cm'. Needs"
+    " --critical, --limit or --worst.",
 )
 @click.option(
     "--critical",
-    type=float,
+    type=number,
     is_flag=False,
     flag_value=1.0,
     metavar="[TARGET]",
-    help="Search along it where the load factor is TARGET; 1 if left out.",
+    help="Find the value of the varied number for which the load factor is TARGET, by default 1.",
 )
-@click.option("--limit", is_flag=True, help="Search along it where the dead loads just stand.")
-@click.option("--worst", is_flag=True, help="Search along it where the load factor is least.")
-@click.option("--backend", metavar="NAME", help="In place of that of the file, or auto.")
+@click.option(
+    "--limit",
+    is_flag=True,
+    help="Find the value of the varied number for which the dead loads alone are just carried.",
+)
+@click.option(
+    "--worst",
+    is_flag=True,
+    help="Find the value of the varied number for which the load factor is lowest.",
+)
+@click.option(
+    "--backend",
+    metavar="NAME",
+    help="Solver to use; `lacore backends` lists the solvers. Default: the solver named in the"
+    " file, or else auto, which selects one.",
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for the page, tables, VTU and script; default: reports/FILE.",
+    callback=folder,
+    help="Folder for the report. Default: reports/NAME for the file NAME.toml.",
 )
 @json_option
 @click.pass_context
@@ -81,31 +129,36 @@ def solve(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Solve a problem of your own: its load factor, what that is worth, how it falls.
+    """Compute the load factor at which the structure described in FILE.toml collapses.
 
-    Cases are names that reference loads have in the file, case = "wind". With --bracket each case,
-    and each direction of an envelope, is proven to that width. NAME is what errors call a number
-    of the file, or an end of that: bodies.arch.thickness, or thickness, reference_loads[0].at[0].
+    The file describes bodies, materials, supports, contact and loads. `lacore new` prints starter
+    files. The load factor is the number by which the reference loads of the file are multiplied at
+    collapse; the dead loads remain constant.
 
-    FILE.toml states bodies, materials, supports, contact and loads; `lacore new` writes files to
-    begin with. Nothing in it is run. Beside the answer come a page with pictures, tables, a file
-    for ParaView, and the same problem as Python.
+    The load factor is printed with the collapse mechanism and with a statement of what is proven.
+    The folder DIR then contains a report with pictures (index.html), tables, the velocities and
+    stresses for ParaView (state.vtu), and the same problem as a Python script (problem.py).
 
-    Exit codes: 0 a load factor is certified, and all else that is asked for, a bracket as narrow;
-    1 it is not, or there is none; 2 bad input.
+    NAME in --vary is the name that error messages use for a number of the file, such as
+    bodies.arch.thickness or reference_loads[0].at[0]. The end of a name is sufficient if it is
+    unique, such as thickness.
+
+    Exit code: 0 if the load factor and all results of the given options are certified, 1 if one of
+    them is missing or not certified, 2 for invalid input. A result is certified if it passes the
+    checks of equilibrium, strength and friction, and if a bracket is as narrow as WIDTH.
 
     \b
     Examples:
       lacore new footing > footing.toml
       lacore solve footing.toml
-      lacore solve footing.toml --bracket 0.05 --out answer
+      lacore solve footing.toml --bracket 0.05 --out footing-report
       lacore solve frame.toml --cases --envelope
       lacore solve arch.toml --vary 'thickness=20 cm:60 cm' --limit
       lacore solve arch.toml --vary 'thickness=20 cm:60 cm' --critical 10
       lacore solve frame.toml --vary 'reference_loads[0].at[0]=0.5:5.5' --worst
     """  # noqa: D301  # click reads the backspace
-    folder = out or Path("reports") / file.stem
-    try:  # to import all of it takes a second, too
+    place = out or Path("reports") / file.stem
+    try:  # includes the imports, which take a second
         from lacore.files.problem.reading import read
         from verification import progress
         from verification.problems import answers, records, words, writing
@@ -121,25 +174,25 @@ def solve(
         more |= {"vary": vary, "limit": limit, "worst": worst}
         more |= {} if critical is None else {"critical": critical}
         question = answers.asked(stated, backend, bracket=bracket, **more)
-        writing.require_writable(folder)
+        writing.require_writable(place)
         with stated.locating():
             answer = answers.answered(stated.problem, question, progress.status)
         page, unwritten = None, None
         try:
-            page = writing.written(stated, question, answer, folder, progress.status)
-        except InputError as error:  # the answer is told all the same
+            page = writing.written(stated, question, answer, place, progress.status)
+        except InputError as error:  # reported after the result, which is complete
             unwritten = error
     except KeyboardInterrupt:
-        click.echo("stopped: there is no answer yet", err=True)
+        click.echo("stopped before the load factor was computed", err=True)
         ctx.exit(_STOPPED)
     if as_json:
         print_json(records.document(stated, answer, page))
     else:
         click.echo(stated.title)
         for name, text in words.lines(answer, stated.units).items():
-            click.echo(f"  {name:<12}{text}")
+            click.echo(f"  {name:<{_NAME}}{text}")
         if page is not None:
-            click.echo(f"  {'page':<12}{page}")
+            click.echo(f"  {'report':<{_NAME}}{page}")
     if unwritten is not None:
         raise unwritten
     ctx.exit(0 if answer.good else 1)

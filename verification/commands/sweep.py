@@ -37,23 +37,25 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
 
 
-@click.command()
+@click.command(short_help="Run cases over grids of parameters.")
 @named_cases("CASE...", required=True)
 @click.option(
     "--vary",
     multiple=True,
     metavar="NAME=VALUES",
-    help="What to vary: START:STOP:N at equal distances, START:STOP:N:log at equal ratios, or"
-    " a,b,c. Several make a grid.",
+    help="Parameter and its values: START:STOP:N for equal distances, START:STOP:N:log for equal"
+    " ratios, or a list a,b,c. Several --vary options form a grid.",
 )
 @backends_option
 @names_option(
     "--meshes",
-    "Mesh levels; default: those of each variant, or the first where a size is varied.",
+    "Comma-separated mesh levels. Default: the levels of each variant, or the first level if a mesh"
+    " size is varied.",
 )
 @names_option(
     "--couplings",
-    f"Coupling loops: {', '.join((*COUPLINGS, *RAW))}; default: that of each backend.",
+    f"Comma-separated iteration methods for Coulomb friction: {', '.join((*COUPLINGS, *RAW))}."
+    " Default: the method of each backend.",
 )
 @jobs_option
 @dask_options
@@ -79,23 +81,29 @@ def sweep(
     known: Catalogue,
     as_json: bool,
 ) -> None:
-    """Run cases over grids of parameters, mesh sizes, settings of the loop and backend options.
+    """Run cases over grids of parameters, mesh sizes, loop settings and backend options.
 
-    CASE is the id of a case (see `lacore cases`) or id:variant. NAME is a parameter of the case
-    (mu; of a path also steps and scheme), a keyword of its mesh levels (n, nx), a setting of the
-    coupling loop (damping, anderson, kappa, start, tolerance, max_iterations), or a backend option
-    (r, eta, bulk, normal, tangential, ...; K_c, K_n, K_t are bulk, normal, tangential). Where a
-    name is several of these, write param.NAME, size.NAME, setting.NAME or option.NAME.
+    CASE is the name of a case (see `lacore cases`), or NAME:VARIANT for one variant of it. The NAME
+    in --vary is one of the following:
 
-    An option is given to the backends that have it; others, such as exact ones that know no r, run
-    once for all its values: their load factor is the exact one of the same mesh. A value that a
-    case or a backend refuses costs its own row.
+    \b
+      parameter of the case     mu; steps and scheme of a loading path
+      size of the mesh          n, nx
+      setting of the loop       damping, anderson, kappa, start, tolerance, max_iterations
+      option of the backend     r, eta, bulk, normal, tangential (or K_c, K_n, K_t)
 
-    Each result is kept in DIR the moment it is there. A sweep that was stopped, by Ctrl-C or in any
-    other way, goes on where it was when the same command is given again; by the same code, nothing
-    is run twice. `verification.load_results(DIR)` is the table of all that DIR has, as is
-    results.csv. Exit code 0 when the sweep is through and no result is wrong or failed, else 1; 130
-    after Ctrl-C.
+    Write param.NAME, size.NAME, setting.NAME or option.NAME if a name has several meanings.
+
+    An option is passed only to backends that have it. A backend without the option runs once, for
+    comparison with all values. A value that a case or a backend rejects gives a row with the
+    reason, and does not stop the sweep.
+
+    Each result is stored in DIR as soon as it is computed. A sweep that was stopped continues when
+    the same command is repeated. In Python, `verification.load_results(DIR)` returns the table of
+    all results in DIR, which is also written to results.csv.
+
+    Exit code: 0 if all runs finished and none is wrong or failed, 1 otherwise, 2 for invalid input,
+    130 after Ctrl-C.
 
     \b
     Examples:
@@ -130,7 +138,7 @@ def sweep(
             tables.show_slopes(console, slopes)
         if orders:
             tables.show_step_orders(console, orders)
-        click.echo(f"\nStore: {out / NAME}\nTable: {out / 'results.csv'}")
+        click.echo(f"\nResults: {out / NAME}\nTable:   {out / 'results.csv'}")
     ctx.exit(1 if any(outcome.row.verdict == FAIL for outcome in outcomes) else 0)
 
 

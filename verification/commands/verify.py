@@ -24,27 +24,29 @@ from verification.commands.options import (
 )
 
 
-@click.command()
+@click.command(short_help="Check the results of all cases.")
 @named_cases("[CASE]...")
 @click.option(
     "--all",
     "everything",
     is_flag=True,
-    help="Dense backends on meshes and regularised ones along paths on all variants, too. Goes on"
-    " from what is in the folder.",
+    help="Also run the expensive combinations: dense backends on meshes and regularised backends"
+    " along loading paths, for all variants. Results that are already in the folder are used"
+    " again.",
 )
 @backends_option
 @names_option(
     "--meshes",
-    "Mesh levels: coarse, medium, fine; default: those of each variant for exact backends,"
-    " the coarsest of them for regularised ones. Orders have ladders of meshes of their own.",
+    "Comma-separated mesh levels: coarse, medium, fine. Default: the levels of each variant for"
+    " exact backends, and the coarsest of them for regularised backends. Convergence orders are"
+    " measured on separate sequences of meshes.",
 )
 @jobs_option
-@out_option("reports/verify", "Folder for the results and checks.csv.")
+@out_option("reports/verify", "Folder for the results and the table of checks, checks.csv.")
 @time_limit_option
 @fresh_option
 @cases_option
-@click.option("--full", is_flag=True, help="Print every variant and backend, not a line a case.")
+@click.option("--full", is_flag=True, help="Print one line for every variant and backend.")
 @json_option
 @click.pass_context
 def verify(
@@ -61,17 +63,28 @@ def verify(
     full: bool,
     as_json: bool,
 ) -> None:
-    """Check every case: exit code 1 when one is wrong.
+    """Check the results of all cases.
 
-    CASE is the id of a case (see `lacore cases`) or id:variant; without any, all cases are checked,
-    but dense backends on meshes, and regularised ones along paths, are asked about the first
-    variant and one of each status only, unless --all or anything else is named.
-    Of each with each backend: is the value (or the status) right, do strict bounds lie on their
-    side, do the residuals hold when computed afresh from the stored states, does the error fall
-    under refinement as it must; and of deformable bodies, does a proven bracket enclose the
-    reference, and do the shares of elements add up to its gap. Of paths: does each end as it must,
-    are all loads on the way right, does the error fall with the steps as it must. `pytest
-    verification` makes the same checks, one test each.
+    CASE is the name of a case (see `lacore cases`), or NAME:VARIANT for one variant of it. Without
+    CASE, all cases are checked; expensive combinations then run for a few variants only, unless
+    --all is given.
+
+    \b
+    The following is checked for each variant and each backend:
+      value      the load factor agrees with the reference
+      status     a case without a load factor ends with the expected status
+      side       upper bounds lie above the reference, and lower bounds below it
+      residuals  equilibrium, friction and yield hold when recomputed from the stored state
+      order      the error decreases with the mesh size at the expected rate
+      bracket    proven bounds enclose the reference
+      gap        the contributions of the elements add up to the distance of the bounds
+      range      the lowest and the highest load factor are certified and as expected
+      path       every load along a loading path agrees with the reference
+      steps      the error along a path decreases with the step size at the expected rate
+
+    `pytest verification` makes the same checks, one test for each.
+
+    Exit code: 0 if at least one check passed and none failed, 1 otherwise, 2 for invalid input.
 
     \b
     Examples:
@@ -90,7 +103,7 @@ def verify(
     from verification.verify import FILE, answer, as_table, ask, finish, left_out, runs_of, tally
 
     if cases and everything:
-        raise InputError("--all", None, "CASE is there too", "leave out one of them")
+        raise InputError("--all", None, "a CASE is given, too", "omit one of them")
     named = [case.id for case in known.values() if not case.on_demand] if everything else cases
     questions = ask(named, backends, meshes, known)
     left = len(left_out(named, backends, meshes, known))
@@ -105,7 +118,7 @@ def verify(
             time_limit,
             fresh,
         )
-    with progress.status("computing residuals afresh"):
+    with progress.status("recomputing residuals"):
         finished = finish(questions, outcomes)
     findings = [answer(question, finished) for question in questions]
     table = as_table(findings)
@@ -131,11 +144,11 @@ def verify(
             f"{unjudged}; {len(runs)} runs"
         )
         if left:
-            text += f"; {left} dear ones not asked: `lacore verify --all`"
+            text += f"; {left} expensive checks omitted (`lacore verify --all` includes them)"
         places = {"Checks": out / FILE, "Results": out / NAME}
-        more = "" if full else "--full prints every check; "
-        after = f"{more}`lacore manual` writes a page for each case"
+        more = "" if full else "; --full prints every check"
+        after = f"`lacore manual` writes a page for each case{more}"
         screen.show_end(console, text, places, after)
     if not count["passed"]:
-        click.echo("nothing was verified: no check passed", err=True)
+        click.echo("no check passed, so nothing was verified", err=True)
     ctx.exit(0 if count["passed"] and not count["failed"] else 1)

@@ -22,14 +22,14 @@ def dask_options(command: _Command) -> _Command:
         "--dask",
         "on_dask",
         is_flag=True,
-        help="Run on a Dask cluster on this machine, of --jobs workers, until all is done.",
+        help="Run on a local Dask cluster with --jobs workers.",
     )
     on_others = click.option(
         "--scheduler",
         metavar="ADDRESS",
-        help="Run on the workers of the Dask scheduler at this address, as in"
-        " tcp://127.0.0.1:8786. They need the same lacore, and folders of --cases at the same"
-        " place.",
+        help="Run on the workers of the Dask scheduler at this address, such as"
+        " tcp://127.0.0.1:8786. The workers need the same version of lacore, and the folders of"
+        " --cases under the same paths.",
     )
     return on_this_machine(on_others(command))
 
@@ -37,7 +37,7 @@ def dask_options(command: _Command) -> _Command:
 def require_one_place(on_dask: bool, scheduler: str | None) -> None:
     """Raise `InputError` where two clusters are asked for."""
     if on_dask and scheduler is not None:
-        raise InputError("--dask", None, "--scheduler is there too", "leave out one of them")
+        raise InputError("--dask", None, "--scheduler is given, too", "omit one of them")
 
 
 @contextmanager
