@@ -1,6 +1,6 @@
-"""What runs, how much is done, how long it takes: on stderr, in place on a terminal, else in lines.
+"""Progress of commands on stderr: a bar on a terminal, and otherwise lines.
 
-Without a terminal, in logs and pipes, a line comes every `EVERY` seconds, whatever happens.
+In logs and pipes, a line is printed every `EVERY` seconds.
 """
 
 import threading
@@ -28,22 +28,22 @@ from verification.verdicts.words import FAIL
 
 EVERY = 10.0
 """s between lines without a terminal."""
-_LOOKBACK = 600.0  # s: the time left is estimated from the runs that ended in it
-_MOST = 2  # runs that a line names
+_LOOKBACK = 600.0  # s: the remaining time is estimated from the runs that ended in it
+_MOST = 2  # names of runs in a line
 
 
 class Watch(Protocol):
     """Callbacks of many runs."""
 
     def start(self, run: Run) -> None:
-        """It runs; called by any thread."""
+        """Show that a run has started; called from any thread."""
 
     def finish(self, outcome: Outcome) -> None:
-        """It is done; what is wrong is said at once."""
+        """Show that a run has finished; a failure is printed at once."""
 
 
 class _Bar:
-    """On a terminal."""
+    """Progress on a terminal."""
 
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
@@ -59,14 +59,14 @@ class _Bar:
         self._done += 1
         if self._begun:
             self._progress.advance(self._task)
-        else:  # known from before: it says nothing of the time that others take
+        else:  # a stored result, which must not count in the estimate of the time
             self._progress.reset(self._task, completed=self._done)
         if outcome.row.verdict == FAIL:
             self._progress.console.print(_failure(outcome), style="red", markup=False)
 
 
 class _Lines:
-    """In a log."""
+    """Progress in a log."""
 
     def __init__(self, total: int) -> None:
         self._total = total
@@ -86,13 +86,13 @@ class _Lines:
             click.echo(_failure(outcome), err=True)
 
     def line(self) -> str:
-        """How far it is."""
+        """Return the line that shows the progress."""
         seconds = time.monotonic() - self._begin
-        text = f"{self._done} of {self._total} done, {_clock(seconds)}"
+        text = f"{self._done} of {self._total} runs finished, {_clock(seconds)} elapsed"
         new = self._done - self._known
         if new:
             left = (self._total - self._done) * seconds / new
-            text += f", about {_clock(left)} left"
+            text += f", about {_clock(left)} remaining"
         running = list(self._running.values())
         more = f", {len(running) - _MOST} more" if len(running) > _MOST else ""
         return f"{text}; running: {', '.join(running[:_MOST])}{more}" if running else text
@@ -108,7 +108,7 @@ def _clock(seconds: float) -> str:
 
 @contextmanager
 def watching(total: int) -> Iterator[Watch]:
-    """Progress of `total` runs: what is running, how much is done, time left."""
+    """Show the progress of `total` runs, which of them are running, and the remaining time."""
     console = Console(stderr=True)
     if not console.is_terminal:
         lines = _Lines(total)
@@ -120,7 +120,7 @@ def watching(total: int) -> Iterator[Watch]:
         BarColumn(bar_width=20),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
-        TextColumn("left"),
+        TextColumn("remaining"),
         TimeRemainingColumn(),
         TextColumn("{task.description}", markup=False),
         console=console,
@@ -132,7 +132,7 @@ def watching(total: int) -> Iterator[Watch]:
 
 @contextmanager
 def status(text: str) -> Iterator[Callable[[str], None]]:
-    """What is being done, of which it is not known how much there is; it can be told how far."""
+    """Show a task of unknown length; the function that this yields shows a detail."""
     console = Console(stderr=True)
     if console.is_terminal:
         with console.status(text) as shown:
@@ -150,7 +150,7 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def _repeating(line: Callable[[], str]) -> Iterator[None]:
-    """Say a line every `EVERY` seconds, from a thread."""
+    """Print a line every `EVERY` seconds from a thread."""
     over = threading.Event()
 
     def repeat() -> None:
@@ -168,7 +168,7 @@ def _repeating(line: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def patiently(title: str, total: int, after: float = 2.0) -> Iterator[Callable[[str], None]]:
-    """Progress on stderr for what is usually quick: shown only after `after` seconds."""
+    """Show the progress of a task that is usually quick, after `after` seconds."""
     console = Console(stderr=True)
     begin = time.monotonic()
     done, shown, doing = 0, False, title

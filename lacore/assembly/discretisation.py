@@ -79,7 +79,7 @@ class Discretisation(Shown):
             return "exact: rigid blocks and frames have no discretisation"
         if rigor is Rigor.UPPER:
             return "strict upper bound of Coulomb load factors: friction dilates, or sticks"
-        return "certified Coulomb state: no bound, there may be several"
+        return "certified Coulomb state: not a bound, because others may exist"
 
     @property
     def jointed(self) -> dict[str, AnyRigidDofs]:

@@ -58,9 +58,9 @@ def held_back(
         less = 0.0 if larger is None else _less(problem, larger, support.body, solved, load)
         if less > _LESS:
             found.append(
-                f"the mechanism reaches {told(support)}: with {depth:.3g} m more of ground beyond"
-                f" it carries {100 * less:.0f} % less; where the ground goes on there, make the"
-                " body larger"
+                f"the mechanism reaches {told(support)}: with {depth:.3g} m of additional ground,"
+                f" the load factor is {100 * less:.0f} % lower; if the ground continues there, make"
+                " the body larger"
             )
     return "; ".join(found)
 

@@ -55,12 +55,12 @@ def reached_supports(discretisation: Discretisation, velocity: Floats | None) ->
     sides = " and ".join(reached)
     if rolling:
         return (
-            f"the mechanism reaches {sides}: where that is no plane of symmetry and the ground goes"
-            " on beyond, make the body larger, as its load may be another then"
+            f"the mechanism reaches {sides}: unless this is a plane of symmetry or the end of the"
+            " ground, make the body larger, because the load factor may change"
         )
     return (
-        f"the mechanism reaches {sides}: where the ground goes on beyond, make the"
-        " body larger, as it may carry less then"
+        f"the mechanism reaches {sides}: if the ground continues there, make the body larger,"
+        " because the load factor may decrease"
     )
 
 

@@ -41,7 +41,7 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 _INSIDE = "moments inside members exceed the plastic moment: put nodes where they peak"
-_DISCRETE = "of the discrete problem; `lacore.stable` asks for stresses in balance everywhere"
+_DISCRETE = "proven for this mesh; `lacore.stable` proves it for the continuum"
 _SAME = 1e-6  # of load factors: nearer ones are one, to the bar of the certificate
 
 
@@ -49,8 +49,8 @@ class Standing(Enum):
     """What is proven of the dead loads alone."""
 
     STANDS = "the dead loads alone are carried"
-    FALLS = "the dead loads alone are not carried: a mechanism of theirs proves it"
-    UNDECIDED = "neither equilibrium with the dead loads alone nor a mechanism of theirs is proven"
+    FALLS = "the dead loads alone are not carried, as a mechanism proves"
+    UNDECIDED = "neither equilibrium with the dead loads alone nor their collapse is proven"
 
     @property
     def label(self) -> str:
@@ -93,17 +93,20 @@ class Stability(Shown):
         return Facts(f"Stability: {self.standing.label}: {self.standing.value}", told)
 
     def __str__(self) -> str:
-        text = f"{self.standing.label}: {self.standing.value}"
-        if self.why:
-            text += f" ({self.why})"
+        text = f"{self.standing.label}: {self.standing.value}{self._carried}"
+        return f"{text} ({self.why})" if self.why else text
+
+    @property
+    def _carried(self) -> str:
+        """The load factors that are carried, as the end of a sentence."""
         if np.isnan(self.low):
-            return text + ("; nor is any load factor" if self.standing is Standing.FALLS else "")
+            return "; no load factor is carried" if self.standing is Standing.FALLS else ""
         if self.low == self.high:
-            return text if self.low == 0 else f"{text}; the load factor {self.low:.6g} is"
+            return "" if self.low == 0 else f"; the load factor {self.low:.6g} is carried"
         ends = f"from {self.low:.6g} to {self.high:.6g}"
         if self.standing is Standing.STANDS:
-            return f"{text}, and all load factors {ends}"
-        return f"{text}; load factors {ends} are carried"
+            return f", as are all load factors {ends}"
+        return f"; load factors {ends} are carried"
 
 
 def stability_of(
@@ -170,13 +173,13 @@ def warning(coupled: Coupled, load_factor: float) -> str:
         return ""
     if first.kind == "associated" and first.inner.status is Status.LOCKED:
         return (
-            "equilibrium excludes no larger load (associated: +inf): it may hold above this load"
-            " factor and not below, `state.stability` says"
+            "equilibrium does not exclude larger loads (the associated load factor is +inf): the"
+            " structure may stand above this load factor and not below; see `state.stability`"
         )
     if load_factor < 0:
         return (
-            "the load factor is negative: the dead loads alone may not be carried,"
-            " `state.stability` says"
+            "the load factor is negative: the dead loads alone may not be carried; see"
+            " `state.stability`"
         )
     return ""
 

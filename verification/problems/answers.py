@@ -1,4 +1,4 @@
-"""What is asked of a problem, and what came out."""
+"""The analyses that `lacore solve` makes of a problem, and their results."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +24,7 @@ Status = Callable[[str], AbstractContextManager[Callable[[str], None]]]
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of a problem, beside its load factor.
+    """The analyses that are requested in addition to the load factor.
 
     Attributes:
         backend, coupling: that solve it.
@@ -121,21 +121,23 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         if (goals[name] is not None if name in goals else more.get(name) or getattr(own, name))
     )
     if goals["critical"] is not None and not is_number(goals["critical"]):
-        raise InputError("--critical", goals["critical"], "no load factor", "give a finite number")
+        raise InputError(
+            "--critical", goals["critical"], "not a load factor", "give a finite number"
+        )
     varied = _varied(stated, more.get("vary"))
     if varied is not None and not any(MORE[name].varies for name in wanted):
         raise InputError(
             "--vary",
             varied.name,
-            "nothing is asked of it",
-            "ask for --critical, --limit or --worst",
+            "no analysis uses this number",
+            "add --critical, --limit or --worst",
         )
     for name in wanted:
         check(name, stated, varied)
     safety = bool(more.get("safety") or own.safety)
     interfaces = bool(more.get("interfaces") or own.interfaces)
     if interfaces and not safety:
-        why, mend = "nothing divides their friction", "ask for --safety"
+        why, mend = "has an effect only with --safety", "add --safety"
         if own.interfaces:
             raise stated.source.error(("solve", "interfaces"), True, why, mend)
         raise InputError("--interfaces", None, why, mend)
@@ -177,7 +179,10 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
     engine = la.find_backend(question.backend)
     if (question.range or question.safety) and engine.capabilities.regularised:
         raise InputError(
-            "--backend", question.backend, "is regularised: it proves no range", "take 'clarabel'"
+            "--backend",
+            question.backend,
+            "regularised backends prove no range and no factor of safety",
+            "use 'clarabel'",
         )
     with doing("solving"):
         state = la.solve(problem, question.backend, question.coupling)
@@ -188,12 +193,12 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             stability = state.stability
     bracket = found = safety = None
     if question.bracket is not None:
-        with doing("closing in from both sides") as tell:
+        with doing("computing bounds") as tell:
             bracket = la.bracket(
                 problem, question.bracket, backend=question.backend, on_step=_telling(tell)
             )
     if question.safety:
-        with doing("dividing the strength"):
+        with doing("computing the factor of safety"):
             safety = la.safety_factor(
                 problem, interfaces=question.interfaces, backend=question.backend
             )
@@ -206,8 +211,8 @@ def answered(problem: la.Problem, question: Question, doing: Status) -> Answer:
             given = _given(state, question, tell)
             try:
                 others[name] = MORE[name].ask(given)
-            except InputError as error:  # the load factor stays an answer
-                others[name] = f"none: {error}"
+            except InputError as error:  # the load factor remains a valid result
+                others[name] = f"no result: {error}"
     seconds = time.perf_counter() - begin
     return Answer(state, interval, stability, bracket, found, safety, others, seconds)
 

@@ -1,4 +1,4 @@
-"""Questions beside the load factor: what one is asked with, and what is made of its answer."""
+"""Analyses in addition to the load factor: their input, and how their results are shown."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Given:
-    """What a question is asked with.
+    """The input of an analysis.
 
     Attributes:
         state: of all reference loads.
@@ -54,7 +54,7 @@ class Given:
 
 @dataclass(frozen=True)
 class More:
-    """A question that is asked of a problem beside its load factor.
+    """An analysis of a problem in addition to its load factor.
 
     Attributes:
         title: of its section.

@@ -1,4 +1,4 @@
-"""More than the load factor: whether it stands, what matters, which case, which combination."""
+"""Analyses in addition to the load factor: stability, sensitivity, load cases, envelopes."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf
@@ -21,8 +21,10 @@ def _stands(found: la.Stable) -> str:
 
 def _fallen(found: la.Stable) -> str:
     if found.stands is None:
-        return "Neither is proven"
-    return "What carries the dead loads" if found.stands else "How the dead loads alone fall"
+        return "Neither equilibrium nor collapse is proven"
+    if found.stands:
+        return "Stresses and forces that carry the dead loads"
+    return "Collapse mechanism under the dead loads alone"
 
 
 def _differentiated(given: Given) -> la.Sensitivity:
@@ -31,7 +33,7 @@ def _differentiated(given: Given) -> la.Sensitivity:
 
 def _most(found: la.Sensitivity) -> str:
     methods = " and ".join(dict.fromkeys(found.table["method"]))
-    return f"{found.facts().told['most']}: per cent for each per cent, by {methods}"
+    return f"{found.facts().told['most']}: change in % for a change of 1 %, by {methods}"
 
 
 def _cases(given: Given) -> la.LoadCases:
@@ -68,7 +70,7 @@ def _hulls(found: la.Envelope) -> dict[str, Any]:
 MORE: Mapping[str, More] = {
     "stable": More(
         title="Under the dead loads alone",
-        doing="asking whether it stands by itself",
+        doing="checking the dead loads",
         ask=lambda given: la.stable(given.problem, given.backend),
         good=lambda found: found.stands is not None,
         said=_stands,
@@ -82,12 +84,12 @@ MORE: Mapping[str, More] = {
         drawn=lambda found, units: views.picture(found, units=units),
     ),
     "sensitivity": More(
-        title="What the load factor depends on",
-        doing="differentiating the load factor",
+        title="Sensitivity of the load factor",
+        doing="computing sensitivities",
         ask=_differentiated,
         good=lambda found: bool((found.table["why"] == "").any()),
         said=_most,
-        caption=lambda found: "Elasticities: per cent for each per cent",
+        caption=lambda found: "Elasticities: change of the load factor in % for a change of 1 %",
         document=lambda found: {"table": found.table.to_dict("records")},
         script=lambda backend, width: "la.sensitivity(state)",
         table=lambda found: found.table,
@@ -95,7 +97,7 @@ MORE: Mapping[str, More] = {
     ),
     "cases": More(
         title="Load cases",
-        doing="solving each case",
+        doing="solving the load cases",
         ask=_cases,
         good=lambda found: bool(found.governing) and not found.failed,
         said=_named,
@@ -107,12 +109,14 @@ MORE: Mapping[str, More] = {
         takes="one case or more",
     ),
     "envelope": More(
-        title="Combinations of the cases",
-        doing="searching combinations of the cases",
+        title="Combinations of load cases",
+        doing="searching load combinations",
         ask=_combined,
         good=lambda found: bool(found.table["status"].isin(["solved", "reached"]).all()),
         said=lambda found: found.message,
-        caption=lambda found: "Factors of the cases that are carried, and that are not",
+        caption=lambda found: (
+            "Factors of the load cases that are carried, and that are not carried"
+        ),
         document=_hulls,
         script=lambda backend, width: f'la.envelope(problem, loads, backend="{backend}"{width})',
         table=lambda found: found.table,
@@ -125,15 +129,15 @@ MORE: Mapping[str, More] = {
 
 
 def check(name: str, stated: Stated, varied: Varied | None) -> None:
-    """Raise `InputError`, with its line, where a file has not what a question is about."""
+    """Raise `InputError`, with its line, if a file lacks what an analysis needs."""
     least, most = MORE[name].cases
     if not least <= len(stated.cases) <= most:
-        why = f"{name} takes {MORE[name].takes}, and there are {len(stated.cases)}"
-        mend = 'name the case of each reference load: case = "wind"'
+        why = f"{name} needs {MORE[name].takes}, and the file has {len(stated.cases)}"
+        mend = 'assign each reference load to a case: case = "wind"'
         raise stated.source.error(("reference_loads",), list(stated.cases), why, mend)
     if MORE[name].varies and varied is None:
-        why = "says nothing of which number varies"
-        mend = "say it by --vary, or vary in [solve], such as arch.thickness='5 cm:20 cm'"
+        why = "needs a number that varies"
+        mend = "add --vary, or vary in [solve], such as 'arch.thickness=5 cm:20 cm'"
         if getattr(stated.asked, name) not in (None, False):
             raise stated.source.error(("solve", name), None, why, mend)
         raise InputError(f"--{name}", None, why, mend)
@@ -145,7 +149,7 @@ def check(name: str, stated: Stated, varied: Varied | None) -> None:
 def lines(
     names: Sequence[str], places: Mapping[str, Sequence[int]], backend: str, bracket: float | None
 ) -> Iterator[str]:
-    """What asks the same in a script; of what varies as ``problem_at`` and ``within`` say."""
+    """Return the calls of a script; those of varied numbers use ``problem_at`` and ``within``."""
     if any(MORE[name].cases[0] for name in names):
         yield "loads = {"
         for case, own in places.items():

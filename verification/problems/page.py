@@ -1,4 +1,4 @@
-"""The page of an answer: what came out, pictures, certificate, tables, files to go on with."""
+"""The report of `lacore solve`: results, pictures, certificate, tables and files."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -60,7 +60,12 @@ def page(
     """
     state = answer.state
     sections = [
-        Section("mechanism", "Mechanism", [*_mechanism(state, units)], told.get("mechanism", "")),
+        Section(
+            "mechanism",
+            "Collapse mechanism",
+            [*_mechanism(state, units)],
+            told.get("mechanism", ""),
+        ),
         Section("problem", "The problem", [_sketch(state, units), Facts(_parts(state, units))]),
     ]
     if answer.bracket is not None:
@@ -68,8 +73,8 @@ def page(
     if answer.range is not None:
         sections.append(_range(answer.range, units))
     if answer.safety is not None:
-        kind = "States" if answer.safety.states else "Bounds"
-        history = _table(answer.safety.history, f"{kind} on the way")
+        kind = "Intermediate states" if answer.safety.states else "Intermediate bounds"
+        history = _table(answer.safety.history, kind)
         sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
     sections += [_more(name, own, units) for name, own in answer.more.items()]
     sections += [
@@ -89,7 +94,7 @@ def _lead(answer: Answer) -> str:
         ends = f"{proven.lower:.6g} and {proven.upper:.6g}"
         return f"Collapse between {ends} times the reference loads: {proven.message}."
     if state.status is la.Status.SOLVED:
-        return f"Collapse at {state.load_factor:.6g} times the reference loads: {worth(state)}."
+        return f"Collapse at {state.load_factor:.6g} times the reference loads; {worth(state)}."
     return state.status.said(state.message)
 
 
@@ -99,9 +104,9 @@ def _picture(name: str, caption: str, thing: object, units: Units) -> Picture:
 
 def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
     if state.point is None:
-        yield Text("There is no mechanism to be drawn.", soft=True)
+        yield Text("There is no mechanism to draw.", soft=True)
         return
-    caption = "Mechanism, drawn larger than life"
+    caption = "Collapse mechanism, displacements exaggerated"
     yield Gallery([_picture("mechanism", caption, state, units)])
 
 
@@ -132,9 +137,9 @@ def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
 def _bracket(bracket: la.Bracket, units: Units) -> Section:
     blocks: list[Block] = [_table(bracket.history, "Solves")]
     if np.isfinite(bracket.width):
-        caption = "Where the rest of the gap is"
+        caption = "Contributions of the elements to the distance of the bounds"
         blocks.insert(0, Gallery([_picture("bracket", caption, bracket, units)]))
-    return Section("bracket", "Proven from both sides", blocks, bracket.heading)
+    return Section("bracket", "Lower and upper bound", blocks, bracket.heading)
 
 
 def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
@@ -158,7 +163,7 @@ def _more(name: str, found: Any, units: Units) -> Section:
 
 def _certificate(state: la.LimitState) -> Iterator[Block]:
     if state.certificate is None:
-        yield Text("There is no state, and so no certificate.", soft=True)
+        yield Text("There is no solution, and therefore no certificate.", soft=True)
         return
     named = pd.DataFrame(
         [(name.replace("_", " "), value) for name, value in asdict(state.certificate).items()],
@@ -166,8 +171,8 @@ def _certificate(state: la.LimitState) -> Iterator[Block]:
     )
     columns = (Column("residual"), Column("size", form=".2e"))
     yield Text(
-        "Recomputed from velocities, stresses and reactions, whatever the solver says;"
-        f" {state.tolerance:g} is what each may be."
+        "The residuals are recomputed from velocities, stresses and reactions, independently of"
+        f" the solver. The tolerance of each is {state.tolerance:g}."
     )
     yield Table(columns, named)
 

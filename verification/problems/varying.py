@@ -1,4 +1,4 @@
-"""What is asked of a number of the file that varies: critical values, limits, worst positions."""
+"""Analyses of a varied number of the file: critical values, limits, worst positions."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -112,7 +112,7 @@ def _scaled(table: pd.DataFrame, size: float) -> pd.DataFrame:
 
 
 def _crossed(own: Along[la.Critical]) -> str:
-    """Where it is, and what is proven at both ends."""
+    """Describe a critical value, and what is proven at both ends of its interval."""
     found = own.found
     if found.first is None:
         return f"{found.status.label}: {found.message}"
@@ -125,23 +125,23 @@ def _crossed(own: Along[la.Critical]) -> str:
 
 
 def _stands(own: Along[la.Critical]) -> str:
-    """The same of what stands by itself."""
+    """Describe the limit at which the dead loads are just carried."""
     found = own.found
     if found.first is None:
         return f"{found.status.label}: {found.message}"
-    before, after = ("falls", "stands") if found.first.rises else ("stands", "falls")
+    before, after = ("collapses", "stands") if found.first.rises else ("stands", "collapses")
     said = (
-        f"{own.name} = {own.at(found.value)}: it {before} at {own.at(found.low, 10)} and {after} at"
-        f" {own.at(found.high, 10)}, {_proof(found)}"
+        f"{own.name} = {own.at(found.value)}: the structure {before} at"
+        f" {own.at(found.low, 10)} and {after} at {own.at(found.high, 10)}, {_proof(found)}"
     )
     return said + _others(found)
 
 
 def _proof(found: la.Critical) -> str:
-    """What the certificates at both ends are worth."""
+    """Return what the certificates at both ends prove."""
     state = found.at_low or found.at_high
     if state is not None and state.discretisation.bodies:
-        return "both certified on this mesh, of the continuum an estimate"
+        return "both certified on this mesh; for the continuum, this is an estimate"
     return "both certified"
 
 
@@ -192,7 +192,7 @@ _BY = "problem_at, within"
 VARYING: Mapping[str, More] = {
     "critical": More(
         title="Critical value",
-        doing="searching the critical value",
+        doing="searching for the critical value",
         ask=_critical,
         good=lambda own: own.found.status is Search.FOUND,
         said=_crossed,
@@ -205,12 +205,14 @@ VARYING: Mapping[str, More] = {
         drawn=_drawn,
     ),
     "limit": More(
-        title="Where it just stands by itself",
-        doing="searching where it just stands",
+        title="Limit of standing under the dead loads",
+        doing="searching for the limit",
         ask=_limit,
         good=lambda own: own.found.status is Search.FOUND,
         said=_stands,
-        caption=lambda own: f"Above 1 it stands by itself, below it falls: along {own.name}",
+        caption=lambda own: (
+            f"Factor of the dead loads along {own.name}: the structure stands above 1"
+        ),
         document=_crossings,
         script=lambda backend, width: f'la.limit_thickness({_BY}, backend="{backend}")',
         table=lambda own: own.found.table,
@@ -221,7 +223,7 @@ VARYING: Mapping[str, More] = {
     ),
     "worst": More(
         title="Worst position",
-        doing="searching the worst position",
+        doing="searching for the worst position",
         ask=_worst,
         good=lambda own: own.found.load_factor == own.found.load_factor and not own.found.failed,
         said=_least,

@@ -1,6 +1,7 @@
-"""An answer in a few lines: the number, what it is worth, how it falls."""
+"""The result of `lacore solve` in a few lines: load factor, proof and collapse mechanism."""
 
 from collections.abc import Iterator, Sequence
+from math import isinf
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,15 @@ from lacore.showing import counted, listed
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
 
-_LOADS = 4  # that are told; the rest is counted
-_MOVES = 1e-6  # of the largest velocity: below it a thing is at rest
-_TURNS = 1e-3  # of the largest velocity: below it a block slides
-_MOST = 0.9  # of the power of a body: where it flows
+_LOADS = 4  # loads that are described; others are counted
+_MOVES = 1e-6  # of the largest velocity: a slower part is at rest
+_SAME = 1e-6  # of a load factor: closer ends of an interval are equal
+_TURNS = 1e-3  # of the largest velocity: a block that rotates more slowly slides
+_MOST = 0.9  # of the dissipation of a body, whose area is given
 
 
 def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
-    """Loads in a few words each, as many as are read."""
+    """Describe loads briefly: the first ones, and the number of the others."""
     frames = of_kind(problem.bodies, la.Frame)
     said = [units.rewritten(own.told, own.body in frames) for own in loads]
     more = f"; and {len(said) - _LOADS} more" if len(said) > _LOADS else ""
@@ -31,7 +33,7 @@ def loads_told(problem: la.Problem, loads: Sequence[Load], units: Units) -> str:
 
 
 def friction(law: Friction, units: Units) -> str:
-    """A law of friction: ``friction 0.4``, ``smooth``."""
+    """Describe a law of friction: ``friction 0.4``, ``smooth``."""
     said = stated_law(law)
     if isinstance(said, str):
         return said
@@ -43,22 +45,22 @@ def friction(law: Friction, units: Units) -> str:
 
 
 def lines(answer: Answer, units: Units) -> dict[str, str]:
-    """What to say of an answer, by name."""
+    """Return the lines that describe a result, by name."""
     state = answer.state
     one = f"{state.load_factor:.6g}, {worth(state)}"
     between = "" if answer.bracket is None else answer.bracket.heading
-    # A solve of one mesh may be far off what is proven: it is no number to begin with.
+    # The solve on one mesh may lie outside of the bounds, so they come first.
     told = {"bracket": between} if answer.bracketed else {"load factor": one}
     problem = state.discretisation.problem
-    told["times"] = loads_told(problem, problem.reference_loads, units)
+    told["reference loads"] = loads_told(problem, problem.reference_loads, units)
     if state.status is not la.Status.SOLVED:
         told["status"] = _in_words(state.status.said(state.message), units)
     elif note := state.status.added(state.message):
         told["note"] = _in_words(note, units)
     if answer.interval is not None:
-        told["interval"] = f"{answer.interval} is what this mechanism carries"
+        told["interval"] = _interval(answer.interval)
     if answer.bracketed:
-        told["one mesh"] = f"that of the file has {one}"
+        told["on one mesh"] = f"{one} (mesh of the file)"
     elif between:
         told["bracket"] = between
     if answer.range is not None:
@@ -71,19 +73,20 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     if state.point is not None:
         told["mechanism"] = mechanism(state, units)
     if answer.stability is not None:
-        told["dead loads"] = str(answer.stability)
+        told["dead loads"] = _in_words(str(answer.stability), units)
     if state.certificate is not None:
-        told["residual"] = f"{state.certificate.summary}; {state.tolerance:g} is asked for"
-    told["solved by"] = (
-        f"{state.backend}, {state.coupling} coupling:"
-        f" {counted(state.outer_iterations, 'solve')}, {answer.seconds:.3g} s in all"
+        told["residual"] = f"{state.certificate.summary}; the tolerance is {state.tolerance:g}"
+    loop = f", {state.coupling} coupling loop" if state.outer_iterations > 1 else ""
+    told["solver"] = (
+        f"{state.backend}{loop}, {counted(state.outer_iterations, 'solve')},"
+        f" {answer.seconds:.3g} s in total"
     )
     told["size"] = state.discretisation.contents
     return told
 
 
 def _in_words(message: str, units: Units) -> str:
-    """A message of lacore in the words and the units of the file."""
+    """Return a message of lacore with the keys and the units of problem files."""
     return units.rewritten(in_words_of_files(message))
 
 
@@ -93,15 +96,25 @@ def _said(name: str, found: Any, units: Units) -> str:
 
 
 def worth(state: la.LimitState) -> str:
-    """What a load factor proves."""
+    """Return what a load factor proves."""
     deforms = bool(state.discretisation.bodies)
     if deforms and state.rigor is la.Rigor.DISCRETE and state.status is la.Status.SOLVED:
-        return "an estimate: certified on this mesh, no bound"
-    return state.discretisation.worth(state.rigor).partition(":")[0]
+        return "estimate: certified on this mesh, but not a bound"
+    return state.discretisation.worth(state.rigor)
+
+
+def _interval(found: la.Interval) -> str:
+    """Describe the load factors that the mechanism of a state carries."""
+    note = "" if found.exact else "; ends as found, not proven"
+    if isinf(found.high):
+        return f"this mechanism carries all load factors from {found.low:.6g}{note}"
+    if found.high - found.low <= _SAME * abs(found.high):
+        return f"this mechanism carries the load factor {found.high:.6g} only{note}"
+    return f"this mechanism carries load factors from {found.low:.6g} to {found.high:.6g}{note}"
 
 
 def mechanism(state: la.LimitState, units: Units) -> str:
-    """What moves, flows, slips and turns."""
+    """Describe the collapse mechanism: what moves, deforms, slips and rotates."""
     said = [*_flowing(state, units), *_moving(state), *_turning(state, units)]
     said += [units.rewritten(own) for own in _slipping(state)]
     return "; ".join(said) or "nothing moves"
@@ -114,7 +127,9 @@ def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
         if not shares.sum() > 0:
             own = float(np.abs(state.velocity[name]).max(initial=0.0))
             yield (
-                f"{name} moves as it is" if own > _MOVES * _fastest(state) else f"{name} is at rest"
+                f"{name} moves without dissipation"
+                if own > _MOVES * _fastest(state)
+                else f"{name} is at rest"
             )
             continue
         order = np.argsort(-shares)
@@ -122,13 +137,13 @@ def _flowing(state: la.LimitState, units: Units) -> Iterator[str]:
         area = dofs.volumes[few].sum() / dofs.volumes.sum()
         x, y = (dofs.body.mesh.p[:, dofs.body.mesh.t[:, order[0]]].mean(axis=1)).tolist()
         yield (
-            f"{name} flows: {_MOST:.0%} of its power in {area:.0%} of it,"
-            f" most at {units.place(x, y)}"
+            f"{name} deforms: {100 * _MOST:.0f} % of the dissipation in {100 * area:.0f} % of the"
+            f" {'volume' if dofs.body.axisymmetric else 'area'}, largest at {units.place(x, y)}"
         )
 
 
 def _fastest(state: la.LimitState) -> float:
-    """The largest velocity of all bodies."""
+    """Return the largest velocity of all bodies."""
     return max(float(np.abs(own).max(initial=0.0)) for own in state.velocity.values())
 
 
@@ -143,11 +158,11 @@ def _moving(state: la.LimitState) -> Iterator[str]:
             continue
         turns = int(np.count_nonzero(turn > _TURNS * size.max()))
         if size.size == 1:
-            yield f"{name} {'turns' if turns else 'slides'}"
+            yield f"{name} {'rotates' if turns else 'slides'}"
             continue
         yield (
-            f"{int(moves.sum())} of {counted(size.size, 'block')} of {name} move, {turns} of them"
-            " turn"
+            f"{int(moves.sum())} of {counted(size.size, 'block')} of {name} move, and {turns} of"
+            " these rotate"
         )
 
 
@@ -157,17 +172,17 @@ def _turning(state: la.LimitState, units: Units) -> Iterator[str]:
         return
     turned = table[table["state"] == "turns"]
     places = dict.fromkeys(units.place(x, y) for x, y in zip(turned["x"], turned["y"], strict=True))
-    yield f"hinges turn at {listed(list(places))}" if places else "no hinge turns"
+    yield f"plastic hinges at {listed(list(places))}" if places else "no plastic hinge rotates"
 
 
 def _slipping(state: la.LimitState) -> Iterator[str]:
     table = state.reactions
-    # Joints of an assembly are told together: there may be hundreds.
+    # Joints of an assembly are counted together, because there may be hundreds.
     where = table["interface"].map(lambda name: _joints(str(name)))
     for name, own in table.groupby(where, sort=False):
         count = own["state"].value_counts()
         found = [f"{count[kind]} {kind}" for kind in ("slip", "open", "stick") if kind in count]
-        yield f"of {counted(len(own), 'point')} of {name} {', '.join(found)}"
+        yield f"{counted(len(own), 'contact point')} of {name}: {', '.join(found)}"
 
 
 def _joints(interface: str) -> str:

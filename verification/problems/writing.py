@@ -1,4 +1,4 @@
-"""The files of an answer: page, tables, VTU, and the problem as Python."""
+"""The files that `lacore solve` writes: report, tables, VTU, and a Python script."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,14 +29,14 @@ def require_writable(folder: Path) -> None:
             pass
     except OSError as error:
         why = f"cannot write there ({error.strerror or error})"
-        raise InputError("--out", str(folder), why, "name another folder") from error
+        raise InputError("--out", str(folder), why, "give another folder") from error
 
 
 def written(
     stated: Stated, question: Question, answer: Answer, folder: Path, doing: Status
 ) -> Path:
     """Write all files of an answer; returns the path of its page."""
-    files = {SCRIPT: "the same problem as Python"}
+    files = {SCRIPT: "the same problem as a Python script"}
     _write(folder / SCRIPT, as_python(stated, question, folder))
     (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
@@ -45,8 +45,8 @@ def written(
         except InputError:
             (folder / STATE).unlink(missing_ok=True)  # half of it
             raise
-        files[STATE] = "velocities and stresses for ParaView, in SI"
-    with doing("drawing"):
+        files[STATE] = "velocities and stresses for ParaView, in SI units"
+    with doing("writing the report"):
         text = stated.source.file.read_text(encoding="utf-8-sig")
         machine = describe([question.backend])
         told = lines(answer, stated.units)
@@ -76,7 +76,7 @@ def as_python(stated: Stated, question: Question, folder: Path) -> str:
         ends += _along(question, function)
     ends += more.lines(asked, question.cases, question.backend, question.bracket)
     title = " ".join(stated.title.replace("\\", "/").replace('"', "'").split())
-    head = f'"""{title}: as {stated.source.file.name} states it."""\n\n'
+    head = f'"""{title}: from {stated.source.file.name}."""\n\n'
     return f"{head}{paths}import lacore as la\n\n{problem}" + "\n".join(ends) + "\n"
 
 
@@ -85,7 +85,7 @@ def _along(question: Question, function: str) -> Iterator[str]:
     varied = question.varied
     assert varied is not None
     if not function:
-        yield f"# {varied.name} varies in the file alone: here other numbers follow from it"
+        yield f"# Several numbers here follow from {varied.name}, so it varies in the file only."
         return
     yield f"\n\ndef problem_at(value):\n{indent(function, '    ')}    return problem\n\n"
     yield f"within = ({varied.low!r}, {varied.high!r})"
@@ -108,4 +108,4 @@ def _write(file: Path, text: str) -> None:
         file.write_text(text, encoding="utf-8")
     except OSError as error:
         why = f"cannot write there ({error.strerror or error})"
-        raise InputError("--out", str(file), why, "name another folder") from error
+        raise InputError("--out", str(file), why, "give another folder") from error

@@ -1,4 +1,4 @@
-"""Mends of lacore in the words of problem files: it speaks of Python, of which there is none."""
+"""Translate messages of lacore, which name Python functions, to the keys of problem files."""
 
 import re
 from collections.abc import Sequence
@@ -30,6 +30,7 @@ _WORDS: Sequence[tuple[str, str]] = (
     (rf"{_L}STICK", '"stick"'),
     (rf"{_L}BOND", '"bond"'),
     (rf"{_L}Coulomb\((\S+)\)", r"{ mu = \1 }"),
+    (rf"`?{_L}stable`?", "--stable"),
     (rf"{_L}(?:coulomb|soil)_range", "--range"),
     (rf"ask {_L}lower_bound", "ask for --bracket"),
     (
@@ -52,14 +53,14 @@ _WORDS: Sequence[tuple[str, str]] = (
 
 
 def in_words_of_files(text: str) -> str:
-    """A mend of lacore as one of a problem file."""
+    """Return a message of lacore with the keys of problem files in place of Python names."""
     for python, own in _WORDS:
         text = re.sub(python, own, text)
     return text
 
 
 def value_of_files(value: Any) -> Any:
-    """A value as a file writes it; None of what no file writes, an opening, say."""
+    """Return a value as files write it, and None for a value that no file contains."""
     if isinstance(value, str | bool | None):
         return value
     if isinstance(value, Real):

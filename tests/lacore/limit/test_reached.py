@@ -131,13 +131,13 @@ def test_rollers_at_the_end_of_a_box_are_named_on_any_mesh(cells, width, reached
     left, _, bottom = problem.supports
     rolling = replace(problem, supports=[left, la.Fix("soil", "right", "x"), bottom])
     message = la.solve(rolling).message
-    assert ("soil.right: where that is no plane of symmetry" in message) == reached
+    assert ("soil.right: unless this is a plane of symmetry" in message) == reached
     assert "soil.left" not in message  # where the footing begins
 
 
 def test_a_smooth_base_of_a_box_is_named():
     message = la.solve(strip(4.0, 0.7, bottom="y")).message
-    assert "reaches soil.bottom: where that is no plane of symmetry" in message
+    assert "reaches soil.bottom: unless this is a plane of symmetry" in message
 
 
 def test_planes_of_symmetry_of_a_block_are_no_box():
@@ -155,7 +155,7 @@ def test_sides_that_hold_no_motion_across_them_are_no_box():
     """A layer in simple shear grows at its sides, which are held along themselves."""
     case, (variant, *_) = find("simple-shear-layer:phi-20")
     message = la.solve(case.problem(variant, "medium"), coupling="associated").message
-    assert "reaches layer.bottom: where the ground goes on" in message
+    assert "reaches layer.bottom: if the ground continues" in message
     assert "layer.left" not in message
 
 

@@ -106,7 +106,7 @@ def test_without_a_terminal_a_line_says_now_and_then_what_runs(capsys, monkeypat
         time.sleep(0.2)
     lines = capsys.readouterr().err.splitlines()
     assert any(
-        line.startswith("1 of 2 done, ") and line.endswith(f"running: {FIRST[1].label}")
+        line.startswith("1 of 2 runs finished, ") and line.endswith(f"running: {FIRST[1].label}")
         for line in lines
     )
     assert any(line.startswith(f"FAIL {FIRST[1].label}: ") for line in lines)

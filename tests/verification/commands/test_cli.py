@@ -254,7 +254,7 @@ def test_unwritable_folder_is_exit_code_2(tmp_path):
     (tmp_path / "file").write_text("")
     result = run("compare", "shear-patch", "--out", str(tmp_path / "file" / "below"))
     assert result.exit_code == 2
-    assert "cannot be used (Not a directory)" in result.stderr
+    assert "is a file; give a folder" in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,9 @@ def test_the_limit_is_where_dead_loads_just_stand(tmp_path):
     assert found["value"] == pytest.approx(20.0, rel=1e-6)
     assert found["crossings"][0]["rises"]
     page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
-    assert re.search(r"interfaces\[0\].friction.angle = (20|19.99999\d*) deg: it falls at", page)
+    assert re.search(
+        r"interfaces\[0\].friction.angle = (20|19.99999\d*) deg: the structure collapses at", page
+    )
 
 
 def test_the_worst_position_is_told_in_the_unit_of_lengths(tmp_path):
@@ -164,9 +166,12 @@ WRONG = {
     "order": (("--vary", "friction=0.6:0.1", "--limit"), "not in order; give LOW:HIGH"),
     "kinds": (("--vary", "friction=0.1:0.6 m", "--limit"), "my.toml:7: interfaces.0..friction"),
     "negative": (("--vary", "friction=-1:0.6", "--limit"), "my.toml:7: interfaces.0..friction"),
-    "a question": (("--vary", "friction=0.1:0.6"), "--vary .*: nothing is asked of it; ask for"),
-    "a number": (("--worst",), "--worst: says nothing of which number varies; say it by --vary"),
-    "no target": (("--vary", "friction=0.1:0.6", "--critical", "nan"), "--critical = nan"),
+    "a question": (("--vary", "friction=0.1:0.6"), "--vary .*: no analysis uses this number; add"),
+    "a number": (("--worst",), "--worst: needs a number that varies; add --vary"),
+    "no target": (
+        ("--vary", "friction=0.1:0.6", "--critical", "nan"),
+        "'--critical': nan is not a finite number",
+    ),
     "another dimension": (
         ("--vary", "unit_weight=1 kPa:2 kPa", "--limit"),
         "--vary = 'unit_weight=1 kPa:2 kPa': .*unit_weight = '1 kPa': 'kPa' does not fit",
@@ -202,4 +207,4 @@ def test_a_range_that_a_file_says_has_its_line(tmp_path):
     file.write_text(CRATE + "[solve]\nlimit = true\n", encoding="utf-8")
     result = lacore("solve", file)
     assert result.exit_code == 2
-    assert "my.toml:18: solve.limit = True: says nothing of which number varies" in result.output
+    assert "my.toml:18: solve.limit = True: needs a number that varies" in result.output
