@@ -47,7 +47,7 @@ LACORE = (
 VERIFICATION = (
     *("defaults", "case", "cases", "catalogue", "runs", "verdicts", "evidence", "store", "fuzz"),
     *("perform", "campaigns", "progress", "analysis", "verify", "report", "problems"),
-    *("conformance", "commands", "__main__", "case_checks"),
+    *("conformance", "usage", "commands", "__main__", "case_checks"),
 )
 """Those of verification, alike."""
 HOUSES = {"lacore": LACORE, "verification": VERIFICATION}

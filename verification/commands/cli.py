@@ -23,8 +23,8 @@ from verification.commands.programs import programs
 from verification.commands.report import manual, report
 from verification.commands.solve import solve
 from verification.commands.sweep import sweep
-from verification.commands.usage import Commands
 from verification.commands.verify import verify
+from verification.usage import Commands
 
 START = """\
 lacore computes the load at which a structure collapses, and proves the result.

@@ -11,8 +11,8 @@ import click
 
 from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.plugins import gather
-from verification.commands.usage import folder, positive, whole
 from verification.defaults import TIME_LIMIT, cores
+from verification.usage import folder, positive, whole
 
 _STOPPED = 130  # as shells say of Ctrl-C
 _Command = TypeVar("_Command", bound=Callable[..., Any])

@@ -16,7 +16,7 @@ from verification.commands.options import (
     print_json,
     time_limit_option,
 )
-from verification.commands.usage import whole
+from verification.usage import whole
 
 if TYPE_CHECKING:
     from verification.fuzz.programs.sweep import Row, Tally

@@ -15,7 +15,7 @@ from verification.commands.options import (
     out_option,
     print_json,
 )
-from verification.commands.usage import folder, whole
+from verification.usage import folder, whole
 
 VERIFIED = Path("reports/verify")
 """Where `lacore verify` writes by default."""

@@ -9,7 +9,7 @@ import click
 
 from lacore.errors import InputError
 from verification.commands.options import json_option, print_json
-from verification.commands.usage import Sectioned, folder, number, positive
+from verification.usage import Sectioned, folder, number, positive
 
 _STOPPED = 130
 _NAME = 17  # characters

@@ -393,7 +393,7 @@ def test_a_broken_package_hinders_no_one_else(installed):
     assert done.exit_code == 0
     assert "block-on-step" in {entry["id"] for entry in json.loads(done.stdout)}
     first, second = done.stderr.strip().splitlines()
-    assert first.startswith("warning: left out: a package, entry point 'broken' of lacore.cases")
+    assert first.startswith("warning: cases omitted: a package, entry point 'broken' of lacore.cases")
     assert "entry point 'wrong'" in second
 
 
