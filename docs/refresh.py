@@ -71,7 +71,7 @@ def table() -> str:
         if row.verdict != PASS:
             raise SystemExit(f"{outcome.run.label}: {row.verdict}: {row.why}")
         cells = (_linked(outcome.run), *_result(outcome), row.rigor)
-        lines.append(f"| {' | '.join(cells)} | {row.solve_time:.2f} s |")
+        lines.append(f"| {' | '.join(cells)} | {row.solve_time:.2f}\N{NO-BREAK SPACE}s |")
     return "\n".join(lines)
 
 
@@ -101,7 +101,8 @@ def _result(outcome: Outcome) -> tuple[str, str, str]:
 
 
 def _percent(error: float) -> str:
-    return "" if isnan(error) else f"{round(100 * error, 3) + 0.0:+.3f} %"  # no minus before 0
+    percent = round(100 * error, 3) + 0.0  # without a minus sign before zero
+    return "" if isnan(error) else f"{percent:+.3f}\N{NO-BREAK SPACE}%"
 
 
 def times(commands: Mapping[str, Sequence[str]] = TIMED) -> str:
