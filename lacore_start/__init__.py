@@ -1,8 +1,9 @@
-"""What starts lacore: it knows whether Python finds our packages or others of the same names.
+"""Start lacore, after checking that Python finds the packages of lacore and not others.
 
-Python takes the first `backends` on its path, and that begins with the folder of a script: a folder
-or file of that name beside the script hides our package. Of an editable installation even a folder
-without any Python in it does. This package imports none of ours, so that it can say so.
+Python imports the first package `backends` on its path, which begins with the folder of the script.
+A folder or file of that name next to the script hides the package of lacore; for an editable
+installation, even a folder without Python files does. This package imports no other package of
+lacore, so that it can report this.
 """
 
 import sys
@@ -16,17 +17,17 @@ PACKAGES = {
     "backends": "clarabel_socp.py",
     "verification": "defaults.py",
 }
-"""Our packages, each with a file that tells it from others of that name."""
+"""Packages of lacore, each with a file that distinguishes it from others of that name."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where Python finds a package.
+    """The place where Python finds a package.
 
     Attributes:
-        package: its name.
-        path: folder or file; empty where there is none.
-        ours: whether it is that of lacore.
+        package: Name of the package.
+        path: Folder or file; empty if there is none.
+        ours: Whether it is the package of lacore.
     """
 
     package: str
@@ -35,43 +36,47 @@ class Place:
 
     @property
     def mend(self) -> str:
-        """What to do about it; empty where nothing is wrong."""
+        """How to fix a wrong place; empty if the place is right."""
         if self.ours:
             return ""
         if not self.path:
             return f"the package {self.package!r} of lacore is missing: install lacore again"
         return (
-            f"{self.path} hides the package {self.package!r} of lacore: rename it, or keep"
-            f" {Path(self.path).parent} off Python's path (run from elsewhere, mend PYTHONPATH)"
+            f"{self.path} hides the package {self.package!r} of lacore: rename it, or remove"
+            f" {Path(self.path).parent} from Python's path (run from another folder, or change"
+            " PYTHONPATH)"
         )
 
 
 def place(package: str, first: Sequence[str] = ()) -> Place:
-    """Where Python finds one of our packages.
+    """Return where Python finds a package of lacore.
 
     Args:
-        package: one of `PACKAGES`.
-        first: folders before those of `sys.path`, such as that of a script.
+        package: One of `PACKAGES`.
+        first: Folders to search before `sys.path`, such as the folder of a script.
     """
     loaded = None if first else getattr(sys.modules.get(package), "__spec__", None)
-    for spec in (loaded, _found(package, first)):  # what is loaded need not be what others find
+    for spec in (
+        loaded,
+        _found(package, first),
+    ):  # a loaded package may differ from the one that is found
         if spec is not None and not (own := _place(package, spec)).ours:
             return own
     return Place(package, "", False) if spec is None else _place(package, spec)
 
 
 def hidden(*packages: str) -> str:
-    """In a sentence what hides packages and the mend; empty where nothing does.
+    """Describe what hides packages of lacore and how to fix it; empty if nothing does.
 
     Args:
-        packages: names; those that are not ours hide nothing. All of ours if none is given.
+        packages: Names to check; all packages of lacore if none is given. Others are ignored.
     """
     wanted = [name for name in packages or PACKAGES if name in PACKAGES]
     return "; ".join(own.mend for own in map(place, wanted) if own.path and not own.ours)
 
 
 def _found(package: str, first: Sequence[str]) -> ModuleSpec | None:
-    """As an import that has not been done yet would find it."""
+    """Return the module that an import would find now."""
     path = [*first, *sys.path]
     for finder in sys.meta_path:
         spec = finder.find_spec(package, path if finder is PathFinder else None)

@@ -1,17 +1,17 @@
-"""The command line ``lacore``: its packages are looked for before anything of them is imported."""
+"""The command line ``lacore``, which checks its packages before it imports them."""
 
 import sys
 
 from lacore_start import hidden
 
-STOPPED, BAD_INPUT = 130, 2  # as shells say of Ctrl-C; as of every bad input
+STOPPED, BAD_INPUT = 130, 2  # exit codes: as shells report Ctrl-C, and for invalid input
 
 
 def main() -> None:
-    """Run it; importing what it needs takes a second, in which Ctrl-C is no traceback."""
+    """Run the command line. Ctrl-C during the imports, which take a second, exits quietly."""
     try:
-        if told := hidden("lacore", "verification"):
-            sys.stderr.write(f"Error: {told}\n")
+        if problem := hidden("lacore", "verification"):
+            sys.stderr.write(f"Error: {problem}\n")
             sys.exit(BAD_INPUT)
         from verification.commands.cli import main as commands
     except KeyboardInterrupt:

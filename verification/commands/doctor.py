@@ -1,4 +1,4 @@
-"""Look after an installation: packages, BLAS threads, and whether every backend really runs."""
+"""Check an installation: packages, BLAS threads, and a self-test of every backend."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -42,9 +42,9 @@ def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str
         )
         return {"name": name, **blank, "state": missing}
     can = backend.capabilities
-    takes = {None: "cones", 1: "linear programs"}.get(can.max_cone, f"cones to {can.max_cone} rows")
+    takes = {None: "cones", 1: "linear programs"}.get(can.max_cone, f"cones of {can.max_cone} rows")
     if can.max_unknowns is not None:
-        takes += f", to {can.max_unknowns} unknowns"
+        takes += f", up to {can.max_unknowns} unknowns"
     return {
         "name": name,
         "version": "" if missing else backend.version(),
@@ -156,7 +156,7 @@ def _self_test(backend: Backend, process: la.SolverProcess) -> tuple[str, str]:
             process=process,
         )
         for wrong in conformance.failures(findings):  # one that hangs is not asked twice
-            return "FAIL", f"{wrong} (all of it: lacore conformance {backend.name})"
+            return "FAIL", f"{wrong} (all checks: lacore conformance {backend.name})"
     return "pass", ""
 
 

@@ -100,7 +100,7 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
     for row in (outcome.row for outcome in outcomes):
         counts.setdefault((row.case, row.backend, row.coupling), Counter())[row.status] += 1
     line = "{:25} {:21} {:12} {:>5}  {}".format
-    print_line(console, line("case", "backend", "coupling", "runs", "of these"), "bold")
+    print_line(console, line("case", "backend", "coupling", "runs", "statuses"), "bold")
     for names, statuses in counts.items():
         parts = ", ".join(f"{count} {status}" for status, count in statuses.most_common())
         print_line(console, line(*names, statuses.total(), parts))
@@ -115,7 +115,9 @@ def show_sweep(console: Console, outcomes: Sequence[Outcome]) -> None:
         )
     if len(reasons) > _MOST_REASONS:
         print_line(
-            console, f"{len(reasons) - _MOST_REASONS} other reasons are in the results", "dim"
+            console,
+            f"{len(reasons) - _MOST_REASONS} other reasons are listed in the results",
+            "dim",
         )
 
 
@@ -161,7 +163,7 @@ def show_step_orders(console: Console, records: Sequence[Mapping[str, Any]]) -> 
 def show_couplings(console: Console, couplings: "pd.DataFrame") -> None:
     """How each coupling fared: how many runs it certified, and with how many inner solves."""
     line = "  {:12} {:20} {:>9} {:>7} {:>7} {:>5}".format
-    print_line(console, "\ncouplings, where a load factor exists", "cyan")
+    print_line(console, "\ncouplings, for problems that have a load factor", "cyan")
     print_line(console, line("coupling", "backend", "certified", "median", "most", "FAIL"), "bold")
     for own in couplings.to_dict("records"):
         shares = f"{own['solved']}/{own['cases']}"
@@ -216,17 +218,17 @@ def show_records(console: Console, records: Sequence[dict[str, Any]]) -> None:
 
 
 def show_cases(console: Console, records: Sequence[dict[str, Any]]) -> None:
-    """A line a case, below it its variants, and which backends it goes without."""
+    """Print for each case a line, its variants and tags, and the backends that cannot solve it."""
     line = "{:25} {:10} {}".format
-    print_line(console, line("id", "run", "title"), "bold")
+    print_line(console, line("name", "runs", "title"), "bold")
     for record in records:
         print_line(console, line(record["id"], record["run"], record["title"]))
         variants = record["variants"]
         shown = ", ".join(variants[:8]) + (f", ... {len(variants)}" if len(variants) > 8 else "")
-        print_line(console, f"  {shown}; on {', '.join(record['meshes'])}", "dim")
+        print_line(console, f"  variants: {shown}; meshes: {', '.join(record['meshes'])}", "dim")
         print_line(console, f"  tags: {', '.join(record['tags'])}", "dim")
         for text in record["without"]:
-            print_line(console, f"  without {text}", "dim")
+            print_line(console, f"  not solved by {text}", "dim")
 
 
 def _text(value: Any) -> str:
@@ -239,14 +241,14 @@ def print_line(console: Console, text: str, style: str = "") -> None:
 
 
 def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
-    """A line a backend, below it its title, or why it cannot run here."""
+    """Print a line for each backend, with its title, or with the reason why it cannot run."""
 
     def say(text: str, style: str = "") -> None:
         print_line(console, text, style)
 
-    line = "{:21} {:28} {:12} {:24} {:10} {:11} {:16} {}".format
+    line = "{:21} {:28} {:12} {:27} {:10} {:11} {:16} {}".format
     say(
-        line("name", "version", "solves", "takes", "hardening", "warm start", "run", "state"),
+        line("name", "version", "solution", "programs", "hardening", "warm start", "runs", "state"),
         "bold",
     )
     for record in records:
@@ -262,14 +264,14 @@ def show_backends(console: Console, records: Sequence[dict[str, str]]) -> None:
 def show_conformance(
     console: Console, name: str, records: Sequence[dict[str, Any]], failures: Sequence[str]
 ) -> None:
-    """One line a program with the error that came closest to what is allowed; then what failed."""
+    """Print a line for each program with the error nearest to its limit; then the failures."""
 
     def say(text: str, style: str = "") -> None:
         print_line(console, text, style)
 
     line = "  {:31} {:8} {:>7} {:24} {:>9} {:>9}".format
     say(name, "cyan")
-    say(line("program", "verdict", "checks", "closest to its limit", "error", "allowed"), "bold")
+    say(line("program", "verdict", "checks", "check nearest its limit", "error", "allowed"), "bold")
     for record in records:
         cells = (
             *(record[key] for key in ("program", "verdict", "checks", "closest")),
@@ -285,11 +287,13 @@ def show_conformance(
 
 
 def show_health(console: Console, found: dict[str, Any]) -> None:
-    """What `verification.commands.doctor` found, section by section."""
+    """Print the findings of `verification.commands.doctor` in sections."""
     for key, text in found["environment"].items():
         console.print(f"{key:9} {text}", highlight=False, markup=False)
     for section in ("places", "packages", "libraries", "backends"):
         console.print()
         show_records(console, found[section])
-    verdict = "all is well" if found["healthy"] else "something has to be mended: see the remedies"
+    verdict = "the installation works"
+    if not found["healthy"]:
+        verdict = "the installation has problems: see the column remedy"
     console.print(f"\n{verdict}", style="" if found["healthy"] else "bold red", highlight=False)
