@@ -54,3 +54,18 @@ def test_the_environment_of_developers_solves_too(clone):
     later = (clone / ".venv" / ".ready").stat().st_mtime + 10
     os.utime(clone / "pyproject.toml", (later, later))
     assert TESTS in told(clone, "compare")
+
+
+def test_long_steps_are_announced(clone):
+    steps = told(clone, "compare")
+    for message, step in (
+        ("Creating", "-m venv"),
+        ("Installing", "-m pip"),
+        ("Comparing", "lacore compare"),
+    ):
+        assert steps.index(message) < steps.index(step)
+
+
+def test_help_begins_with_compare_and_test():
+    done = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert [line.split()[1] for line in done.stdout.splitlines()[:2]] == ["compare", "test"]
