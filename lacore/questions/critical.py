@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import toms748
 
 from lacore import views
 from lacore.errors import InputError, is_number, require_positive, require_whole, typed
@@ -304,6 +303,8 @@ class _Seen:
         self, low: float, high: float, within: float
     ) -> tuple[Search, tuple[float, float] | None]:
         """Narrow a change of sides down; the values next to it whose sides are proven."""
+        from scipy.optimize import toms748  # takes 0.3 s to load, and most solves do not need it
+
         try:
             root = float(
                 toms748(self._bounded, low, high, xtol=within / _WIDEN, maxiter=_MOST, disp=False)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize_scalar
 
 from lacore import views
 from lacore.arrays import Floats
@@ -129,6 +128,8 @@ def worst_position(
         >>> round(found.position, 2), round(found.load_factor, 2)  # 8 M/L at its middle
         (2.0, 2.0)
     """
+    from scipy.optimize import minimize_scalar  # takes 0.3 s to load; most solves do not need it
+
     begin = time.perf_counter()
     low, high = read_range(within)
     require_positive("tolerance", tolerance)
