@@ -31,7 +31,8 @@ PRIVATE = {
         "converges"
     ),
     r"turn(s|ed|ing)? over\b": "dissipated (power); overturns (a body)",
-    r"left over\b|leftovers?\b|what (it|they|is|the \w+|a \w+) (left|leaves?)\b(?! out)": "residual, rest",
+    r"left over\b|leftovers?\b": "residual, rest",
+    r"what (it|they|is|the \w+|a \w+) (left|leaves?)\b(?! out)": "residual, rest",
     r"nearby\b|near (start|solve)s?\b": "warm start; close",
     r"good units?\b|(is|are) good (for|to)\b|good to \d": "scaled units; accuracy",
     r"(?<!frequently )asked\b|(is|are|was|were) held to\b": "requested, required",

@@ -90,7 +90,10 @@ def find(name: str, known: Catalogue | None = None) -> tuple[Case, tuple[Variant
     case_id, _, variant_name = name.partition(":")
     if case_id in known.broken:
         raise known.broken[case_id]
-    require_known("case", case_id, known)
+    if case_id not in known:
+        closest = suggest(case_id, known)
+        fix = closest if closest.endswith("?") else "`lacore cases` lists all cases"
+        raise InputError("case", case_id, "unknown name", fix)
     case = known[case_id]
     if not variant_name:
         return case, tuple(case.variants)

@@ -12,6 +12,7 @@ import os
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -82,17 +83,20 @@ def _files(folder: Path) -> list[Path]:
     Raises:
         InputError: no folder, or none of them in it.
     """
+    fix = "give a folder with files that define cases"
+    if not folder.exists():
+        raise InputError("--cases", str(folder), "there is no such folder", _similar(folder) or fix)
     try:
         paths = sorted(folder.resolve().iterdir())
     except OSError as error:
         raise InputError(
-            "--cases", str(folder), f"cannot be read ({error.strerror})", "name a folder of cases"
+            "--cases", str(folder), f"cannot be read ({error.strerror})", fix
         ) from error
     if os.pathsep in str(folder.resolve()):
         raise InputError(
             "--cases",
             str(folder),
-            f"other processes cannot be told a path with {os.pathsep!r} in it",
+            f"a path with {os.pathsep!r} in it cannot be passed to other processes",
             "rename the folder",
         )
     files = [path for path in paths if path.suffix == ".py" and not path.name.startswith("_")]
@@ -100,10 +104,20 @@ def _files(folder: Path) -> list[Path]:
         raise InputError(
             "--cases",
             str(folder),
-            "has no case in it",
-            "put a file NAME.py there that defines CASE, or name another folder",
+            "contains no case",
+            "add a file NAME.py that defines CASE, or give another folder",
         )
     return files
+
+
+def _similar(folder: Path) -> str:
+    """Return a question for the folder that a mistyped path may mean; empty if there is none."""
+    try:
+        names = [str(own) for own in folder.parent.iterdir() if own.is_dir()]
+    except OSError:
+        return ""
+    close = get_close_matches(str(folder), names, n=1)
+    return f"did you mean {close[0]!r}?" if close else ""
 
 
 def _of_file(path: Path) -> list[Case]:
@@ -181,7 +195,9 @@ def _reported(source: str, path: Path | None) -> Iterator[None]:
         field = f"{source}: {error.field}"
         raise InputError(field, error.value, error.why, error.mend) from error
     except (Exception, SystemExit) as error:  # whatever others wrote
-        raise InputError(f"{source}{_line(error, path)}", None, said(error), "mend it") from error
+        raise InputError(
+            f"{source}{_line(error, path)}", None, said(error), "correct the file"
+        ) from error
 
 
 def _line(error: BaseException, path: Path | None) -> str:

@@ -12,6 +12,7 @@ from lacore.files.problem.schema.document import ProblemFile
 from lacore.files.problem.schema.meshes import FOLDER
 from lacore.files.problem.schema.values import AMOUNTS, FORCES
 from lacore.files.problem.units import Amount
+from lacore.showing import counted
 
 TAGS = ("kind", "shape", "criterion", "law", "load")
 """Keys whose values tell the kinds of tables."""
@@ -46,7 +47,11 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
         found = error.errors(include_url=False, include_input=False)
         told = [_told(source, one) for one in found]
         first = min(told, key=lambda one: one[0])
-        more = f" ({len(told) - 1} more after it)" if len(told) > 1 else ""
+        more = (
+            f" ({len(told) - 1} more {'error follows' if len(told) == 2 else 'errors follow'})"
+            if len(told) > 1
+            else ""
+        )
         wrong = first[1]
         raise InputError(wrong.field, wrong.value, wrong.why, wrong.mend + more) from None
 
@@ -85,7 +90,7 @@ def _told(source: Source, one: Any) -> tuple[int, InputError]:
         why, mend = "unknown", suggest(str(value), known)
     else:
         value = _at(source.data, path)
-        why, mend = _SAID.get(kind, (str(one["msg"]), "`lacore new` shows how it is written"))
+        why, mend = _SAID.get(kind, (str(one["msg"]), "see the examples of `lacore new`"))
     error = source.error(path, value, why, mend)
     return source.line(path), error
 

@@ -12,6 +12,7 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from lacore.errors import InputError, typed
+from lacore.files.contents import contents
 from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
 from lacore.files.problem.places import Path, lines
 from lacore.files.problem.units import chosen
@@ -22,7 +23,6 @@ from lacore.problem.problem import Problem
 if TYPE_CHECKING:
     from lacore.files.problem.schema.document import Asked
 
-_LARGEST = 10_000_000  # bytes
 _TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")  # of tomllib
 
 
@@ -137,25 +137,20 @@ class Source:
             InputError: it cannot be read, or is no TOML.
         """
         shown = str(file)
-        try:
-            raw = file.read_bytes() if file.stat().st_size <= _LARGEST else None
-        except (OSError, ValueError) as error:  # ValueError: a name that no file has
-            why = getattr(error, "strerror", None) or str(error)
-            mend = "give the path of a problem file; `lacore new` writes some to begin with"
-            raise InputError("path", shown, f"cannot be read ({why})", mend) from error
-        if raw is None:
-            raise InputError("path", shown, "is no problem file: too large", "name another one")
+        raw = contents(file)
         try:
             text = raw.decode("utf-8-sig")  # editors of Windows put a mark before it
             data = tomllib.loads(text)
         except UnicodeDecodeError as error:
             line = raw.count(b"\n", 0, error.start) + 1
             mend = "save it as UTF-8"
-            raise InputError(f"{shown}:{line}", None, "is no text in UTF-8", mend) from error
+            raise InputError(f"{shown}:{line}", None, "is not text in UTF-8", mend) from error
         except tomllib.TOMLDecodeError as error:
             raise _no_toml(shown, text, error) from error
         except RecursionError as error:
-            raise InputError(shown, None, "brackets in brackets without end", "mend it") from error
+            raise InputError(
+                shown, None, "brackets are nested too deeply", "remove some"
+            ) from error
         return cls(file, data, lines(text))
 
     def error(self, path: Path, value: object, why: str, mend: str) -> InputError:
@@ -211,7 +206,7 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     line = numbers[0] if numbers else text.count("\n") + 1
     found = text.splitlines()[line - 1 : line]
     value = found[0].strip() if found else None
-    mend = "write key = value, texts and amounts with units in quotes, tables as [name], a key once"
-    why = _TWICE.sub("a key is there twice", why)
-    said = f"is no TOML: {why[:1].lower()}{why[1:]}"
+    mend = "write key = value, tables as [name], and texts and numbers with units in quotes"
+    why = _TWICE.sub("a key is given twice", why)
+    said = f"is not valid TOML: {why[:1].lower()}{why[1:]}"
     return InputError(f"{shown}:{line}: line", value, said, mend)

@@ -173,9 +173,9 @@ BAD = {
     "syntax": ([("import lacore as la", "import import")], "planted.py, line 14: SyntaxError"),
     "import": (
         [("import lacore as la", "import lacore as la\n1 / 0")],
-        "planted.py, line 15: ZeroDivisionError: division by zero; mend it",
+        "planted.py, line 15: ZeroDivisionError: division by zero; correct the file",
     ),
-    "exit": ([("import lacore as la", "raise SystemExit(3)")], "SystemExit: 3; mend it"),
+    "exit": ([("import lacore as la", "raise SystemExit(3)")], "SystemExit: 3; correct the file"),
     "missing module": (
         [("import lacore as la", "import no_such_thing_at_all")],
         "ModuleNotFoundError: No module named 'no_such_thing_at_all'",
@@ -393,7 +393,7 @@ def test_a_broken_package_hinders_no_one_else(installed):
     assert done.exit_code == 0
     assert "block-on-step" in {entry["id"] for entry in json.loads(done.stdout)}
     first, second = done.stderr.strip().splitlines()
-    assert first.startswith("warning: cases omitted: a package, entry point 'broken' of lacore.cases")
+    assert first.startswith("warning: cases omitted: a package, entry point 'broken' of lacore")
     assert "entry point 'wrong'" in second
 
 

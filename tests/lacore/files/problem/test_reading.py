@@ -63,9 +63,9 @@ def test_a_file_states_the_problem_that_python_would(tmp_path):
             r"dead_loads\[0\].unit_weight.*: a weight below 0; give",
         ),
         ('shape = "rect', 'file = "soil.msh", shape = "rect', 5, r"shape = .*: is there beside a"),
-        ('title = "Footing"', 'title = "Foo', 1, r"is no TOML"),
-        ("[[supports]]", "[[supports]", 9, r"is no TOML"),
-        ("nx = 6", "x.nx = 6", 5, r"is no TOML: a key is there twice; write key"),
+        ('title = "Footing"', 'title = "Foo', 1, r"is not valid TOML"),
+        ("[[supports]]", "[[supports]", 9, r"is not valid TOML"),
+        ("nx = 6", "x.nx = 6", 5, r"is not valid TOML: a key is given twice; write key"),
         ("[[reference_loads]]", "[[dead_loads]]", 1, r"reference_loads: missing; add reference"),
     ],
 )  # fmt: skip
@@ -81,10 +81,11 @@ def test_errors_say_file_line_field_value_and_mend(tmp_path, old, new, line, sai
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (None, "cannot be read .*; give the path of a problem file"),
-        (b"title = '\xff'", r":1: is no text in UTF-8; save it"),
-        (b"a = " + b"[" * 5000, "brackets in brackets|is no TOML"),
-        (b"", r":1: bodies: missing; add bodies, reference_loads"),
+        (None, "there is no such file; give the path of a problem file"),
+        (b"title = '\xff'", r":1: is not text in UTF-8; save it"),
+        (b"a = " + b"[" * 5000, "nested too deeply|is not valid TOML"),
+        (b"", r"path = .*is empty; `lacore new` prints problem files"),
+        (b"# a comment", r":1: bodies: missing; add bodies, reference_loads"),
     ],
 )
 def test_what_is_no_problem_file_is_refused(tmp_path, content, said):
