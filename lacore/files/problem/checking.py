@@ -47,11 +47,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
         found = error.errors(include_url=False, include_input=False)
         told = [_told(source, one) for one in found]
         first = min(told, key=lambda one: one[0])
-        more = (
-            f" ({len(told) - 1} more {'error follows' if len(told) == 2 else 'errors follow'})"
-            if len(told) > 1
-            else ""
-        )
+        more = f" ({counted(len(told) - 1, 'more error')} after it)" if len(told) > 1 else ""
         wrong = first[1]
         raise InputError(wrong.field, wrong.value, wrong.why, wrong.mend + more) from None
 
