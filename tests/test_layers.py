@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import dataclass
 from functools import cache
 from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
@@ -57,66 +58,112 @@ NAMED = r"(lacore|backends|verification)[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
 
 
+@dataclass(frozen=True)
+class Contents:
+    """What the rules ask of a file, found in one pass over its syntax tree."""
+
+    imported: list[str]  # packages and full names, wherever in the file, also as ``module:name``
+    at_runtime: list[str]  # the same without imports for type checkers only
+    constants: set[object]
+    kind_checks: dict[int, str]  # by line, calls of isinstance that name a KINDS_OF_THINGS
+
+
 @cache
-def imports(path, run=False):
-    """Packages and full names that a file imports, wherever in it, also by a string
-    ``module:name``; `run`: but for types alone."""
-    return [*_imports(path, run)]
+def contents(path):
+    found = Contents([], [], set(), {})
+    pending = [(ast.parse(path.read_text(encoding="utf-8")), False)]
+    while pending:
+        node, for_types = pending.pop()
+        for_types = for_types or (
+            isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+        )
+        names = imported_by(node, path)
+        found.imported.extend(names)
+        found.at_runtime.extend([] if for_types else names)
+        if isinstance(node, ast.Constant):
+            found.constants.add(node.value)
+        elif isinstance(node, ast.Call) and asks_for_a_kind(node):
+            found.kind_checks[node.lineno] = ast.unparse(node)
+        pending.extend((child, for_types) for child in ast.iter_child_nodes(node))
+    return found
 
 
-def _imports(path, run):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    typed = {
-        inner
-        for node in ast.walk(tree)
-        if run and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-        for inner in ast.walk(node)
-    }
-    for node in ast.walk(tree):
-        if node in typed:
-            continue
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: a relative import"
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Constant) and re.fullmatch(NAMED, str(node.value)):
-            yield node.value.replace(":", ".")
+def imported_by(node, path):
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom):
+        assert node.level == 0, f"{path}: a relative import"
+        return [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    if isinstance(node, ast.Constant) and re.fullmatch(NAMED, str(node.value)):
+        return [node.value.replace(":", ".")]
+    return []
+
+
+def asks_for_a_kind(call):
+    if not (isinstance(call.func, ast.Name) and call.func.id == "isinstance"):
+        return False
+    named = {own.id for own in ast.walk(call.args[1]) if isinstance(own, ast.Name)}
+    return bool(named & KINDS_OF_THINGS)
+
+
+def imports(path):
+    return contents(path).imported
 
 
 def files(folder):
+    """Return the Python files of a folder; an empty list would make a check pass without a test."""
     found = sorted((ROOT / folder).rglob("*.py"))
-    assert found, f"no files in {folder}: the check would be empty"
-    return [pytest.param(path, id=str(path.relative_to(ROOT))) for path in found]
+    assert found, f"no files in {folder}"
+    return found
+
+
+def offenders(paths, names_of):
+    """Return the offending names by file, for all files that have any."""
+    found = {str(path.relative_to(ROOT)): sorted(names_of(path)) for path in paths}
+    return {path: names for path, names in found.items() if names}
+
+
+def imports_within(packages, ignored=()):
+    """Return a function that lists what a file imports from some packages."""
+
+    def names_of(path):
+        return [
+            name
+            for name in imports(path)
+            if any(within(name, package) for package in packages) and not name.startswith(ignored)
+        ]
+
+    return names_of
 
 
 def within(name, package):
     return name == package or name.startswith(f"{package}.")
 
 
-@pytest.mark.parametrize("path", files("lacore"))
-def test_the_core_knows_no_solver_and_no_case(path):
+def test_the_core_knows_no_solver_and_no_case():
     banned = ("backends", "verification", *SOLVERS)
-    assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
+    assert offenders(files("lacore"), imports_within(banned)) == {}
 
 
-@pytest.mark.parametrize("path", [*files("lacore"), *files("verification")])
-def test_imports_run_one_way(path):
+@pytest.mark.parametrize("house", HOUSES)
+def test_imports_run_one_way(house):
     """Wherever in a file they stand; of `from verification import progress` the room is that."""
-    house, own = module_of(path).partition(".")[0], room_of(path)
-    if own == "__init__":
-        return  # the face
     order = HOUSES[house]
-    seen = rooms_seen(path, house)
-    assert [name for name in seen if order.index(name) > order.index(own)] == []
+
+    def imported_from_later(path):
+        own = room_of(path)
+        if own == "__init__":
+            return []  # the face
+        return [name for name in rooms_seen(path, house) if order.index(name) > order.index(own)]
+
+    assert offenders(files(house), imported_from_later) == {}
 
 
-@pytest.mark.parametrize("path", files("lacore"))
-def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit(path):
-    own, seen = room_of(path), rooms_seen(path, "lacore")
+def test_what_knows_no_mesh_and_what_knows_no_loop_meet_in_limit():
     for wing, other in ((SOLVER_WING, MECHANICS_WING), (MECHANICS_WING, SOLVER_WING)):
-        assert own not in wing or not seen & set(other)
+        own = [path for path in files("lacore") if room_of(path) in wing]
+        seen = offenders(own, lambda path, other=other: rooms_seen(path, "lacore") & set(other))
+        assert seen == {}
 
 
 @pytest.mark.parametrize(
@@ -152,7 +199,7 @@ def test_no_file_needs_itself(house):
     """Of modules, inside of rooms too; imports for types alone need nothing."""
     found = {module_of(path): path for path in (ROOT / house).rglob("*.py")}
     needs = {
-        name: {known(seen, found) for seen in imports(path, run=True)} - {name, None}
+        name: {known(seen, found) for seen in contents(path).at_runtime} - {name, None}
         for name, path in found.items()
         if not name.endswith("__init__")
     }
@@ -187,13 +234,11 @@ def test_a_room_is_seen_at_a_glance(house):
 def test_few_ask_what_kind_of_thing_they_have():
     """Bodies, loads and obstacles say by their protocols what is asked of them, or one function a
     kind is registered: a new kind is not searched for in all files."""
-    asked = {}
-    for path in sorted((ROOT / "lacore").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance":
-                named = {own.id for own in ast.walk(node.args[1]) if isinstance(own, ast.Name)}
-                if named & KINDS_OF_THINGS:
-                    asked[f"{path.relative_to(ROOT)}:{node.lineno}"] = ast.unparse(node)
+    asked = {
+        f"{path.relative_to(ROOT)}:{line}": text
+        for path in files("lacore")
+        for line, text in contents(path).kind_checks.items()
+    }
     assert len(asked) <= MOST_QUESTIONS, asked
 
 
@@ -228,30 +273,27 @@ def script_of(name):
     return script
 
 
-@pytest.mark.parametrize("path", files("backends"))
-def test_a_backend_knows_the_core_only(path):
+def test_a_backend_knows_the_core_only():
     """And private modules beside it, which are no backends: what several share exists once."""
     banned = ("backends", "verification", "skfem", "matplotlib")
-    names = [name for name in imports(path) if not name.startswith("backends._")]
-    assert not [name for name in names if any(within(name, b) for b in banned)]
+    assert offenders(files("backends"), imports_within(banned, ignored=("backends._",))) == {}
 
 
-@pytest.mark.parametrize("path", files("verification/cases"))
-def test_a_case_knows_no_backend(path):
+def test_a_case_knows_no_backend():
     banned = ("backends", *SOLVERS)
-    assert not [name for name in imports(path) if any(within(name, b) for b in banned)]
+    assert offenders(files("verification/cases"), imports_within(banned)) == {}
 
 
-@pytest.mark.parametrize("path", files("verification"))
-def test_the_harness_knows_no_backend_by_name(path):
+def test_the_harness_knows_no_backend_by_name():
     """Cases say what cannot solve them, random problems what their second opinion is."""
-    if room_of(path) in ("cases", "fuzz"):
-        return
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     names = set(tomllib.loads(text)["project"]["entry-points"]["lacore.backends"])
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    said = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-    assert not said & names
+
+    def named(path):
+        return names & contents(path).constants
+
+    own = [path for path in files("verification") if room_of(path) not in ("cases", "fuzz")]
+    assert offenders(own, named) == {}
 
 
 def test_the_start_knows_the_standard_library_only():
@@ -322,7 +364,8 @@ from types import ModuleType
 found = {name: getattr(la, name) for name in la.__all__}
 print(sorted(name for name, value in found.items() if isinstance(value, ModuleType)))
 """
-    assert printed_by(code) == "['hardening', 'masonry', 'masonry3d', 'meshes', 'sections']"
+    modules = ["examples", "hardening", "masonry", "masonry3d", "meshes", "sections", "types"]
+    assert printed_by(code) == str(modules)
 
 
 def loaded_of(code, banned):

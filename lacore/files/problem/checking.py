@@ -7,10 +7,10 @@ from pydantic import ValidationError
 
 from lacore.errors import InputError, suggest
 from lacore.files.problem.places import Path
-from lacore.files.problem.reading import Source, has
 from lacore.files.problem.schema.document import ProblemFile
 from lacore.files.problem.schema.meshes import FOLDER
 from lacore.files.problem.schema.values import AMOUNTS, FORCES
+from lacore.files.problem.source import Source, has
 from lacore.files.problem.units import Amount
 from lacore.showing import counted
 

@@ -9,7 +9,8 @@ from typing import Any
 from lacore.errors import InputError, suggest
 from lacore.files.problem.checking import checked
 from lacore.files.problem.places import Path
-from lacore.files.problem.reading import Source, Stated, stated_by, written
+from lacore.files.problem.reading import Stated, stated_by
+from lacore.files.problem.source import Source, written
 from lacore.problem.problem import Problem
 
 _RANGE = re.compile(r"\s*(?P<name>[^=]+?)\s*=\s*(?P<low>[^:]+?)\s*:\s*(?P<high>[^:]+?)\s*")

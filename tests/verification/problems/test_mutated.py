@@ -10,7 +10,8 @@ import pytest
 
 from lacore.errors import InputError
 from lacore.files.problem.layout import toml
-from lacore.files.problem.reading import Source, read, written
+from lacore.files.problem.reading import read
+from lacore.files.problem.source import Source, written
 from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from tests.verification.problems import others

@@ -8,7 +8,7 @@ from math import radians, tan
 
 import pytest
 
-from lacore.files.problem.reading import Source
+from lacore.files.problem.source import Source
 from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from verification.problems import starters

@@ -1,0 +1,114 @@
+"""A problem file as it is written, and errors that name the line of what they are about."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as File
+from typing import Any
+
+from lacore.errors import InputError
+from lacore.files.contents import contents
+from lacore.files.problem.places import Path, lines
+from lacore.files.problem.wording import in_words_of_files, value_of_files
+
+_TWICE = re.compile(r"Cannot (mutate immutable namespace|overwrite a value).*")  # of tomllib
+
+
+@dataclass(frozen=True)
+class Source:
+    """A problem file as it is written.
+
+    Attributes:
+        file: its path.
+        data: its tables.
+        lines: of all that is in it, see `lacore.files.problem.places.lines`.
+    """
+
+    file: File
+    data: Mapping[str, Any]
+    lines: Mapping[Path, int]
+
+    @classmethod
+    def of(cls, file: File) -> Source:
+        """Read a file.
+
+        Raises:
+            InputError: it cannot be read, or is no TOML.
+        """
+        shown = str(file)
+        raw = contents(file)
+        try:
+            text = raw.decode("utf-8-sig")  # editors of Windows put a mark before it
+            data = tomllib.loads(text)
+        except UnicodeDecodeError as error:
+            line = raw.count(b"\n", 0, error.start) + 1
+            mend = "save it as UTF-8"
+            raise InputError(f"{shown}:{line}", None, "is not text in UTF-8", mend) from error
+        except tomllib.TOMLDecodeError as error:
+            raise _no_toml(shown, text, error) from error
+        except RecursionError as error:
+            raise InputError(
+                shown, None, "brackets are nested too deeply", "remove some"
+            ) from error
+        return cls(file, data, lines(text))
+
+    def error(self, path: Path, value: object, why: str, mend: str) -> InputError:
+        """An error of what is at a path, or of the nearest thing around it that is there."""
+        there, own = self._nearest(path)
+        if own is not None and not isinstance(own, dict | list):
+            value = own
+        shown = value_of_files(value)
+        field = written(there if there else path[:1])
+        return InputError(
+            f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
+            None if shown == [] else shown,
+            in_words_of_files(why),
+            in_words_of_files(mend),
+        )
+
+    def line(self, path: Path) -> int:
+        """Where a path, or the nearest thing around it that is there, is written."""
+        known = (path[:n] for n in range(len(path), 0, -1) if path[:n] in self.lines)
+        return next((self.lines[own] for own in known), 1)
+
+    def _nearest(self, path: Path) -> tuple[Path, Any]:
+        own: Any = self.data
+        for place, key in enumerate(path):
+            if not has(own, key):
+                return path[:place], own
+            own = own[key]
+        return path, own
+
+
+def has(table: Any, key: str | int) -> bool:
+    """Whether a table, or a list, of a file has a key."""
+    listed = isinstance(table, list) and isinstance(key, int) and key < len(table)
+    return listed or (isinstance(table, dict) and key in table)
+
+
+def written(path: Path) -> str:
+    """``bodies.arch.thickness``, ``reference_loads[0].at``."""
+    text = ""
+    for key in path:
+        if isinstance(key, int):
+            text += f"[{key}]"
+        else:
+            plain = key.replace("_", "a").replace("-", "a").isalnum()
+            text += f".{key}" if plain else f".{key!r}"
+    return text.lstrip(".")
+
+
+def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputError:
+    """With the line at the front, as all others."""
+    why, _, rest = str(error).partition(" (at ")
+    numbers = [int(word) for word in rest.rstrip(")").replace(",", "").split() if word.isdigit()]
+    line = numbers[0] if numbers else text.count("\n") + 1
+    found = text.splitlines()[line - 1 : line]
+    value = found[0].strip() if found else None
+    mend = "write key = value, tables as [name], and texts and numbers with units in quotes"
+    why = _TWICE.sub("a key is given twice", why)
+    said = f"is not valid TOML: {why[:1].lower()}{why[1:]}"
+    return InputError(f"{shown}:{line}: line", value, said, mend)
