@@ -1,15 +1,30 @@
 """Intel MKL PARDISO, of the extra ``fast``: ImportError where that is not installed."""
 
 import ctypes
+import os
+import sys
 from copy import copy
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pypardiso
 
 from lacore.arrays import Floats, Sparse
 from lacore.numerics.linear_algebra import SingularError, require_numbers
+
+_PLACES = ("lib/libmkl_rt*", "Library/bin/mkl_rt*")  # of MKL as its wheel installs it
+
+
+def _locate_library() -> None:
+    """Tell pypardiso where MKL is: it would search every folder of the environment."""
+    found = [file for place in _PLACES for file in Path(sys.prefix).glob(place)]
+    if len(found) == 1:
+        os.environ.setdefault("PYPARDISO_MKL_RT", str(found[0]))
+
+
+_locate_library()
+import pypardiso  # noqa: E402
 
 _ANALYSE, _FACTORISE, _SOLVE = 11, 22, 33  # phases of PARDISO
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2

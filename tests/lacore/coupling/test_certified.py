@@ -62,8 +62,8 @@ def test_contraction_of_the_kappa_family(mu, slope, kappa, start, expected):
 
 @pytest.mark.parametrize(("kappa", "name"), one_in(2, [(0.0, "reaction"), (1.0, "shift")]))
 def test_ends_of_the_family_are_the_reaction_and_the_shift_loop(kappa, name):
-    one = la.solve(PROBLEMS["wall-3"](), coupling="kappa", kappa=kappa)
-    other = la.solve(PROBLEMS["wall-3"](), coupling=name)
+    one = la.solve(PROBLEMS["wall-1"](), coupling="kappa", kappa=kappa)
+    other = la.solve(PROBLEMS["wall-1"](), coupling=name)
     assert one.status is other.status
     assert np.allclose(one.history["load_factor"], other.history["load_factor"], rtol=1e-9)
 

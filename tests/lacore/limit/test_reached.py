@@ -13,6 +13,11 @@ from lacore.limit.solve import solve
 from verification.catalogue.catalogue import catalogue, find
 
 
+@pytest.fixture(autouse=True, scope="module")
+def ground_beyond():
+    """Solve problems with more ground, as users do: the tests of this file are about them."""
+
+
 def strip(width, depth, nx=16, ny=9, angle=20.0, bottom="xy"):
     """Half of a smooth footing, 2 m wide; Hill's mechanism at 20 degrees is 3.6 m by 1.2 m."""
     mesh = la.meshes.rectangle(

@@ -112,7 +112,7 @@ def test_a_tube_with_a_peak():
 
 
 def test_events():
-    path = pressed(5, travel=0.75, billet=lambda: billet(crossed=True))
+    path = pressed(3, travel=0.6, billet=lambda: billet(crossed=True))
     assert "contact closed" in words(drawn(path.plot()))
 
 

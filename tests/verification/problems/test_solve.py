@@ -251,9 +251,13 @@ def test_what_there_is_to_begin_with_is_listed():
     assert "did you mean 'footing'?" in lacore("new", "fotting").stderr
 
 
+@pytest.fixture(scope="module")
+def schema():
+    return json.loads(lacore("new", "--schema").stdout)
+
+
 @pytest.mark.parametrize("name", STARTERS)
-def test_starters_are_what_the_schema_says(name):
-    schema = json.loads(lacore("new", "--schema").stdout)
+def test_starters_are_what_the_schema_says(name, schema):
     jsonschema.validate(tomllib.loads(lacore("new", name).stdout), schema)
 
 
