@@ -145,7 +145,7 @@ def test_the_width_is_that_of_bounds_and_that_of_corners():
 
 def test_two_directions_at_a_time_find_what_one_does():
     loads = {"V": VERTICAL, "H": ASIDE}
-    one, two = (la.envelope(footing(nx=6, ny=1), loads, n=5, jobs=jobs) for jobs in (1, 2))
+    one, two = (la.envelope(footing(nx=12, ny=1), loads, n=5, jobs=jobs) for jobs in (1, 2))
     assert np.array_equal(one.planes, two.planes)
     assert np.array_equal(one.inner, two.inner)
 
