@@ -17,7 +17,7 @@ def load() -> dict[str, Any]:
     """
     data = KEPT.read_bytes()
     if digest(data) != seal_of(KEPT).read_text(encoding="ascii").strip():
-        raise ValueError(f"{KEPT.name} is not what was kept: its checksum is another one")
+        raise ValueError(f"{KEPT.name} does not match its checksum; write it by make bench-page")
     kept: dict[str, Any] = json.loads(data)
     return kept
 
@@ -51,7 +51,7 @@ def found(text: str) -> dict[str, Any]:
     """
     lines = [json.loads(line) for line in text.splitlines()]
     if not lines:
-        raise ValueError("no benchmark has left a record")
+        raise ValueError("no benchmark has written a record")
     records = {_identity(line["record"]): line["record"] for line in lines}
     return {"measured": lines[-1]["measured"], "records": [*records.values()]}
 

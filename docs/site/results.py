@@ -94,7 +94,7 @@ def _asked(told: Mapping[str, Any]) -> tuple[str, str]:
 def _read() -> _Kept:
     data = FILE.read_bytes()
     if hashlib.sha256(data).hexdigest() != SEAL.read_text(encoding="ascii").strip():
-        raise ValueError(f"{FILE.name} is not what was kept: its checksum is another one")
+        raise ValueError(f"{FILE.name} does not match its checksum; write it by make results")
     sessions, checks, *lines = map(json.loads, gzip.decompress(data).decode().splitlines())
     return _Kept(sessions, checks, lines)
 
