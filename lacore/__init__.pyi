@@ -8,8 +8,6 @@ from .adaptive.crushing_bracket import crushing_bracket as crushing_bracket
 from .adaptive.refine import bracket as bracket
 from .assembly.discretisation import Discretisation as Discretisation
 from .assembly.discretise import discretise as discretise
-from .backend import backend_names as backend_names
-from .backend import find_backend as find_backend
 from .bodies.blocks import masonry as masonry
 from .bodies.blocks.block_assembly import BlockAssembly as BlockAssembly
 from .bodies.blocks.block_assembly import RigidBlock as RigidBlock
@@ -81,7 +79,6 @@ from .problem import examples as examples
 from .problem import types as types
 from .problem.matching import matching as matching
 from .problem.problem import Problem as Problem
-from .process.isolation import SolverProcess as SolverProcess
 from .questions.critical import Critical as Critical
 from .questions.critical import Crossing as Crossing
 from .questions.critical import Search as Search
@@ -103,6 +100,9 @@ from .ranges.safety import SafetyFactor as SafetyFactor
 from .ranges.safety import safety_factor as safety_factor
 from .ranges.soil import SoilRange as SoilRange
 from .ranges.soil import soil_range as soil_range
+from .solvers.isolation import SolverProcess as SolverProcess
+from .solvers.registry import backend_names as backend_names
+from .solvers.registry import find_backend as find_backend
 from .status import Rigor as Rigor
 from .status import Status as Status
 

@@ -65,6 +65,10 @@ class CapabilityError(LacoreError):
     """A backend that cannot take a program; the message says why and the way out."""
 
 
+class BackendError(LacoreError):
+    """A backend in a process of its own raised an error, or sent what cannot be read."""
+
+
 class SolveError(LacoreError):
     """A solve that ended without a certified load factor (``throw=True``); carries the state."""
 

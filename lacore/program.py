@@ -17,6 +17,7 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.dissipation import DissipationGroup as DissipationGroup
 from lacore.errors import InputError
 from lacore.numerics.interleaving import interleaved as interleaved
+from lacore.protection import make_read_only
 from lacore.showing import Compact
 
 
@@ -228,6 +229,9 @@ class KinematicProgram(Compact):
     dead_load: Floats
     scales: Scales = SI
     parts: Ints | None = None
+
+    def __post_init__(self) -> None:
+        make_read_only(self)
 
     @property
     def part(self) -> Ints:

@@ -321,8 +321,8 @@ HEAVY = (
     ("code", "more"),
     [
         ("import lacore", ("numpy", "lacore.errors", "backends", "verification")),
-        ("import lacore.process.child_process", ("numpy", "backends", "verification")),
-        ("import lacore.process.isolation", ("pandas", "skfem", "backends", "verification")),
+        ("import lacore.solvers.child_process", ("numpy", "backends", "verification")),
+        ("import lacore.solvers.isolation", ("pandas", "skfem", "backends", "verification")),
         ("import lacore as la; dir(la); la.InputError; la.Status", ("lacore.limit.solve",)),
         ("import verification", ("numpy", "lacore", "backends")),
     ],

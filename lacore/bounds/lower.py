@@ -260,28 +260,28 @@ def _found(
     attempts, status, ray = list[Attempt](), Status.NOT_CERTIFIED, None
     tolerance = nominal_tolerance(engine, engine_options)
     good = max(_GOOD, _LEFT * tolerance)
-    with preparing(engine, engine_options, good=good) as prepare:
-        tried = margins(program, tolerance)
-        for margin in tried:
-            if attempts and margin < min(attempts[-1].lacks, tried[-1]):
-                continue  # it would lack as much again
-            less = weaker(program, margin)
-            solver = prepare(less)
-            try:
-                answer = solver.solve(associated_contact(less.contact))
-            finally:
-                solver.close()
-            answer = checked_answer(less, False, answer)
-            attempts.append(attempt(program, less, margin, answer, exact))
-            if attempts[-1].proves:
-                status = Status.SOLVED
-            if attempts[-1].proves or attempts[-1].state is None:
-                break
-        inner = attempts[-1].inner
-        if attempts[-1].state is None:
-            status = inner.status
-            laws = associated_contact(program.contact)
-            status, _, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
+    prepare = preparing(engine, engine_options, good=good)
+    tried = margins(program, tolerance)
+    for margin in tried:
+        if attempts and margin < min(attempts[-1].lacks, tried[-1]):
+            continue  # it would lack as much again
+        less = weaker(program, margin)
+        solver = prepare(less)
+        try:
+            answer = solver.solve(associated_contact(less.contact))
+        finally:
+            solver.close()
+        answer = checked_answer(less, False, answer)
+        attempts.append(attempt(program, less, margin, answer, exact))
+        if attempts[-1].proves:
+            status = Status.SOLVED
+        if attempts[-1].proves or attempts[-1].state is None:
+            break
+    inner = attempts[-1].inner
+    if attempts[-1].state is None:
+        status = inner.status
+        laws = associated_contact(program.contact)
+        status, _, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
     bound = _bound(model, program, status, attempts, backend, options, built - begin, built)
     if ray is None:
         return bound

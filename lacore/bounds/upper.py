@@ -210,13 +210,13 @@ def _candidates(
         nearest = (admissible_velocity(program, velocity), none)
         return [nearest, *_without_noise(program, velocity, admissible_velocity)]
     engine = find_backend(state.backend)
-    with preparing(engine, read_options(engine, state.options), good=_INSIDE) as prepare:
+    prepare = preparing(engine, read_options(engine, state.options), good=_INSIDE)
 
-        def possible(stated: KinematicProgram, motion: Floats) -> Floats:
-            return possible_velocity(stated, motion, prepare)
+    def possible(stated: KinematicProgram, motion: Floats) -> Floats:
+        return possible_velocity(stated, motion, prepare)
 
-        nearest = (possible(program, velocity), none)
-        return [nearest, *_without_noise(program, velocity, possible)]
+    nearest = (possible(program, velocity), none)
+    return [nearest, *_without_noise(program, velocity, possible)]
 
 
 def _without_noise(

@@ -1,7 +1,6 @@
-"""A backend ready for one program after the other: in its process, and asked in good units."""
+"""A backend ready for one program after another, asked in scaled units."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,7 +8,6 @@ from lacore.backend import TRUE_GAP, Backend, PreparedSolver
 from lacore.inner.local_speeds import LocalSpeedSolver
 from lacore.inner.rescaling import GOOD, RescalingSolver
 from lacore.inner.strong_bodies import StrongBodySolver
-from lacore.process.isolation import SolverProcess
 from lacore.program import KinematicProgram
 
 Prepare = Callable[[KinematicProgram], PreparedSolver]
@@ -29,40 +27,24 @@ def rough(backend: Backend, options: Any) -> Any:
     return replace(options, tolerance=max(loose, options.tolerance))
 
 
-@contextmanager
-def preparing(
-    backend: Backend,
-    options: Any,
-    process: SolverProcess | None = None,
-    good: float = GOOD,
-) -> Iterator[Prepare]:
-    """A backend at work on one program after the other, isolated where it asks for it.
+def preparing(backend: Backend, options: Any, good: float = GOOD) -> Prepare:
+    """Return the function that puts a backend to work on a program.
 
     Args:
-        backend: exact ones are asked for strong bodies as rigid ones first
+        backend: Exact ones are asked for strong bodies as rigid ones first
             (`lacore.inner.strong_bodies`), and in units of the parts of a program
             (`lacore.inner.rescaling`); penalties of regularised ones (T20) are not to be scaled.
-        options: of the backend.
-        process: to work in, one program at a time; None: one of its own where it needs one.
-        good: residual of a solve with which it is not asked again in other units.
+        options: Of the backend.
+        good: Residual of a solve with which it is not asked again in other units.
     """
-    if process is None and backend.capabilities.isolated:
-        with SolverProcess() as own, preparing(backend, options, own, good) as prepare:
-            yield prepare
-        return
 
     def plain(program: KinematicProgram) -> PreparedSolver:
-        if process is None:
-            return backend.prepare(program, options)
-        return process.prepare(backend, program, options)
+        return backend.prepare(program, options)
 
     if backend.capabilities.regularised:
-        yield plain
-    else:
+        return plain
 
-        def local(program: KinematicProgram) -> PreparedSolver:
-            return LocalSpeedSolver(program, plain, good)
+    def local(program: KinematicProgram) -> PreparedSolver:
+        return LocalSpeedSolver(program, plain, good)
 
-        yield lambda program: StrongBodySolver(
-            program, lambda own: RescalingSolver(own, local, good)
-        )
+    return lambda program: StrongBodySolver(program, lambda own: RescalingSolver(own, local, good))

@@ -9,15 +9,25 @@ from lacore.coupling.names import COUPLINGS
 from lacore.errors import InputError, require_known
 from lacore.limit.checking import program_of
 from lacore.program import KinematicProgram, dimensionless
+from lacore.solvers.isolation import SolverProcess
 
 _ALTERNATING = ("certified", "shift", "kappa")
 """Couplings whose states are read off programs with shifts, exactly or not at all."""
 
 
 def engine_for(
-    backend: str, coupling: str | None, options: Mapping[str, Any]
+    backend: str,
+    coupling: str | None,
+    options: Mapping[str, Any],
+    process: SolverProcess | None = None,
 ) -> tuple[Backend, str, Any]:
     """A backend, the coupling that it is asked for or its default, and its options.
+
+    Args:
+        backend: Its name.
+        coupling: None for the default of the backend.
+        options: Of the backend, by name.
+        process: In which it is to work; None: as `lacore.solvers.registry.load_backend` decides.
 
     Raises:
         InputError: an unknown name, an option out of range, or a coupling that it cannot do.
@@ -25,7 +35,7 @@ def engine_for(
     """
     if coupling is not None:
         require_known("coupling", coupling, COUPLINGS)
-    engine = find_backend(backend)
+    engine = find_backend(backend, process)
     return engine, coupling_for(engine, coupling), read_options(engine, options)
 
 

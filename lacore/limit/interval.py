@@ -46,10 +46,10 @@ def interval_of_state(
         )
     engine = find_backend(backend)
     program = dimensionless(discretisation.program, discretisation.natural)
-    with preparing(engine, read_options(engine, options)) as prepare:
-        found = load_factor_interval(
-            program, point_in_program(discretisation, point), prepare, tolerance
-        )
+    prepare = preparing(engine, read_options(engine, options))
+    found = load_factor_interval(
+        program, point_in_program(discretisation, point), prepare, tolerance
+    )
     return _in_si(discretisation, found, point)
 
 

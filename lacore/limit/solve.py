@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -49,7 +49,6 @@ from lacore.limit.stability import warning
 from lacore.limit.state import LimitState
 from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
-from lacore.process.isolation import SolverProcess
 from lacore.program import (
     KinematicProgram,
     Scales,
@@ -57,6 +56,7 @@ from lacore.program import (
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
+from lacore.solvers.isolation import SolverProcess
 from lacore.status import Rigor, Status
 
 _LOOPS: tuple[Coupling, ...] = (
@@ -118,9 +118,9 @@ def solve(
         options: of the backend, by name.
         on_iterate: called after each inner solve, for progress.
         throw: raise `SolveError` unless the status is SOLVED; else return the state as it is.
-        process: let the backend work in this process, which survives neither hanging nor crashing
-            of it, but everything else does. Without it, a backend that asks for isolation gets a
-            process for this one solve, and any other works here.
+        process: Let the backend work in this process, which survives neither hanging nor crashing
+            of it, but everything else does. Without it, a backend of another package, and one
+            that asks for isolation, works in a process that is kept for it; any other works here.
         pressed: normal reactions at the contact points of a state nearby, Pa, within a step of a
             path: its ``certified`` loop begins there. What is certified does not depend on it.
         slip: slip rates there, m/s at ``F0.u = 1``, of a state that is less near, as of the step
@@ -190,7 +190,7 @@ def _solved(
 ) -> LimitState:
     """The state with hinges at the nodes that there are."""
     asked = coupling
-    engine, coupling, engine_options = engine_for(backend, coupling, options or {})
+    engine, coupling, engine_options = engine_for(backend, coupling, options or {}, process)
     begin = time.perf_counter()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
@@ -201,25 +201,18 @@ def _solved(
     built = time.perf_counter()
     build_time = built - begin
     regularised = engine.capabilities.regularised
-    with ExitStack() as stack:
-        if process is None and engine.capabilities.isolated:
-            process = stack.enter_context(SolverProcess())
-        if process is not None:
-            built += process.load(engine)  # no part of the solve
-        good = good_for(coupling_options.tolerance)
-        prepare = stack.enter_context(preparing(engine, engine_options, process, good))
-        solver = prepare(program.associated())
-        stack.callback(solver.close)
-        couple = _LOOP_OF[coupling]
-        if couple is certified_loop and (process is None or program.frictional):
-            loose = rough(engine, engine_options)
-            couple = partial(
-                certified_loop,
-                prepare=prepare,
-                roughly=None if process is not None else lambda own: engine.prepare(own, loose),
-                near=near,
-                time_limit=engine_options.time_limit,
-            )
+    prepare = preparing(engine, engine_options, good_for(coupling_options.tolerance))
+    couple = _LOOP_OF[coupling]
+    if couple is certified_loop:
+        loose = rough(engine, engine_options)
+        couple = partial(
+            certified_loop,
+            prepare=prepare,
+            roughly=lambda own: engine.prepare(own, loose),
+            near=near,
+            time_limit=engine_options.time_limit,
+        )
+    with closing(prepare(program.associated())) as solver:
         coupled = couple(
             program, solver, regularised, coupling_options, on_iterate or (lambda _: None)
         )
@@ -227,15 +220,15 @@ def _solved(
     if coupled.status in CLAIMED:
         judge = find_backend(JUDGE) if regularised else engine
         settings = read_options(judge, {}) if regularised else engine_options
-        with preparing(judge, settings) as prepare:
-            status, why, ray = judged_claim(
-                coupled.status,
-                program,
-                coupled.laws or frictionless_contact(program.contact),
-                coupled.laws or associated_contact(program.contact),
-                prepare,
-                tolerance,
-            )
+        prepare = preparing(judge, settings)
+        status, why, ray = judged_claim(
+            coupled.status,
+            program,
+            coupled.laws or frictionless_contact(program.contact),
+            coupled.laws or associated_contact(program.contact),
+            prepare,
+            tolerance,
+        )
         coupled = replace(coupled, status=status, note=why)
     state = limit_state(
         problem,

@@ -146,22 +146,22 @@ def stability_of(
     rows, scale = program.contact, discretisation.natural.load_factor
     laws = laws_of(coupling, rows) or associated_contact(rows)
     known = [load_factor] if not np.isnan(load_factor) else []
-    with preparing(engine, read_options(engine, options)) as prepare:
-        found = carrying(program, laws, prepare, tolerance)
-        if found.carried is not None:
-            point = point_in_si(discretisation, found.carried)
-            if span_excess(discretisation, point) > tolerance:
-                return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
-            why = _DISCRETE if discretisation.bodies else ""
-            own = [0.0, *known]
-            return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
-        if found.falling is None:
-            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
-        point = point_in_si(discretisation, found.falling)
-        point = replace(point, velocity=point.velocity / scale)
-        if corners := driven_corners(discretisation, point.velocity, tolerance):
-            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
-        known += _carried_ends(discretisation, program, laws, prepare, tolerance)
+    prepare = preparing(engine, read_options(engine, options))
+    found = carrying(program, laws, prepare, tolerance)
+    if found.carried is not None:
+        point = point_in_si(discretisation, found.carried)
+        if span_excess(discretisation, point) > tolerance:
+            return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, _INSIDE)
+        why = _DISCRETE if discretisation.bodies else ""
+        own = [0.0, *known]
+        return _stability(Standing.STANDS, own, load_factor, point, found.residual, why)
+    if found.falling is None:
+        return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan)
+    point = point_in_si(discretisation, found.falling)
+    point = replace(point, velocity=point.velocity / scale)
+    if corners := driven_corners(discretisation, point.velocity, tolerance):
+        return _stability(Standing.UNDECIDED, known, load_factor, None, np.nan, corners)
+    known += _carried_ends(discretisation, program, laws, prepare, tolerance)
     why = cells.told_of_fall(discretisation.problem, Status.UNSAFE)
     return _stability(Standing.FALLS, known, load_factor, point, found.residual, why)
 

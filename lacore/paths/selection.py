@@ -154,12 +154,12 @@ def _solved(program: KinematicProgram, contact: FrozenContact, state: LimitState
     """The velocity of one solve; None where it is not admissible to the tolerance of the state."""
     backend = find_backend(state.backend)
     check_capable(backend, program)
-    with preparing(backend, read_options(backend, state.options)) as prepare:
-        solver = prepare(program)
-        try:
-            point = checked_answer(program, False, solver.solve(contact)).point
-        finally:
-            solver.close()
+    prepare = preparing(backend, read_options(backend, state.options))
+    solver = prepare(program)
+    try:
+        point = checked_answer(program, False, solver.solve(contact)).point
+    finally:
+        solver.close()
     if point is None:
         return None
     seen = certify(program, point, contact)

@@ -9,7 +9,7 @@ from lacore.assembly.discretisation import Discretisation
 from lacore.errors import require_count
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.process.isolation import SolverProcess
+from lacore.solvers.isolation import SolverProcess
 
 Told = Callable[[int, LimitState], None]
 

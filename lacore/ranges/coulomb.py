@@ -252,11 +252,7 @@ def coulomb_range(
 
     with ExitStack() as stack:
         settings = read_options(engine, options or {})
-        # One for the search and one for the ends: an isolated process holds one program.
-        prepare, prepare_ends = (
-            stack.enter_context(preparing(engine, settings, good=good_for(tolerance)))
-            for _ in range(2)
-        )
+        prepare = preparing(engine, settings, good_for(tolerance))
         solver = prepare(program)
         stack.callback(solver.close)
         bounds, admissible = coulomb_bounds(program, solver, tolerance)
@@ -267,7 +263,7 @@ def coulomb_range(
         search = Search(
             program=program,
             solver=solver,
-            prepare=prepare_ends,
+            prepare=prepare,
             tolerance=tolerance,
             bounds=bounds,
             rng=np.random.default_rng(seed),

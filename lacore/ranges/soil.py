@@ -198,7 +198,7 @@ def soil_range(
     with ExitStack() as stack:
         settings = read_options(engine, options or {})
         good = good_for(aims.tolerance)
-        prepare = stack.enter_context(preparing(engine, settings, good=good))
+        prepare = preparing(engine, settings, good)
         solver = prepare(program.associated())
         stack.callback(solver.close)
         run = Run(program, solver, False, aims, lambda _: None, prepare)

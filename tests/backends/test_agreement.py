@@ -56,13 +56,13 @@ def stated(case_id, variant):
     d = la.discretise(case.problem(chosen, "coarse"))
     program = dimensionless(d.program, d.natural)
     backend = find_backend("clarabel")
-    with preparing(backend, backend.Options()) as prepare:
-        solver = prepare(program)
-        normal = associated_contact(program.contact)
-        first = solver.solve(normal)
-        frozen = reaction_contact(program.contact, first.point.normal_reaction)
-        contacts = {"associated": normal, "reaction": frozen}
-        values = {name: value(solver, program, held) for name, held in contacts.items()}
+    prepare = preparing(backend, backend.Options())
+    solver = prepare(program)
+    normal = associated_contact(program.contact)
+    first = solver.solve(normal)
+    frozen = reaction_contact(program.contact, first.point.normal_reaction)
+    contacts = {"associated": normal, "reaction": frozen}
+    values = {name: value(solver, program, held) for name, held in contacts.items()}
     return program, contacts, values
 
 

@@ -124,8 +124,8 @@ def test_a_point_of_contact(reference, held, load_factor, velocity, t_n, t_t):
 
 def both(stated, held):
     """The answers of this backend and of Clarabel, which is asked as `lacore.solve` asks it."""
-    with preparing(Clarabel(), ClarabelOptions()) as prepare:
-        return solve(stated, held), prepare(stated).solve(held)
+    prepare = preparing(Clarabel(), ClarabelOptions())
+    return solve(stated, held), prepare(stated).solve(held)
 
 
 def leak(program, mean_stress, velocity):

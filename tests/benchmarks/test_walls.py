@@ -16,7 +16,7 @@ import lacore as la
 SCRIPT = """
 import json, sys, time
 import lacore as la
-from lacore.process.child_process import forget_peak_memory, peak_memory
+from lacore.solvers.child_process import forget_peak_memory, peak_memory
 from tests.benchmarks.test_walls import wall_of
 
 wide, courses, every, tolerance = json.loads(sys.argv[1])

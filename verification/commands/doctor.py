@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_info
 import lacore as la
 import lacore_start
 from lacore.backend import Backend, Capabilities, Family, load_backend
+from lacore.solvers.registry import rejected_backends
 from lacore_start import PACKAGES, place
 from verification import conformance
 from verification.store.provenance import describe
@@ -32,6 +33,8 @@ def all_backends() -> Iterator[tuple[str, Backend | None, str]]:
             for variant in backend.variants():
                 member = backend.variant(variant)
                 yield f"{name}:{variant}", member, member.unavailable()
+    for rejected in rejected_backends():
+        yield rejected.label, None, rejected.conflict
 
 
 def backend_record(name: str, backend: Backend | None, missing: str) -> dict[str, str]:
@@ -141,12 +144,12 @@ def self_tests(on_start: Callable[[str], None]) -> list[dict[str, str]]:
             on_start(name)
             state, remedy = "missing", missing
             if backend is not None and not missing:
-                state, remedy = _self_test(backend, process)
+                state, remedy = _self_test(name, process)
             records.append({"backend": name, "self_test": state, "remedy": remedy})
     return records
 
 
-def _self_test(backend: Backend, process: la.SolverProcess) -> tuple[str, str]:
+def _self_test(backend: str, process: la.SolverProcess) -> tuple[str, str]:
     for program in SELF_TEST:
         findings = conformance.run(
             backend,

@@ -44,10 +44,9 @@ _CLAIMS = (Status.SOLVED, Status.ALMOST_SOLVED, Status.LOCKED, Status.UNSAFE, St
 
 @dataclass(frozen=True)
 class Bench:
-    """Where a backend is put to work: in `process`, if there is one."""
+    """Where a backend is put to work."""
 
     subject: Subject
-    process: la.SolverProcess | None
 
     def prepare(self, given: KinematicProgram, **options: Any) -> PreparedSolver:
         """The backend at work on a program.
@@ -61,9 +60,7 @@ class Bench:
         if self.subject.regularised:
             asked["r"] = R
         read = read_options(backend, asked | self.subject.options | options)
-        if self.process is None:
-            return backend.prepare(given, read)
-        return self.process.prepare(backend, given, read)
+        return backend.prepare(given, read)
 
     def answer(self, given: KinematicProgram, contact: FrozenContact, **options: Any) -> Any:
         """The answer of a solver that does nothing else."""
@@ -143,13 +140,10 @@ def two_solvers(bench: Bench) -> Iterator[Finding]:
     )
     first = bench.prepare(steep.program)
     yield from judge(bench.subject, steep, solved(first, steep.contact))
-    if bench.process is not None:  # it holds one solver at a time
-        first.close()
     second = bench.prepare(other.program)
     yield from judge(bench.subject, other, solved(second, other.contact))
-    if bench.process is None:
-        yield from judge(bench.subject, steep, solved(first, steep.contact))
-        first.close()
+    yield from judge(bench.subject, steep, solved(first, steep.contact))
+    first.close()
     yield from judge(bench.subject, other, solved(second, other.contact))
     second.close()
 

@@ -36,8 +36,7 @@ def run(
         programs: of `EXERCISES`; default: all.
         on_start: called with the name of each program, for progress; without it a bar appears on
             stderr when the suite takes longer than two seconds.
-        process: let the backend work in this process. Without it, one that asks for isolation gets
-            a process, and any other works here.
+        process: Let a registered backend work in this process.
 
     Raises:
         InputError: no such backend, option or program.
@@ -46,7 +45,7 @@ def run(
     names = list(EXERCISES) if programs is None else programs
     for name in names:
         require_known("program of the conformance suite", name, EXERCISES)
-    tested = la.find_backend(backend) if isinstance(backend, str) else backend
+    tested = la.find_backend(backend, process) if isinstance(backend, str) else backend
     shown = backend if isinstance(backend, str) else tested.name
     findings: list[Finding] = []
     with ExitStack() as stack:
@@ -54,9 +53,7 @@ def run(
             on_start = stack.enter_context(
                 progress.patiently(f"conformance of {shown}", len(names))
             )
-        if process is None and tested.capabilities.isolated:
-            process = stack.enter_context(la.SolverProcess())
-        bench = Bench(Subject(tested, dict(options or {})), process)
+        bench = Bench(Subject(tested, dict(options or {})))
         for name in names:
             on_start(name)
             findings += [_sentence(shown, finding) for finding in examine(bench, name)]

@@ -28,7 +28,6 @@ def run_limit_state(
     band: Band,
     time_limit: float | None,
     memory: Callable[[], float],
-    process: la.SolverProcess | None,
 ) -> Outcome:
     """The row of a limit problem, and its state.
 
@@ -39,7 +38,6 @@ def run_limit_state(
         reference, band: of its load factor.
         time_limit: s, of each inner solve, as far as the backend keeps it.
         memory: peak memory of this process, MB.
-        process: where the backend is to work; None: one of its own where it needs one.
 
     Raises:
         InputError: a setting or an option that there is not.
@@ -53,7 +51,6 @@ def run_limit_state(
         coupling=coupling,
         **{**settings, **run.settings},
         options={**limit, **run.options},
-        process=process,
     )
     evidence = evidence_of(state)
     refuted = refutation(_claimed(state), evidence.residuals)

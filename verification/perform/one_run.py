@@ -7,6 +7,7 @@ from math import nan
 from typing import Any
 
 import lacore as la
+from lacore.errors import BackendError
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.fuzz.run import run_random
@@ -57,7 +58,6 @@ def outcome_of(
     assembled: Assembled | Exception,
     time_limit: float | None = None,
     memory: Callable[[], float] = lambda: nan,
-    process: la.SolverProcess | None = None,
 ) -> Outcome:
     """One row, whatever happens.
 
@@ -66,7 +66,6 @@ def outcome_of(
         assembled: its problem, or why there is none.
         time_limit: s, of each inner solve, as far as the backend keeps it.
         memory: peak memory of this process, MB.
-        process: where the backend is to work; None: one of its own where it needs one.
     """
     names = _names(run)
     if run.coupling == FUZZ:
@@ -91,9 +90,7 @@ def outcome_of(
             return run_range(run, names, discretisation, reference, band, memory)
         if run.case.path is not None:
             return run_path(run, names, discretisation, reference, band, time_limit, memory)
-        return run_limit_state(
-            run, names, discretisation, reference, band, time_limit, memory, process
-        )
+        return run_limit_state(run, names, discretisation, reference, band, time_limit, memory)
     except la.CapabilityError as error:
         return _skipped(run, names, str(error))
     except la.InputError as error:
@@ -137,5 +134,6 @@ def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:
 
 
 def _failed(names: dict[str, Any], error: Exception) -> Row:
-    message = f"{type(error).__name__}: {error}"
+    raised = isinstance(error, BackendError)
+    message = f"the backend raised {error}" if raised else f"{type(error).__name__}: {error}"
     return Row(**names, status="failed", message=message, verdict=FAIL, why=message)

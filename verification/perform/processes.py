@@ -3,13 +3,12 @@
 import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from queue import SimpleQueue
 from typing import Protocol
 
 import lacore as la
-from lacore.backend import load_backend
-from lacore.process.child_process import (
+from lacore.solvers.child_process import (
     GRACE,
     LONGEST,
     ChildProcess,
@@ -17,6 +16,7 @@ from lacore.process.child_process import (
     forget_peak_memory,
     peak_memory,
 )
+from lacore.solvers.registry import ISOLATE
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
 from verification.perform.one_run import Assembled, assemble, lost, outcome_of
@@ -24,10 +24,10 @@ from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
 
+_JUDGING = {ISOLATE: "all"}  # backends only solve, each in a process of its own
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
 _WORKER = "verification.perform.processes:Worker"
-_OURS = "backends."
 _ATTEMPTS = 2  # a process may have been killed by somebody else
 
 OnStart = Callable[[Run], None]
@@ -48,32 +48,25 @@ class Worker:
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
-        self._solvers = la.SolverProcess()
 
     def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
         """Row and evidence of a run; `time_limit`: s, of each inner solve."""
         forget_peak_memory()
-        own: la.SolverProcess | None = None
-        with suppress(la.CapabilityError):  # the row says so; imports are no part of the solve
-            backend = load_backend(run.backend)
-            # What others wrote may leave anything behind: it gets a process for each solve.
-            if backend.capabilities.isolated and type(backend).__module__.startswith(_OURS):
-                own = self._solvers
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
-        outcome = outcome_of(run, self._assembled, time_limit, peak_memory, own)
+        outcome = outcome_of(run, self._assembled, time_limit, peak_memory)
         return outcome.row, outcome.evidence
 
 
 class RunProcess(ChildProcess):
-    """A process that performs runs, on one thread.
+    """A process that performs and judges runs, on one thread; no code of a backend runs in it.
 
     A case that others wrote gets one of its own, and so does what comes after it: it may have left
     any trace in an interpreter, from a path that is gone to settings that change numbers.
     """
 
     def __init__(self) -> None:
-        super().__init__(_WORKER, ONE_THREAD)
+        super().__init__(_WORKER, ONE_THREAD | _JUDGING)
         self._case: Case | None = None
 
     def ask_for(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:

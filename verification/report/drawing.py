@@ -9,7 +9,7 @@ from queue import SimpleQueue
 
 from matplotlib.figure import Figure
 
-from lacore.process.child_process import ChildProcess
+from lacore.solvers.child_process import ChildProcess
 from verification.case import Case, is_of_lacore
 from verification.case.bracketing import BRACKET
 from verification.case.sketches import sketch_of

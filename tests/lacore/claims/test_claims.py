@@ -103,8 +103,8 @@ def test_the_word_of_a_solver_is_not_enough(status, monkeypatch):
     assert state.status is la.Status.NOT_CERTIFIED
     assert "the solver calls" in state.message
     assert not locking_ray(program, frictionless_contact(program.contact)).proves
-    with preparing(backend, backend.Options()) as prepare:
-        assert dead_collapse(program, contact, prepare, 1e-6) is None
+    prepare = preparing(backend, backend.Options())
+    assert dead_collapse(program, contact, prepare, 1e-6) is None
 
 
 @pytest.mark.parametrize("backend", ["clarabel", "highs"])
@@ -127,8 +127,8 @@ def test_a_light_block_that_falls_makes_a_structure_unsafe(light, backend):
     assert state.status is la.Status.UNSAFE
     program, contact = frozen(problem)
     engine = la.find_backend(backend)
-    with preparing(engine, engine.Options()) as prepare:
-        fall = dead_collapse(program, contact, prepare, 1e-6)
+    prepare = preparing(engine, engine.Options())
+    fall = dead_collapse(program, contact, prepare, 1e-6)
     assert fall.carried < 1e-6  # nothing resists turning about the edge
     assert program.dead_load @ fall.point.velocity == pytest.approx(1.0)
     velocity = fall.point.velocity
@@ -184,8 +184,8 @@ def test_a_mode_that_no_load_drives_frees_nothing():
     )
     program, contact = frozen(problem)
     backend = la.find_backend("clarabel")
-    with preparing(backend, backend.Options()) as prepare:
-        point = prepare(program).solve(contact).point
+    prepare = preparing(backend, backend.Options())
+    point = prepare(program).solve(contact).point
     discretisation = la.discretise(problem)
     sliding = np.zeros(discretisation.full.n)
     sliding[discretisation.bodies["b"].dofs[0]] = 1e8

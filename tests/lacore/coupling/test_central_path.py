@@ -62,12 +62,12 @@ def started(problem):
     stated = la.discretise(problem)
     program = dimensionless(stated.program, stated.natural)
     engine = find_backend("clarabel")
-    with preparing(engine, read_options(engine, {})) as prepare:
-        solver = prepare(program)
-        run = Run(program, solver, False, CouplingOptions(), lambda _: None, prepare)
-        run.solve("associated", associated(program).contact)
-        yield run
-        solver.close()
+    prepare = preparing(engine, read_options(engine, {}))
+    solver = prepare(program)
+    run = Run(program, solver, False, CouplingOptions(), lambda _: None, prepare)
+    run.solve("associated", associated(program).contact)
+    yield run
+    solver.close()
 
 
 @pytest.fixture(scope="module", params=["wall", "dome", "mortar"])

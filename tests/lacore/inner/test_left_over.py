@@ -36,8 +36,8 @@ def free():
     program = la.discretise(on_rails(-0.05)).program
     contact = associated_contact(program.contact)
     backend = find_backend("clarabel")
-    with preparing(backend, read_options(backend, {})) as prepare:
-        return program, contact, prepare(program).solve(contact)
+    prepare = preparing(backend, read_options(backend, {}))
+    return program, contact, prepare(program).solve(contact)
 
 
 def test_flow_that_is_not_possible_is_a_rate_where_no_power_is_turned_over(free):
@@ -123,8 +123,8 @@ def test_a_light_block_out_of_balance_is_solved_again_or_not_called_solved():
     assert alone.status is Status.SOLVED
     assert certify(drawn.program, alone.point, drawn.contact).worst[1] > BAR
 
-    with preparing(backend, read_options(backend, {}), good=good_for(BAR)) as prepare:
-        again = prepare(drawn.program).solve(drawn.contact)
+    prepare = preparing(backend, read_options(backend, {}), good=good_for(BAR))
+    again = prepare(drawn.program).solve(drawn.contact)
     assert certify(drawn.program, again.point, drawn.contact).holds(BAR)
     assert again.status is Status.SOLVED
     stubborn = RescalingSolver(drawn.program, lambda _: Stubborn(alone), good_for(BAR))
@@ -143,7 +143,7 @@ def test_what_units_of_loads_do_not_solve_is_asked_as_it_is():
     """Weights decades apart: in units of them it stalled at 0.16, and as it is it is solved."""
     drawn = draw_program("weights", 12, 0, 18)
     backend = find_backend("clarabel")
-    with preparing(backend, read_options(backend, {}), good=good_for(BAR)) as prepare:
-        found = prepare(drawn.program).solve(drawn.contact)
+    prepare = preparing(backend, read_options(backend, {}), good=good_for(BAR))
+    found = prepare(drawn.program).solve(drawn.contact)
     assert found.status is Status.SOLVED
     assert certify(drawn.program, found.point, drawn.contact).holds(BAR)

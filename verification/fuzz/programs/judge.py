@@ -2,10 +2,12 @@
 
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from dataclasses import dataclass
 from math import nan
 from typing import Any
+
+import numpy as np
 
 from lacore.backend import (
     Backend,
@@ -20,7 +22,7 @@ from lacore.errors import CapabilityError
 from lacore.inner.left_over import left_over
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.inner.rescaling import good_for
-from lacore.process.isolation import SolverProcess
+from lacore.solvers.isolation import IsolatedBackend
 from lacore.status import Status
 from verification.fuzz.programs.drawn import Drawn
 
@@ -76,26 +78,21 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
         check_capable(backend, drawn.program)
     except CapabilityError:
         return Asked(backend.name, None, nan, 0.0)
-    with ExitStack() as stack:
-        process = None
-        if backend.capabilities.isolated:
-            process = stack.enter_context(SolverProcess())
-            process.load(backend)  # its start and its imports are nobody's time
-        begin = _spent(process)
-        own = read_options(backend, options)
-        prepare = stack.enter_context(preparing(backend, own, process, good_for(BAR)))
-        with closing(prepare(drawn.program)) as solver:
-            answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
-        seconds = _spent(process) - begin
-        if process is not None and answer.point is None:  # lost, it took its count with it
-            seconds = max(seconds, answer.solve_time)
+    begin = _spent(backend)
+    own = read_options(backend, options)
+    with closing(preparing(backend, own, good_for(BAR))(drawn.program)) as solver:
+        answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
+    seconds = _spent(backend) - begin
+    if answer.point is None:  # a process that is lost took its count with it
+        seconds = float(np.fmax(seconds, answer.solve_time))
     residual = nan if answer.point is None else recomputed(drawn, answer)
     return Asked(backend.name, answer, residual, seconds)
 
 
-def _spent(process: SolverProcess | None) -> float:
-    """Processor time of this process, and of that which works for it."""
-    return time.process_time() + (0.0 if process is None else process.processor_time)
+def _spent(backend: Backend) -> float:
+    """Processor time of this process, and of that in which a backend works."""
+    elsewhere = backend.processor_time if isinstance(backend, IsolatedBackend) else 0.0
+    return time.process_time() + elsewhere
 
 
 def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
@@ -129,7 +126,7 @@ def verdict(asked: Asked, drawn: Drawn, others: Sequence[Asked]) -> str:
 def proven(word: Status, drawn: Drawn) -> bool:
     """Whether a mechanism of the dead loads, or reactions to the load, prove a word."""
     judge = find_backend(JUDGE)
-    with preparing(judge, read_options(judge, {})) as prepare:
-        laws = drawn.contact, drawn.contact
-        status, _, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
+    prepare = preparing(judge, read_options(judge, {}))
+    laws = drawn.contact, drawn.contact
+    status, _, _ = judged_claim(word, drawn.program, *laws, prepare, BAR)
     return status is word

@@ -1,7 +1,9 @@
-"""An interpreter of its own that can be stopped: hanging, crashing and dying become a status.
+"""A separate interpreter that can be stopped: hanging, crashing and dying become a status.
 
-The process is a plain interpreter that gets pickled requests on its standard input and answers on
-its standard output; it starts no `multiprocessing`, so that callers need no guarded main module.
+The process is a plain interpreter that reads pickled requests from its standard input and writes
+its answers to its standard output; it starts no `multiprocessing`, so that callers need no guarded
+main module. A `Codec` says how answers are written: pickled ones come only from code of lacore,
+since reading them may run anything.
 """
 
 import faulthandler
@@ -18,7 +20,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from queue import SimpleQueue
 from types import TracebackType
-from typing import IO, Any, Self
+from typing import IO, Any, Protocol, Self
 
 from lacore.status import Status
 from lacore_start import hidden
@@ -26,7 +28,7 @@ from lacore_start import hidden
 GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports
 LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
-_SERVE = "from lacore.process.child_process import serve; serve({!r})"
+_SERVE = "from lacore.solvers.child_process import serve; serve({!r}, {!r})"
 _LENGTH = 8  # bytes, of the number before each message that says how long it is
 
 
@@ -38,19 +40,63 @@ class LostError(Exception):
         super().__init__(message)
 
 
+class Codec(Protocol):
+    """How answers and errors of the other side are written and read."""
+
+    def answer(self, value: Any) -> bytes:
+        """Encode what a method returned."""
+
+    def error(self, error: Exception) -> bytes:
+        """Encode what a method raised."""
+
+    def read(self, message: bytes) -> Any:
+        """Decode an answer; raise the error that was sent instead."""
+
+
+class Pickled:
+    """Answers of any kind, from code that is trusted."""
+
+    def answer(self, value: Any) -> bytes:
+        """As `Codec.answer`."""
+        return pickle.dumps((value, None))
+
+    def error(self, error: Exception) -> bytes:
+        """As `Codec.error`; an exception that cannot be pickled is sent as text."""
+        try:
+            sent = pickle.dumps((None, error))
+            pickle.loads(sent)
+        except Exception:  # an exception with arguments of its own may not survive the way
+            return pickle.dumps((None, RuntimeError(f"{type(error).__name__}: {error}")))
+        return sent
+
+    def read(self, message: bytes) -> Any:
+        """As `Codec.read`."""
+        value, error = pickle.loads(message)
+        if error is not None:
+            raise error
+        return value
+
+
 class ChildProcess:
-    """An interpreter that answers requests one after the other; started anew when one kills it.
+    """An interpreter that answers requests one after the other; started again when one kills it.
 
     A context manager: leaving it stops the process. For one thread at a time.
 
     Args:
         worker: ``module:Class`` of the other side. A request is the name of a method, and its
             arguments.
-        environment: variables besides those of this process.
+        environment: Variables in addition to those of this process.
+        codec: ``module:Class`` of the `Codec` of its answers.
     """
 
-    def __init__(self, worker: str, environment: Mapping[str, str] | None = None) -> None:
-        self._worker = worker
+    def __init__(
+        self,
+        worker: str,
+        environment: Mapping[str, str] | None = None,
+        codec: str = f"{__name__}:{Pickled.__name__}",
+    ) -> None:
+        self._worker, self._codec_name = worker, codec
+        self._codec: Codec = resolve_name(codec)()
         self._environment = dict(environment or {})
         self._process: subprocess.Popen[bytes] | None = None
         self._killed = False
@@ -97,15 +143,12 @@ class ChildProcess:
                 timer.join()  # it may be at work at this very moment
         if late.is_set() or not sent:
             raise self._lost(late.is_set(), limit)
-        answer = pickle.loads(sent)
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
+        return self._codec.read(sent)
 
     def _start(self) -> None:
         places = [path or "." for path in sys.path]
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", _SERVE.format(self._worker)],
+            [sys.executable, "-P", "-c", _SERVE.format(self._worker, self._codec_name)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
@@ -165,8 +208,8 @@ class ChildProcess:
         self.close()
 
 
-def serve(worker_name: str) -> None:
-    """The other side: answer requests until standard input ends.
+def serve(worker_name: str, codec_name: str) -> None:
+    """Answer requests, on the other side, until standard input ends.
 
     Work reads nothing, and what it prints goes to standard error.
     """
@@ -178,6 +221,7 @@ def serve(worker_name: str) -> None:
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_read_all, args=(requests, inbox), daemon=True).start()
     worker: Any = None
+    codec: Codec = resolve_name(codec_name)()
     me = os.getpid()
     while True:
         try:
@@ -187,12 +231,12 @@ def serve(worker_name: str) -> None:
             faulthandler.dump_traceback_later(limit + GRACE, exit=True, file=nowhere)
             if worker is None:
                 worker = resolve_name(worker_name)()
-            answer = pickle.dumps(getattr(worker, kind)(*arguments) if kind else None)
+            answer = codec.answer(getattr(worker, kind)(*arguments) if kind else None)
         except ImportError as error:
             told = hidden()
-            answer = _pickled(ImportError(f"{error}; {told}") if told else error)
+            answer = _sent(codec, ImportError(f"{error}; {told}") if told else error)
         except Exception as error:  # the caller's to handle
-            answer = _pickled(error)
+            answer = _sent(codec, error)
         if os.getpid() != me:  # a copy that the work has forked must not answer, too
             os._exit(0)
         faulthandler.cancel_dump_traceback_later()
@@ -256,14 +300,9 @@ def _kill_group(leader: int) -> None:
             os.killpg(leader, signal.SIGKILL)
 
 
-def _pickled(error: Exception) -> bytes:
+def _sent(codec: Codec, error: Exception) -> bytes:
     error.add_note("In its process:\n" + traceback.format_exc())
-    try:
-        sent = pickle.dumps(error)
-        pickle.loads(sent)
-    except Exception:  # an exception with arguments of its own may not survive the way
-        return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))
-    return sent
+    return codec.error(error)
 
 
 def forget_peak_memory() -> None:

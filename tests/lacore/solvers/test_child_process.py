@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from lacore.process.child_process import ChildProcess, LostError
+from lacore.solvers.child_process import ChildProcess, LostError
 from tests.processes import alive, marked, wait_for
 
 
@@ -64,10 +64,10 @@ def test_killed_while_it_starts(monkeypatch):
 
 _SIGNALLED = """
 import os, signal, threading
-from lacore.process.child_process import ChildProcess, LostError
+from lacore.solvers.child_process import ChildProcess, LostError
 signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as gmsh does
 def lost():
-    with ChildProcess("tests.lacore.process.test_child_process:Worker") as child:
+    with ChildProcess("tests.lacore.solvers.test_child_process:Worker") as child:
         child.ask(60.0, "echo", 1)
         child._process.kill()
         child._process.wait()

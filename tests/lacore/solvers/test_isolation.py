@@ -10,23 +10,25 @@ import threading
 import traceback
 from dataclasses import replace
 from math import nan
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 import lacore as la
-import lacore.process.child_process
-import lacore.process.isolation
+import lacore.solvers.child_process
+import lacore.solvers.isolation
 from lacore.backend import InnerSolution, checked_answer
+from lacore.errors import BackendError
 from lacore.program import associated_contact, dimensionless
 from lacore.regularization import RegularisedValues
+from lacore.solvers.isolation import IsolatedBackend, Source
 from tests.broken_backends import (
     Exits,
     Options,
     Raises,
     Sleeps,
     SleepsInPrepare,
+    Talks,
     Works,
 )
 from tests.lacore.models import deformable_block, punch
@@ -58,9 +60,20 @@ def answer(block):
 
 def test_a_process_counts_its_own_time(process, block):
     program, contact = block
+    at_work(process, Works, program, Options())
     begin = process.processor_time
-    process.prepare(Works(), program, Options()).solve(contact)
+    at_work(process, Works, program, Options()).solve(contact)
     assert 0 < begin < process.processor_time
+
+
+def isolated(process, kind):
+    name = kind.__name__
+    source = Source(name, f"{kind.__module__}:{name}", file="a test")
+    return IsolatedBackend(source, la.find_backend, process)
+
+
+def at_work(process, kind, program, options):
+    return isolated(process, kind).prepare(program, options)
 
 
 def same(one, other):
@@ -69,21 +82,31 @@ def same(one, other):
 
 def test_answers_are_those_of_the_backend_itself(process, block, answer):
     program, contact = block
-    solver = process.prepare(Works(), program, Options())
+    solver = at_work(process, Works, program, Options())
     for _ in range(2):
         assert same(solver.solve(contact), answer)
     solver.close()
     solver.close()
 
 
-def test_a_solver_does_not_answer_for_the_program_of_another(process, block, answer):
+def test_one_process_holds_several_programs_of_its_backend(process, block, answer):
     program, contact = block
-    first = process.prepare(Works(), program, Options())
-    second = process.prepare(Works(), *in_program_units(punch())[:1], Options())
-    with pytest.raises(RuntimeError, match="given to another program"):
+    other, other_contact = in_program_units(punch())
+    first = at_work(process, Works, program, Options())
+    second = at_work(process, Works, other, Options())
+    assert second.solve(other_contact).status is la.Status.SOLVED
+    assert same(first.solve(contact), answer)
+    first.close()
+    assert second.solve(other_contact).status is la.Status.SOLVED
+
+
+def test_a_process_serves_no_two_backends_at_once(process, block, answer):
+    program, contact = block
+    first = at_work(process, Works, program, Options())
+    second = at_work(process, Talks, program, Options())
+    with pytest.raises(RuntimeError, match="given to another backend"):
         first.solve(contact)
-    first.close()  # leaves the second at work
-    assert second.solve(in_program_units(punch())[1]).status is la.Status.SOLVED
+    assert same(second.solve(contact), answer)
 
 
 @pytest.mark.parametrize(
@@ -93,21 +116,21 @@ def test_a_solver_does_not_answer_for_the_program_of_another(process, block, ans
 def test_a_lost_process_is_final_for_its_solver_only(
     process, block, answer, monkeypatch, backend, limit, status, native
 ):
-    monkeypatch.setattr(lacore.process.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.solvers.isolation, "GRACE", 0.1)
     program, contact = block
-    solver = process.prepare(backend(), program, Options(time_limit=limit))
+    solver = at_work(process, backend, program, Options(time_limit=limit))
     lost = solver.solve(contact)
     assert (lost.status.name, lost.native_status, lost.point) == (status, native, None)
     assert lost.solve_time > 0
     assert solver.solve(contact) is lost
     solver.close()
-    assert same(process.prepare(Works(), program, Options()).solve(contact), answer)
+    assert same(at_work(process, Works, program, Options()).solve(contact), answer)
 
 
 def test_a_prepare_that_hangs_is_the_answer_of_solve(process, block, monkeypatch):
-    monkeypatch.setattr(lacore.process.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.solvers.isolation, "GRACE", 0.1)
     program, contact = block
-    solver = process.prepare(SleepsInPrepare(), program, Options(time_limit=0.1))
+    solver = at_work(process, SleepsInPrepare, program, Options(time_limit=0.1))
     assert solver.solve(contact).status is la.Status.TIME_LIMIT
 
 
@@ -121,7 +144,7 @@ def test_killed_from_outside(process, block, tmp_path):
 
     killer = threading.Thread(target=kill)
     killer.start()
-    solver = process.prepare(Sleeps(), program, Options(tell=str(file)))
+    solver = at_work(process, Sleeps, program, Options(tell=str(file)))
     lost = solver.solve(contact)
     killer.join()
     assert lost.status is la.Status.FAILED
@@ -131,9 +154,9 @@ def test_killed_from_outside(process, block, tmp_path):
 def test_an_interrupt_leaves_nothing_out_of_step(process, block, answer, monkeypatch):
     """The answer to the interrupted request must not be taken for that to the next one."""
     program, contact = block
-    solver = process.prepare(Works(), program, Options())
+    solver = at_work(process, Works, program, Options())
     with monkeypatch.context() as patch:
-        patch.setattr(lacore.process.child_process, "_receive", interrupt)
+        patch.setattr(lacore.solvers.child_process, "_receive", interrupt)
         with pytest.raises(KeyboardInterrupt):
             solver.solve(contact)
     started = []
@@ -143,7 +166,7 @@ def test_an_interrupt_leaves_nothing_out_of_step(process, block, answer, monkeyp
     assert not started
     with pytest.raises(RuntimeError, match="was closed"):
         solver.solve(contact)
-    assert same(process.prepare(Works(), program, Options()).solve(contact), answer)
+    assert same(at_work(process, Works, program, Options()).solve(contact), answer)
 
 
 def interrupt(pipe):
@@ -152,29 +175,16 @@ def interrupt(pipe):
 
 def test_an_error_brings_its_traceback(process, block):
     program, contact = block
-    solver = process.prepare(Raises(), program, Options())
-    with pytest.raises(ZeroDivisionError, match="planted") as caught:
+    solver = at_work(process, Raises, program, Options())
+    with pytest.raises(BackendError, match="ZeroDivisionError: planted") as caught:
         solver.solve(contact)
     assert "broken_backends.py" in "".join(traceback.format_exception(caught.value))
 
 
-def test_what_cannot_be_sent_costs_no_process(process, block, answer):
-    class Local(Works):
-        """It has no importable name."""
-
-    program, contact = block
-    solver = process.prepare(Works(), program, Options())
-    with pytest.raises((AttributeError, pickle.PicklingError), match="Local"):
-        process.ask(1.0, "load", Local())
-    assert same(solver.solve(contact), answer)
-
-
-def test_a_backend_that_only_the_caller_can_import(process, block, monkeypatch):
-    module = ModuleType("only_here")
-    module.Elsewhere = type("Elsewhere", (Works,), {"__module__": "only_here"})
-    monkeypatch.setitem(sys.modules, "only_here", module)
-    with pytest.raises(ModuleNotFoundError, match="only_here"):
-        process.prepare(module.Elsewhere(), block[0], Options())
+def test_a_backend_that_cannot_be_imported_is_named(process):
+    nowhere = type("Elsewhere", (), {"__module__": "only_here"})
+    with pytest.raises(la.CapabilityError, match=r"'Elsewhere' cannot be loaded.*only_here"):
+        isolated(process, nowhere).describe()
 
 
 def test_files_in_the_working_directory_shadow_nothing(block, tmp_path, monkeypatch):
@@ -182,7 +192,7 @@ def test_files_in_the_working_directory_shadow_nothing(block, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     program, contact = block
     with la.SolverProcess() as process:
-        solver = process.prepare(Works(), program, Options(time_limit=1e300))  # beyond any timer
+        solver = at_work(process, Works, program, Options(time_limit=1e300))  # beyond any timer
         assert solver.solve(contact).status is la.Status.SOLVED
     gc.collect()  # pipes left open would warn here
 
@@ -191,9 +201,13 @@ def test_input_errors_arrive_whole(process, block):
     error = la.InputError("r", -1.0, "not positive", "give e.g. 1e-3")
     copy = pickle.loads(pickle.dumps(error))
     assert (str(copy), copy.field, copy.value) == (str(error), "r", -1.0)
-    newton = la.find_backend("newton")
-    with pytest.raises(la.InputError, match="r = 2: outside"):
-        process.prepare(newton, block[0], newton.Options(r=2))
+    newton = la.find_backend("newton", process)
+    with pytest.raises(la.InputError, match="r = 2: outside") as caught:
+        newton.Options(r=2)
+    assert (caught.value.field.endswith("r"), caught.value.value) == (True, 2)
+    options = newton.Options(r=0.5)
+    copy = pickle.loads(pickle.dumps(options))
+    assert (copy.r, copy.tolerance) == (0.5, options.tolerance)
 
 
 def test_solve_reports_the_peak_memory_of_an_isolated_backend(process):

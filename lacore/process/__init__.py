@@ -1,1 +1,0 @@
-"""Work in another process, which can be stopped."""

@@ -1,0 +1,1 @@
+"""The contract with backends, the registry of those installed, and the processes they work in."""

@@ -1,0 +1,172 @@
+"""The backends that are installed, by name: lacore's own, and those of other packages.
+
+A backend of another package works in a process of its own (`lacore.solvers.isolation`), and so does
+one of ours that asks for it. Where the environment variable `ISOLATE` is set, all of them do: the
+processes in which results are judged set it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+
+from lacore.errors import CapabilityError, InputError, require_known
+from lacore.solvers.contract import Backend, Family
+from lacore.solvers.isolation import IsolatedBackend, SolverProcess, Source
+from lacore_start import hidden
+
+GROUP = "lacore.backends"
+ISOLATE = "LACORE_ISOLATE_BACKENDS"
+_OWN = "backends"  # the package of ours
+
+
+@dataclass(frozen=True)
+class Registered:
+    """An entry point of a backend.
+
+    Attributes:
+        name: Under which it is registered.
+        target: ``module:attribute`` of its class.
+        file: Which registers it.
+        own: Whether it is one of lacore's.
+        conflict: Why it cannot be used; empty if it can.
+    """
+
+    name: str
+    target: str
+    file: str
+    own: bool
+    conflict: str = ""
+
+    @property
+    def label(self) -> str:
+        """Its name with the package that registers it: names of rejected ones are not unique."""
+        return f"{self.name} ({Path(self.file).name})"
+
+
+def backend_names() -> list[str]:
+    """Names of all registered backends, sorted.
+
+    Example:
+        >>> "clarabel" in la.backend_names()
+        True
+    """
+    return sorted(_registered(tuple(sys.path))[0])
+
+
+def rejected_backends() -> list[Registered]:
+    """Entry points that take the name of another backend; each says why it is rejected."""
+    return [*_registered(tuple(sys.path))[1]]
+
+
+@cache
+def _registered(path: tuple[str, ...]) -> tuple[Mapping[str, Registered], tuple[Registered, ...]]:
+    """Backends on a path by name, and those whose name another one has. Reading takes ms."""
+    own: dict[str, Registered] = {}
+    others: dict[str, list[Registered]] = {}
+    for entry in entry_points(group=GROUP):
+        found = Registered(entry.name, entry.value, _file(entry), _is_own(entry))
+        if found.own:
+            own.setdefault(entry.name, found)
+        elif found not in others.setdefault(entry.name, []):
+            others[entry.name].append(found)
+    valid, rejected = dict(own), list[Registered]()
+    for name, found_here in others.items():
+        files = sorted(one.file for one in found_here)
+        for one in found_here:
+            if name in own:
+                why = f"lacore has a backend {name!r} of its own: register another name"
+            elif ":" in name or not name:
+                why = f"{name!r} is no name of a backend: a colon separates variants of a family"
+            elif len(found_here) > 1:
+                why = f"several packages register a backend {name!r}: {', '.join(files)}"
+            else:
+                valid[name] = one
+                continue
+            rejected.append(Registered(name, one.target, one.file, False, f"{why} ({one.file})"))
+    return valid, tuple(rejected)
+
+
+def _is_own(entry: EntryPoint) -> bool:
+    return entry.module.partition(".")[0] == _OWN
+
+
+def _file(entry: EntryPoint) -> str:
+    if entry.dist is None:
+        return entry.value
+    place = entry.dist.locate_file("")
+    return str(Path(str(place)) / f"{entry.dist.name} {entry.dist.version}")
+
+
+def find_backend(name: str, process: SolverProcess | None = None) -> Backend:
+    """Return the backend registered under a name, or ``name:variant`` of a family (``cvxpy:SCS``).
+
+    Args:
+        name: Of the backend.
+        process: In which it is to work; None: a backend of another package, and one that asks for
+            isolation, works in a process that is kept for it, and any other in this one.
+
+    Raises:
+        InputError: There is no such name.
+        CapabilityError: It is registered, but cannot be loaded or run here.
+
+    Example:
+        >>> la.find_backend("clarabel").name
+        'clarabel'
+    """
+    backend = load_backend(name, process)
+    if reason := backend.unavailable():
+        raise CapabilityError(f"backend {name!r} is not available: {reason}")
+    return backend
+
+
+def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
+    """As `find_backend`, but one that cannot run here is returned too, to be asked why."""
+    if not isinstance(name, str):
+        raise InputError("backend", name, "not a name", f"give one of {', '.join(backend_names())}")
+    first, _, variant = name.partition(":")
+    known = _registered(tuple(sys.path))[0]
+    require_known("backend", first, known)
+    entry = known[first]
+    if process is None and entry.own and not os.environ.get(ISOLATE):
+        backend = _here(entry, name)
+        if not backend.capabilities.isolated:
+            return backend
+    isolated = _isolated(entry, name, variant)
+    isolated = isolated if process is None else isolated.within(process)
+    isolated.describe()
+    return isolated
+
+
+def _here(entry: Registered, name: str) -> Backend:
+    """A backend of ours, in this process."""
+    module = entry.target.partition(":")[0]
+    try:
+        backend: Backend = EntryPoint(entry.name, entry.target, GROUP).load()()
+    except Exception as error:  # a broken installation must not take the rest with it
+        told = hidden(module.partition(".")[0]) or f"{type(error).__name__}: {error}"
+        raise CapabilityError(f"backend {entry.name!r} cannot be loaded: {told}") from error
+    first, colon, variant = name.partition(":")
+    if not colon:
+        return backend
+    if not isinstance(backend, Family):
+        raise InputError("backend", name, "has no variants", f"give {first!r}")
+    require_known(f"variant of backend {first!r}", variant, backend.variants())
+    return backend.variant(variant)
+
+
+@cache
+def _isolated(entry: Registered, name: str, variant: str) -> IsolatedBackend:
+    """A backend that works in a process of its own; kept, and so is its process."""
+    first, colon, _ = name.partition(":")
+    if colon:
+        known = _isolated(entry, first, "").variants()
+        if not known:
+            raise InputError("backend", name, "has no variants", f"give {first!r}")
+        require_known(f"variant of backend {first!r}", variant, known)
+    return IsolatedBackend(Source(name, entry.target, variant, entry.file), load_backend)

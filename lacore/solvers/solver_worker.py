@@ -1,0 +1,135 @@
+"""What can be asked of the process of one backend: it describes itself, prepares and solves.
+
+Nothing here is trusted by the other side: code of the backend runs in the same interpreter.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+from pkgutil import resolve_name
+from typing import Any
+
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.protection import changed, digests, make_read_only
+from lacore.solvers.child_process import forget_peak_memory, peak_memory
+from lacore.solvers.contract import (
+    Backend,
+    Family,
+    InnerSolution,
+    PreparedSolver,
+    Writes,
+    failed_answer,
+)
+from lacore.solvers.description import describe
+from lacore.solvers.plain_answers import pack_answer
+
+_BUSY = 0.5  # share of a processor that an idle process may not use
+_IDLE = 0.3  # s of idling after which this is judged: MKL's threads wait actively for 0.2 s
+
+
+class SolverWorker:
+    """One backend at work in this process, on any number of programs."""
+
+    def __init__(self) -> None:
+        self._backend: Backend | None = None
+        self._solvers: dict[int, tuple[PreparedSolver, KinematicProgram, dict[str, str]]] = {}
+        self._threads = frozenset(threading.enumerate())
+        self._rest = time.perf_counter(), time.process_time()
+
+    def open(self, target: str, variant: str) -> dict[str, Any]:
+        """Import a backend, and say what it is.
+
+        Args:
+            target: ``module:attribute`` of its class.
+            variant: Of a family; empty for the backend itself.
+        """
+        backend: Backend = resolve_name(target)()
+        if variant:
+            if not isinstance(backend, Family):
+                raise TypeError(f"{target} has no variants")
+            backend = backend.variant(variant)
+        self._backend = backend
+        return describe(backend)
+
+    def check_options(self, values: dict[str, Any]) -> None:
+        """Let the backend look at options; it raises `InputError` for values out of range."""
+        self._own.Options(**values)
+
+    def prepare(self, number: int, program: KinematicProgram, values: dict[str, Any]) -> None:
+        """Prepare a program, which the backend can only read."""
+        forget_peak_memory()
+        make_read_only(program)
+        before = digests(program)
+        solver = self._own.prepare(program, self._own.Options(**values))
+        self._solvers[number] = solver, program, before
+
+    def solve(self, number: int, contact: FrozenContact) -> dict[str, Any]:
+        """The answer for a frozen contact, with what is known of this process."""
+        solver, program, before = self._solvers[number]
+        make_read_only(contact)
+        frozen = digests(contact, "contact")
+        answer: object = solver.solve(contact)
+        if names := changed(before, program) + changed(frozen, contact, "contact"):
+            seconds = answer.solve_time if isinstance(answer, InnerSolution) else 0.0
+            answer = failed_answer(
+                f"the backend changed the program that it was given ({', '.join(names)}): copy"
+                " arrays before scaling them",
+                seconds,
+            )
+        return {"answer": pack_answer(answer), "memory": peak_memory()}
+
+    def close(self, number: int) -> None:
+        """Drop a solver."""
+        solver, _, _ = self._solvers.pop(number)
+        solver.close()
+
+    def write(
+        self, ending: str, program: KinematicProgram, contact: FrozenContact, path: str
+    ) -> None:
+        """Write a program to a file, see `Writes`."""
+        backend = self._own
+        assert isinstance(backend, Writes)
+        backend.writers[ending](program, contact, Path(path))
+
+    def rest(self) -> str:
+        """What the backend has left running; empty if nothing. Idling begins here."""
+        self._rest = time.perf_counter(), time.process_time()
+        threads = [thread.name for thread in set(threading.enumerate()) - self._threads]
+        found = []
+        if threads:
+            found.append(f"{len(threads)} threads ({', '.join(sorted(threads)[:4])})")
+        if children := _children():
+            found.append(f"{children} child processes")
+        return " and ".join(found)
+
+    def was_busy(self) -> bool:
+        """Whether the process computed while nothing was asked of it, as native threads may."""
+        idle, used = (
+            now - then
+            for now, then in zip(
+                (time.perf_counter(), time.process_time()), self._rest, strict=True
+            )
+        )
+        return idle > _IDLE and used > _BUSY * idle
+
+    def processor_time(self) -> float:
+        """Processor time of this process, s."""
+        return time.process_time()
+
+    @property
+    def _own(self) -> Backend:
+        assert self._backend is not None
+        return self._backend
+
+
+def _children() -> int:
+    """Number of child processes that are alive; 0 where the system does not say (Linux does)."""
+    found = 0
+    for task in Path("/proc/self/task").glob("*/children"):
+        try:
+            found += len(task.read_text().split())
+        except OSError:
+            continue
+    return found
