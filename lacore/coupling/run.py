@@ -32,6 +32,10 @@ from lacore.state import ProgramState
 from lacore.status import Status
 
 STARTS = ("associated", "zero")
+PATH = "path"
+"""Kind of the iterates that lacore finds itself, by following a path of rigid blocks."""
+PATH_FOLLOWING = "lacore (path following)"
+"""What answered there, in results."""
 _FINISHED = (Status.SOLVED, Status.ALMOST_SOLVED)
 _PENALTY_SHARE = 0.1  # of the load factor; about 0.02 at r = 0.1 where they are as meant
 _LOOSEST = 1e-3  # residual at which a state still deserves its name
@@ -145,6 +149,28 @@ class Coupled(Compact):
     bracket: tuple[float, float] | None = None
     note: str = ""
     tolerance: float = 1e-6
+
+
+def answered_by(coupled: Coupled, backend: str) -> str:
+    """Say who found the final state of a loop: its backend, path following of lacore, or both.
+
+    A pair has its velocity from one solve and its reactions from another, which may be by
+    different solvers.
+
+    Args:
+        coupled: End of the loop.
+        backend: Name of the backend that the loop was given.
+    """
+    state = coupled.final.state
+    if state is None:
+        return backend
+    owners = {id(own.inner.point.velocity): own for own in coupled.iterates if own.inner.point}
+    owners |= {
+        id(own.inner.point.normal_reaction): own for own in coupled.iterates if own.inner.point
+    }
+    halves = (owners.get(id(half)) for half in (state.velocity, state.normal_reaction))
+    names = [PATH_FOLLOWING if own and own.kind == PATH else backend for own in halves]
+    return " and ".join(dict.fromkeys(names))
 
 
 def worst(iterate: Iterate) -> float:

@@ -35,7 +35,7 @@ from lacore.coupling.fixed_point import (
 )
 from lacore.coupling.names import COUPLINGS
 from lacore.coupling.nearby import Nearby
-from lacore.coupling.run import Coupled, CouplingOptions, Iterate
+from lacore.coupling.run import Coupled, CouplingOptions, Iterate, answered_by
 from lacore.errors import SolveError, typed
 from lacore.inner.preparing import JUDGE, preparing, rough
 from lacore.inner.rescaling import good_for
@@ -348,6 +348,7 @@ def limit_state(
         message=message,
         discretisation=discretisation,
         point=None if point is None else point_in_si(discretisation, point),
+        answered_by=answered_by(coupled, backend),
     )
 
 

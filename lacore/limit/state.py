@@ -50,6 +50,8 @@ class LimitState(Shown):
             (then +inf).
         rigor: what the load factor proves.
         backend, coupling: names.
+        answered_by: Who found the state: the backend, or `lacore.coupling.run.PATH_FOLLOWING`, or
+            both, where the velocity is that of one and the reactions are those of the other.
         certificate: recomputed residuals of the state; None where there is no state.
         contraction: last ratio seen between a change of what the loop froze (reactions, slip
             rates) and the change that it made: below 1 the plain iteration converges, at 1 it jams
@@ -90,6 +92,7 @@ class LimitState(Shown):
     discretisation: Discretisation
     point: ProgramState | None
     ray: Ray | None = None
+    answered_by: str = ""
 
     def _point(self) -> ProgramState:
         if self.point is None:

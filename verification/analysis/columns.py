@@ -74,6 +74,19 @@ def says(frame: pd.DataFrame, name: str, *words: str) -> Bools:
     return np.array(frame[name].isin(words), dtype=bool)
 
 
+def answered_itself(frame: pd.DataFrame) -> Bools:
+    """Where the answer is that of the backend alone; so are all answers of older results.
+
+    Raises:
+        InputError: There is no column `backend`.
+    """
+    require_columns(frame, ["backend"])
+    if "answered_by" not in frame.columns:
+        return np.ones(len(frame), dtype=bool)
+    answered, backend = frame["answered_by"].fillna(""), frame["backend"]
+    return np.array((answered == "") | (answered == backend), dtype=bool)
+
+
 def groups(frame: pd.DataFrame, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
     """Parts of equal values in some columns, missing ones count as equal; in order of appearance.
 

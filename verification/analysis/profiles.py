@@ -17,6 +17,7 @@ from lacore.errors import InputError, require_known, require_positive
 from verification.analysis.columns import (
     SOLVED,
     SOLVER,
+    answered_itself,
     groups,
     numbers,
     problem_columns,
@@ -30,13 +31,16 @@ from verification.verdicts.words import NO_REFERENCE, PASS, SKIPPED
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {
         "claim": lambda results: truths(results, "claimed"),
-        "certificate": lambda results: says(results, "status", SOLVED),
-        "verdict": lambda results: says(results, "verdict", PASS, NO_REFERENCE),
+        "certificate": lambda results: says(results, "status", SOLVED) & answered_itself(results),
+        "verdict": lambda results: (
+            says(results, "verdict", PASS, NO_REFERENCE) & answered_itself(results)
+        ),
     }
 )
 """What may count as solved: the solver says so; residuals that we computed; these and a reference.
 
-The last as far as there is a reference. A verdict also passes what ends with a status that is the
+Only what a backend answered itself counts: not what lacore found by following a path. The last as
+far as there is a reference. A verdict also passes what ends with a status that is the
 right answer, such as ``locked``.
 """
 UNSOLVED: Mapping[str, str] = MappingProxyType(
@@ -261,7 +265,9 @@ def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
         claimed, certified = (SOLVED_BY[name](part) for name in ("claim", "certificate"))
-        correct, unjudged = (says(part, "verdict", kind) for kind in (PASS, NO_REFERENCE))
+        correct, unjudged = (
+            says(part, "verdict", kind) & answered_itself(part) for kind in (PASS, NO_REFERENCE)
+        )
         count, judged = len(part), int((~unjudged).sum())
         rows.append(
             {

@@ -55,6 +55,8 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
+        if row.answered_by not in ("", row.backend):
+            print_line(console, f"         answered by {row.answered_by}", "dim")
         if isfinite(row.width):
             between = f"{row.lower:.6f} <= load factor <= {row.upper:.6f}"
             print_line(console, f"         {between}, {100 * row.width:.2g} % wide", "dim")

@@ -91,6 +91,7 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
     return Row(
         **names,
         load_factor=state.load_factor,
+        answered_by=state.answered_by,
         rigor=state.rigor.label,
         upper=state.load_factor if state.rigor is la.Rigor.UPPER else nan,
         status=state.status.label,

@@ -12,6 +12,8 @@ class Row:
 
     Attributes:
         case, variant, backend, coupling, mesh: what was run.
+        answered_by: Who found the answer: the backend, or path following of lacore, or both; empty
+            without an answer. Rates of backends count only what they answered themselves.
         n_elements, n_dofs: triangles and rigid blocks; unknowns after supports. Of a bracket those
             of its upper bound, and ``n_elements_lower`` those of its lower one.
         load_factor, reference: in units of the case.
@@ -57,6 +59,7 @@ class Row:
     backend: str
     coupling: str
     mesh: str
+    answered_by: str = ""
     n_elements: float = nan
     n_dofs: float = nan
     load_factor: float = nan
