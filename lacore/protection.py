@@ -9,9 +9,24 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import issparse
+from scipy.sparse import csr_matrix, issparse
 
 _INDEX_ARRAYS = ("data", "indices", "indptr")
+
+
+def _parts_of(value: object, name: str) -> Iterator[tuple[str, object]]:
+    """Names and values of what a dataclass or a tuple holds."""
+    if isinstance(value, tuple):
+        yield from ((f"{name}[{number}]", part) for number, part in enumerate(value))
+    elif is_dataclass(value) and not isinstance(value, type):
+        yield from ((f"{name}.{own.name}", getattr(value, own.name)) for own in fields(value))
+
+
+def _matrices_of(value: object) -> Iterator[object]:
+    if issparse(value):
+        yield value
+    for _, part in _parts_of(value, ""):
+        yield from _matrices_of(part)
 
 
 def arrays_of(value: object, name: str = "program") -> Iterator[tuple[str, npt.NDArray[Any]]]:
@@ -22,16 +37,16 @@ def arrays_of(value: object, name: str = "program") -> Iterator[tuple[str, npt.N
         for part in _INDEX_ARRAYS:
             if isinstance(own := getattr(value, part, None), np.ndarray):
                 yield f"{name}.{part}", own
-    elif isinstance(value, tuple):
-        for number, part in enumerate(value):
-            yield from arrays_of(part, f"{name}[{number}]")
-    elif is_dataclass(value) and not isinstance(value, type):
-        for field in fields(value):
-            yield from arrays_of(getattr(value, field.name), f"{name}.{field.name}")
+    for own, part in _parts_of(value, name):
+        yield from arrays_of(part, own)
 
 
 def make_read_only(value: object) -> None:
-    """Let no array of a dataclass be written to."""
+    """Let no array of a dataclass be written to; rows of sparse matrices are sorted before."""
+    for matrix in _matrices_of(value):
+        # SciPy sorts rows in place when it first needs them so, which it could not do later.
+        if isinstance(matrix, csr_matrix) and not matrix.has_canonical_format:
+            matrix.sum_duplicates()
     for _, array in arrays_of(value):
         array.flags.writeable = False
 

@@ -19,7 +19,7 @@ from lacore.errors import BackendError, CapabilityError, InputError
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.solvers.child_process import GRACE, LONGEST, START, ChildProcess, LostError
 from lacore.solvers.contract import Backend, Capabilities, InnerSolution, Writer, failed_answer
-from lacore.solvers.description import Description, read_description
+from lacore.solvers.description import Description, describe, read_description
 from lacore.solvers.plain_answers import read_answer
 from lacore.status import Status
 
@@ -62,7 +62,7 @@ class SolverProcess:
         self._source: Source | None = None
         self._generation = 0
         self._count = 0
-        self._notes: list[str] = []
+        self._note = ""
 
     def open(self, source: Source) -> Any:
         """Start the process with a backend, and return what the backend says of itself.
@@ -84,14 +84,16 @@ class SolverProcess:
         Raises:
             LostError, BackendError: See `open`.
         """
-        if self._source != source or not self._process.running or self._is_busy():
+        if self._source == source and self._process.running and self._was_busy():
+            self.replace_for("it computed while nothing was asked of it")
+        if self._source != source or not self._process.running:
             self.open(source)
 
-    def _is_busy(self) -> bool:
+    def _was_busy(self) -> bool:
         try:
             return bool(self._process.ask(START, "was_busy"))
         except LostError:
-            return True
+            return False  # it is started again anyway
 
     def new_number(self) -> int:
         """A number for a program that is prepared here."""
@@ -102,6 +104,16 @@ class SolverProcess:
     def generation(self) -> int:
         """How often the process was started."""
         return self._generation
+
+    def replace_for(self, why: str) -> None:
+        """Stop the process, and note why; see `take_note`."""
+        self._note = f"the process of the backend was replaced: {why}"
+        self.close()
+
+    def take_note(self) -> str:
+        """Return why the process was last replaced, and forget it; empty if it was not."""
+        note, self._note = self._note, ""
+        return note
 
     def holds(self, generation: int) -> bool:
         """Whether it still is the process that was started then."""
@@ -153,6 +165,7 @@ class IsolatedBackend:
     ) -> None:
         self._source, self._find, self._given = source, find, process
         self._local = threading.local()
+        self._known: Description | None = None
 
     @property
     def process(self) -> SolverProcess:
@@ -165,25 +178,32 @@ class IsolatedBackend:
         return own
 
     def within(self, process: SolverProcess) -> IsolatedBackend:
-        """The same backend, at work in another process."""
+        """Return the same backend, at work in another process."""
         found = IsolatedBackend(self._source, self._find, process)
-        if "about" in vars(self):
-            vars(found)["about"] = self.about
+        found._known = self._known
         return found
 
-    @cached_property
+    def knowing(self, backend: Backend) -> IsolatedBackend:
+        """Return itself, with what a backend of ours says of itself in this process."""
+        self._known = read_description(describe(backend), self._source.name, self._source.file)
+        return self
+
+    @property
     def about(self) -> Description:
-        """What the backend says of itself.
+        """What the backend says of itself; asked once.
 
         Raises:
             CapabilityError: It cannot be imported, or describes itself wrongly.
         """
+        if self._known is not None:
+            return self._known
         name, file = self._source.name, self._source.file
         try:
             data = self.process.open(self._source)
         except (LostError, BackendError) as error:
             raise CapabilityError(f"backend {name!r} cannot be loaded: {error} ({file})") from error
-        return read_description(data, name, file)
+        self._known = read_description(data, name, file)
+        return self._known
 
     def describe(self) -> None:
         """Ask the backend what it is, unless that is known; raises as `about`."""
@@ -286,7 +306,6 @@ class IsolatedSolver:
         self._lost: InnerSolution | None = None
         self._number = process.new_number()
         self._closed = False
-        self._left = ""
         self._asked(partial(process.serve, source))  # imports are not to be paid from the limit
         self._generation = process.generation
         self._asked(
@@ -325,9 +344,9 @@ class IsolatedSolver:
             return
         self._closed = True
         self._asked(partial(self._process.ask, self._limit, "close", self._number))
-        self._left = str(self._asked(partial(self._process.ask, START, "rest")) or "")
-        if self._left:
-            self._process.close()
+        left = self._asked(partial(self._process.ask, START, "rest"))
+        if left:
+            self._process.replace_for(f"it was left with {left}")
 
 
 def _read(sent: Any, seconds: float) -> InnerSolution:

@@ -137,6 +137,7 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
         backend = _here(entry, name)
         if not backend.capabilities.isolated:
             return backend
+        return _isolated(entry, name, variant).knowing(backend)
     isolated = _isolated(entry, name, variant)
     isolated = isolated if process is None else isolated.within(process)
     isolated.describe()

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack
+from dataclasses import replace
 from queue import SimpleQueue
 from typing import Protocol
 
@@ -16,7 +17,8 @@ from lacore.solvers.child_process import (
     forget_peak_memory,
     peak_memory,
 )
-from lacore.solvers.registry import ISOLATE
+from lacore.solvers.isolation import IsolatedBackend
+from lacore.solvers.registry import ISOLATE, load_backend
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
 from verification.perform.one_run import Assembled, assemble, lost, outcome_of
@@ -55,7 +57,19 @@ class Worker:
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
         outcome = outcome_of(run, self._assembled, time_limit, peak_memory)
-        return outcome.row, outcome.evidence
+        row, note = outcome.row, _note(run.backend)
+        if note:
+            row = replace(row, message="; ".join(filter(None, (row.message, note))))
+        return row, outcome.evidence
+
+
+def _note(backend: str) -> str:
+    """Why the process of a backend was replaced during a run; empty if it was not."""
+    try:
+        found = load_backend(backend)
+    except la.CapabilityError:  # the row says so
+        return ""
+    return found.process.take_note() if isinstance(found, IsolatedBackend) else ""
 
 
 class RunProcess(ChildProcess):
