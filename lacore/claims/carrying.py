@@ -120,8 +120,7 @@ def _shared(
         reference_load=_weights(program) / size,
         dead_load=program.held_shut / size,
     )
-    shared = with_own_unknown(relative, "share that is not carried")
-    shared.reference_load[-1] = 1.0
+    shared = with_own_unknown(relative, "share that is not carried", reference=1.0)
     return shared, replace(contact, bound=contact.bound / size)
 
 

@@ -270,6 +270,5 @@ def ray_program(face: Face, sign: float) -> tuple[KinematicProgram, FrozenContac
         reference_load=np.zeros(program.n),
         dead_load=sign * program.reference_load,
     )
-    ray = with_own_unknown(unloaded, "end of a ray")
-    ray.reference_load[-1] = 1.0
+    ray = with_own_unknown(unloaded, "end of a ray", reference=1.0)
     return ray, replace(associated_contact(ray.contact), shift=face.contact.shift)

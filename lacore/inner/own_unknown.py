@@ -9,10 +9,15 @@ from lacore.arrays import Sparse
 from lacore.program import DissipationGroup, KinematicProgram
 
 
-def with_own_unknown(program: KinematicProgram, name: str) -> KinematicProgram:
-    """The program with an unknown, the last, that dissipates its size and that no load drives.
+def with_own_unknown(
+    program: KinematicProgram, name: str, reference: float = 0.0, dead: float = 0.0
+) -> KinematicProgram:
+    """Append an unknown that dissipates its size.
 
-    Its group, the last, gets the name.
+    Args:
+        program: In any units.
+        name: Of its group, the last one.
+        reference, dead: What the loads do on it.
     """
     n = program.n
 
@@ -32,7 +37,7 @@ def with_own_unknown(program: KinematicProgram, name: str) -> KinematicProgram:
             alone,
         ),
         contact=replace(rows, normal=wide(rows.normal), tangential=wide(rows.tangential)),
-        reference_load=np.append(program.reference_load, 0.0),
-        dead_load=np.append(program.dead_load, 0.0),
+        reference_load=np.append(program.reference_load, reference),
+        dead_load=np.append(program.dead_load, dead),
         parts=np.append(program.part, program.part.max(initial=-1) + 1),
     )

@@ -62,16 +62,13 @@ class Slack(Compact):
         gap = _SHARE * tolerance * kinematic_power(program, point)
         slip = np.asarray(np.linalg.norm(rows.slip(u), axis=1))
         dissipated = program.plastic_dissipation(u) + program.friction_dissipation(u, rows.limit)
-        wide = with_own_unknown(program, "slack")
-        dead, reference = wide.dead_load, sign * wide.reference_load
-        dead[-1] = dissipated - float(program.dead_load @ u) - gap
-        reference[-1] = -sign
+        over = dissipated - float(program.dead_load @ u) - gap
+        wide = with_own_unknown(program, "slack", reference=-1.0, dead=over)
         solved = replace(
             wide,
             groups=wide.groups[:-1],
             contact=_with_theta(wide.contact, rows.coefficient * slip),
-            dead_load=dead,
-            reference_load=reference,
+            reference_load=sign * wide.reference_load,
         )
         return cls(program, point, solved, associated_contact(solved.contact), gap)
 
