@@ -14,6 +14,7 @@ import subprocess
 import sys
 import threading
 import traceback
+import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -154,6 +155,7 @@ class ChildProcess:
             env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
             start_new_session=True,  # what it starts ends with it; Ctrl-C reaches the caller only
         )
+        self._end = weakref.finalize(self, _end, self._process)  # also as the interpreter ends
         if self._killed:  # while it started
             _kill(self._process)
         self.ask(START, "")
@@ -189,12 +191,7 @@ class ChildProcess:
         """Stop the process; the next request starts another."""
         process, self._process = self._process, None
         if process is not None:
-            _kill(process)
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                assert pipe is not None
-                with suppress(BrokenPipeError), _unsignalled():  # of what was not read any more
-                    pipe.close()
+            self._end()
 
     def __enter__(self) -> Self:
         return self
@@ -286,6 +283,16 @@ def _receive(pipe: IO[bytes]) -> bytes:
     if not message or len(message) < length:
         raise EOFError
     return message
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Stop a process, wait for its end, and close its pipes."""
+    _kill(process)
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        assert pipe is not None
+        with suppress(BrokenPipeError), _unsignalled():  # of what was not read any more
+            pipe.close()
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

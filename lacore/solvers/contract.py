@@ -22,6 +22,7 @@ from lacore.showing import Compact
 from lacore.state import ProgramState, misfit, shapes
 from lacore.status import Status
 
+_NO_POWER = 1e-12  # of the sum of sizes: what round-off leaves of a power that vanishes
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
 
 
@@ -305,6 +306,10 @@ def _fault(program: KinematicProgram, regularised: bool, answer: InnerSolution) 
         array = np.asarray(values)
         if array.dtype.kind not in "fiu" or not np.isfinite(array).all():
             return f"a {name} with NaN, infinity or no numbers at all"
+    power = float(program.reference_load @ point.velocity)
+    size = float(np.abs(program.reference_load) @ np.abs(point.velocity))
+    if not abs(power) > _NO_POWER * size:
+        return f"a velocity with F0.U = {power:.3g}, where the program requires F0.U = 1"
     return ""
 
 

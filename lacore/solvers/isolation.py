@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
@@ -24,6 +25,7 @@ from lacore.solvers.plain_answers import read_answer
 from lacore.status import Status
 
 _WORKER = "lacore.solvers.solver_worker:SolverWorker"
+MOST_PROCESSES = 12  # that a thread keeps: as many as backends are compared, of some 80 MB each
 _CODEC = "lacore.solvers.plain_answers:PlainAnswers"
 
 
@@ -150,13 +152,30 @@ class SolverProcess:
         self.close()
 
 
+class KeptProcesses(threading.local):
+    """The processes that are kept for the backends of a thread, least recently used first."""
+
+    def __init__(self) -> None:
+        self._by_source: OrderedDict[Source, SolverProcess] = OrderedDict()
+
+    def of(self, source: Source) -> SolverProcess:
+        """The process of a backend; the oldest one is stopped where there are too many."""
+        found = self._by_source.setdefault(source, SolverProcess())
+        self._by_source.move_to_end(source)
+        if len(self._by_source) > MOST_PROCESSES:
+            self._by_source.popitem(last=False)[1].close()
+        return found
+
+
+_KEPT = KeptProcesses()
+
+
 class IsolatedBackend:
     """A backend whose work, and whose word about itself, come from a process of its own.
 
     Args:
         source: Where the backend is found.
-        process: In which it works; None: one for each thread that asks, stopped with the last
-            reference to it.
+        process: In which it works; None: one that is kept for each thread that asks.
         find: Function that finds a backend by its name (for pickle).
     """
 
@@ -164,18 +183,12 @@ class IsolatedBackend:
         self, source: Source, find: Callable[[str], Backend], process: SolverProcess | None = None
     ) -> None:
         self._source, self._find, self._given = source, find, process
-        self._local = threading.local()
         self._known: Description | None = None
 
     @property
     def process(self) -> SolverProcess:
         """In which the backend works for this thread."""
-        if self._given is not None:
-            return self._given
-        if not hasattr(self._local, "process"):
-            self._local.process = SolverProcess()
-        own: SolverProcess = self._local.process
-        return own
+        return _KEPT.of(self._source) if self._given is None else self._given
 
     def within(self, process: SolverProcess) -> IsolatedBackend:
         """Return the same backend, at work in another process."""

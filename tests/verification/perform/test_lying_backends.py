@@ -1,0 +1,108 @@
+"""No backend makes a wrong number pass, or changes what another one finds."""
+
+import re
+from math import isfinite
+
+import pytest
+
+import lacore as la
+from tests.lacore.models import deformable_block
+from tests.lying_backends import LIES, Undescribed, Untidy, register
+from verification.campaigns.comparison import plan
+from verification.perform.processes import run_in_processes
+from verification.verdicts.words import FAIL, PASS, SKIPPED
+
+QUICK = {
+    *("DoublesReferenceLoad", "ForcesReferenceLoad", "ForcesContactNormalData"),
+    *("DoublesTheLoadFactor", "ZeroVelocity", "StatusAsText", "RunsCodeWhereItIsRead"),
+    *("PatchesHolds", "LeavesThreads", "UnavailableRaises"),
+}
+"""Those that are tried in fast tests: each starts an interpreter."""
+HONEST = ("clarabel", "cvxpy")
+
+
+def each(names):
+    return [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in names]
+
+
+WRONG = [name for name, own in LIES.items() if not issubclass(own.kind, (Untidy, Undescribed))]
+UNTIDY = [name for name, own in LIES.items() if issubclass(own.kind, Untidy)]
+UNDESCRIBED = [name for name, own in LIES.items() if issubclass(own.kind, Undescribed)]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lies")
+    register(folder, {"clarabel": "tests.lying_backends:DoublesTheLoadFactor"})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(folder))
+        patch.setenv("LACORE_TEST_TRACE", str(folder / "trace"))
+        yield folder
+
+
+def solved(name):
+    try:
+        return la.solve(deformable_block(0.5), backend=name)
+    except la.LacoreError as error:
+        return error
+
+
+def test_there_are_sixty_of_them():
+    assert len(LIES) >= 60
+
+
+@pytest.mark.parametrize("name", each(WRONG))
+def test_no_wrong_number_is_solved(folder, name):
+    found = solved(name)
+    text = str(found) if isinstance(found, Exception) else found.message
+    if isinstance(found, la.LimitState):
+        assert found.status is not la.Status.SOLVED
+        assert not isfinite(found.load_factor)
+    assert re.search(LIES[name].message, text), text
+    assert not (folder / "trace").exists(), "what was read ran code"
+
+
+@pytest.mark.parametrize("name", each(UNTIDY))
+def test_what_is_left_behind_costs_nothing(folder, name):
+    found, honest = solved(name), la.solve(deformable_block(0.5), backend="clarabel")
+    assert found.load_factor == pytest.approx(honest.load_factor, abs=1e-6)
+    assert found.backend == name
+
+
+@pytest.mark.parametrize("name", each(UNDESCRIBED))
+def test_a_backend_that_describes_itself_wrongly_is_named(folder, name):
+    with pytest.raises(la.CapabilityError, match=LIES[name].message) as caught:
+        la.find_backend(name)
+    assert "lying-backends 1" in str(caught.value)
+
+
+def test_nobody_takes_the_name_of_another(folder):
+    from lacore.solvers.registry import rejected_backends
+
+    (rejected,) = rejected_backends()
+    assert (rejected.name, "lying-backends 1" in rejected.conflict) == ("clarabel", True)
+    assert la.solve(deformable_block(0.5), backend="clarabel").status is la.Status.SOLVED
+
+
+def compared(names):
+    runs = plan(["shear-patch:sliding"], names, ["coarse"])
+    rows = [outcome.row for outcome in run_in_processes(runs, jobs=2, time_limit=60.0)]
+    return {row.backend: row for row in rows}
+
+
+@pytest.mark.slow
+def test_a_comparison_passes_no_lie_and_honest_backends_do_not_notice(folder):
+    alone = compared(HONEST)
+    together = compared([name for lie in LIES for name in (lie, *HONEST)][: 3 * len(LIES)])
+    for name in HONEST:
+        assert together[name].load_factor == alone[name].load_factor
+        assert together[name].verdict == PASS
+    for name in WRONG:
+        assert together[name].verdict == FAIL, name
+        assert re.search(LIES[name].message, together[name].message), together[name].message
+    for name in UNTIDY:
+        assert together[name].verdict == PASS, name
+        assert re.search(LIES[name].message, together[name].message), together[name].message
+    for name in UNDESCRIBED:
+        assert together[name].verdict == SKIPPED, name
+        assert re.search(LIES[name].message, together[name].message), together[name].message
