@@ -66,6 +66,20 @@ class SolverProcess:
         self._count = 0
         self._note = ""
 
+    def prepare(self, backend: Backend, program: KinematicProgram, options: Any) -> IsolatedSolver:
+        """Put a backend to work on a program in this process.
+
+        Args:
+            backend: Registered or not; its class must be importable there, and need no arguments.
+            program: In units of the program.
+            options: Of the backend.
+        """
+        kind, variant = type(backend), backend.name.partition(":")[2]
+        target = f"{kind.__module__}:{kind.__qualname__}"
+        if isinstance(backend, IsolatedBackend):
+            return backend.within(self).prepare(program, options)
+        return IsolatedSolver(self, Source(backend.name, target, variant), program, options)
+
     def open(self, source: Source) -> Any:
         """Start the process with a backend, and return what the backend says of itself.
 
