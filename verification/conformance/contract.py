@@ -1,9 +1,9 @@
 """What a backend promises beside its numbers: limits, bad data, repeated solves, its own papers."""
 
-import pickle
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, asdict, dataclass, fields, is_dataclass, replace
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,10 @@ from lacore.backend import (
 )
 from lacore.errors import InputError
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.solvers import plain
+from lacore.solvers.description import describe, read_description
+from lacore.solvers.plain_answers import pack_answer, read_answer
+from lacore.state import ProgramState
 from lacore.status import Status
 from verification.conformance.contact_programs import sequence
 from verification.conformance.hardening_programs import closing_and_hardening, two_that_harden
@@ -274,29 +278,38 @@ def _refused(bench: Bench, option: str, value: object) -> Finding:
     return said("options", check, False, "was taken; InputError was expected")
 
 
-def pickles(bench: Bench) -> Iterator[Finding]:
-    """Backend, options and answers go to another process and back."""
-    name, backend = "pickle", bench.subject.backend
-    given = _FRICTION
-    answer = bench.answer(given.program, given.contact)
-    for what, thing in (("backend", backend), ("options", backend.Options()), ("answer", answer)):
-        try:
-            back = pickle.loads(pickle.dumps(thing))
-        except Exception as error:
-            yield said(name, what, False, f"{type(error).__name__}: {error}")
-            continue
-        same = type(back) is type(thing)
-        if what == "options":
-            same = back == thing
-        if isinstance(thing, InnerSolution):
-            same = _equal(asdict(back), asdict(thing))
-        yield said(name, what, same, f"came back as {back!r}")
-
-
-def _equal(one: object, other: object) -> bool:
-    """To the last bit, NaN with NaN."""
+def separate_process(bench: Bench) -> Iterator[Finding]:
+    """The class can be imported by its name, and what it says and answers is plain data."""
+    name, backend = "separate process", bench.subject.backend
+    kind = type(backend)
     try:
-        np.testing.assert_equal(one, other)
+        there = resolve_name(f"{kind.__module__}:{kind.__qualname__}") is kind
+        why = "another class has its name"
+    except (ImportError, AttributeError, ValueError) as error:
+        there, why = False, f"{type(error).__name__}: {error}"
+    yield said(name, "class", there, f"{kind.__qualname__} cannot be imported by its name: {why}")
+    try:
+        read_description(plain.loads(plain.dumps(describe(backend))), backend.name, "")
+    except (TypeError, ValueError, la.CapabilityError) as error:
+        yield said(name, "description", False, str(error))
+    else:
+        yield said(name, "description", True, "")
+    answer = bench.answer(_FRICTION.program, _FRICTION.contact)
+    try:
+        back = read_answer(plain.loads(plain.dumps(pack_answer(answer))), 0.0, np.nan)
+    except (TypeError, ValueError) as error:
+        yield said(name, "answer", False, str(error))
+        return
+    same = isinstance(answer, InnerSolution) and _equal(back.point, answer.point)
+    yield said(name, "answer", same, f"came back as {back!r}")
+
+
+def _equal(one: ProgramState | None, other: ProgramState | None) -> bool:
+    """To the last bit, NaN with NaN."""
+    if one is None or other is None:
+        return one is other
+    try:
+        np.testing.assert_equal(asdict(one), asdict(other))
     except AssertionError:
         return False
     return True
@@ -316,7 +329,7 @@ EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
     "NaN in the program": nan_in_the_program,
     "declaration": declaration,
     "options": options,
-    "pickle": pickles,
+    "separate process": separate_process,
 }
 
 

@@ -13,6 +13,7 @@ from lacore.limit.solve import solve
 from verification.case import Band, Reference
 from verification.defaults import RAW
 from verification.evidence.limit_state import evidence_of
+from verification.perform.limits import shorter_limit
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -44,7 +45,7 @@ def run_limit_state(
         CapabilityError: the backend cannot take it.
     """
     coupling, settings = RAW.get(run.coupling or "", (run.coupling, {}))
-    limit = {} if time_limit is None else {"time_limit": time_limit}
+    limit = shorter_limit(run.backend, time_limit)
     state = solve(
         discretisation,
         backend=run.backend,

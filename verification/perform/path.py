@@ -18,6 +18,7 @@ from verification.case import Band, Reference
 from verification.case.following import Following
 from verification.evidence.limit_state import records
 from verification.evidence.path import packed_step
+from verification.perform.limits import shorter_limit
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
@@ -64,7 +65,7 @@ def run_path(
         approaching=stated.approaching,
         backend=run.backend,
         coupling=run.coupling,
-        options={**({} if time_limit is None else {"time_limit": time_limit}), **run.options},
+        options={**shorter_limit(run.backend, time_limit), **run.options},
         **run.settings,
     )
     seconds = time.perf_counter() - begin
