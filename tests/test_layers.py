@@ -36,11 +36,12 @@ LACORE = (
         "status",
         "surfaces",
         "dissipation",
+        "protection",
         "program",
         "reduction",
     ),
-    *("state", "part_forces", "certificate", "regularization", "backend"),
-    *("process", "inner", "claims", "coupling"),
+    *("state", "part_forces", "certificate", "regularization", "solvers", "backend"),
+    *("inner", "claims", "coupling"),
     *("materials", "conditions", "meshes", "bodies", "contact", "problem", "assembly"),
     *("limit", "bounds", "adaptive", "ranges", "questions", "paths", "files", "pictures", "doors"),
 )
@@ -52,7 +53,7 @@ VERIFICATION = (
 )
 """Those of verification, alike."""
 HOUSES = {"lacore": LACORE, "verification": VERIFICATION}
-SOLVER_WING = LACORE[LACORE.index("process") : LACORE.index("materials")]
+SOLVER_WING = LACORE[LACORE.index("solvers") : LACORE.index("materials")]
 MECHANICS_WING = LACORE[LACORE.index("materials") : LACORE.index("limit")]
 NAMED = r"(lacore|backends|verification)[\w.]*:\w+"
 SOLVERS = ("casadi", "clarabel", "cvxpy", "ecos", "highspy", "mosek", "osqp", "qoco", "scs")
