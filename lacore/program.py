@@ -17,7 +17,7 @@ from lacore.arrays import Bools, Floats, Ints, Sparse
 from lacore.dissipation import DissipationGroup as DissipationGroup
 from lacore.errors import InputError
 from lacore.numerics.interleaving import interleaved as interleaved
-from lacore.protection import make_read_only
+from lacore.numerics.read_only import make_read_only
 from lacore.showing import Compact
 
 
@@ -101,10 +101,7 @@ class ContactRows(Compact):
 
     @cached_property
     def sizes(self) -> tuple[Sparse, Sparse]:
-        """Sizes of the normal and of the tangential rows, transposed: (n, m), (n, m tangent_dim).
-
-        Kept, as `meeting` is: certificates ask for them at each inner solve.
-        """
+        """Sizes of the normal and the tangential rows, transposed: (n, m), (n, m tangent_dim)."""
         return csr_matrix(abs(self.normal).T), csr_matrix(abs(self.tangential).T)
 
     @cached_property
@@ -317,8 +314,7 @@ class KinematicProgram(Compact):
 
     def friction_dissipation(self, velocity: Floats, bound: Floats) -> float:
         """Dissipation of the contact points at friction bounds; stick points slip by round-off."""
-        finite = np.isfinite(bound)
-        slip = np.linalg.norm(self.contact.slip(velocity), axis=1)
+        slip, finite = np.linalg.norm(self.contact.slip(velocity), axis=1), np.isfinite(bound)
         return float(np.sum((self.contact.weights * slip)[finite] * bound[finite]))
 
 

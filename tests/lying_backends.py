@@ -17,7 +17,7 @@ import numpy as np
 
 import lacore as la
 from lacore.backend import Capabilities
-from lacore.protection import arrays_of
+from lacore.numerics.read_only import arrays_of
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,6 @@ LACORE = (
         "status",
         "surfaces",
         "dissipation",
-        "protection",
         "program",
         "reduction",
     ),

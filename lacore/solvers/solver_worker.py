@@ -11,8 +11,8 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from lacore.numerics.read_only import changed, digests, make_read_only
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.protection import changed, digests, make_read_only
 from lacore.solvers.child_process import forget_peak_memory, peak_memory
 from lacore.solvers.contract import (
     Backend,
