@@ -185,11 +185,11 @@ def test_the_doctor_shows_where_each_is_and_what_hides_it(tmp_path, monkeypatch)
 
 
 def test_a_backend_of_others_that_fails_is_told_as_it_is(monkeypatch):
-    from importlib.metadata import EntryPoint
+    import lacore.solvers.registry
+    from lacore.solvers.registry import Registered
 
-    import lacore.backend
-
-    broken = EntryPoint("broken", "no_such_module:Solver", "lacore.backends")
-    monkeypatch.setattr(lacore.backend, "_registered", lambda path: {"broken": broken})
+    broken = Registered("broken", "no_such_module:Solver", "", own=True)
+    found = {"broken": broken}, ()
+    monkeypatch.setattr(lacore.solvers.registry, "_registered", lambda path: found)
     with pytest.raises(la.CapabilityError, match="ModuleNotFoundError: No module named"):
         la.find_backend("broken")

@@ -26,6 +26,8 @@ from lacore.status import Status
 
 _WORKER = "lacore.solvers.solver_worker:SolverWorker"
 MOST_PROCESSES = 12  # that a thread keeps: as many as backends are compared, of some 80 MB each
+ISOLATE = "LACORE_ISOLATE_BACKENDS"
+"""Environment variable of processes in which all backends are isolated, also those of lacore."""
 _CODEC = "lacore.solvers.plain_answers:PlainAnswers"
 
 
@@ -60,7 +62,7 @@ class SolverProcess:
     """
 
     def __init__(self) -> None:
-        self._process = ChildProcess(_WORKER, codec=_CODEC)
+        self._process = ChildProcess(_WORKER, {ISOLATE: ""}, _CODEC)
         self._source: Source | None = None
         self._generation = 0
         self._count = 0
@@ -74,11 +76,19 @@ class SolverProcess:
             program: In units of the program.
             options: Of the backend.
         """
-        kind, variant = type(backend), backend.name.partition(":")[2]
-        target = f"{kind.__module__}:{kind.__qualname__}"
+        return self.isolated(backend).prepare(program, options)
+
+    def isolated(self, backend: Backend) -> IsolatedBackend:
+        """Return a backend as it works in this process.
+
+        Args:
+            backend: See `prepare`.
+        """
         if isinstance(backend, IsolatedBackend):
-            return backend.within(self).prepare(program, options)
-        return IsolatedSolver(self, Source(backend.name, target, variant), program, options)
+            return backend.within(self)
+        kind, variant = type(backend), backend.name.partition(":")[2]
+        source = Source(backend.name, f"{kind.__module__}:{kind.__qualname__}", variant)
+        return IsolatedBackend(source, lambda _: backend, self)
 
     def open(self, source: Source) -> Any:
         """Start the process with a backend, and return what the backend says of itself.
@@ -180,8 +190,18 @@ class KeptProcesses(threading.local):
             self._by_source.popitem(last=False)[1].close()
         return found
 
+    def close(self) -> None:
+        """Stop all of them; the next request to a backend starts its process again."""
+        while self._by_source:
+            self._by_source.popitem()[1].close()
+
 
 _KEPT = KeptProcesses()
+
+
+def release_processes() -> None:
+    """Stop the processes that are kept for the backends of this thread."""
+    _KEPT.close()
 
 
 class IsolatedBackend:
@@ -231,6 +251,17 @@ class IsolatedBackend:
             raise CapabilityError(f"backend {name!r} cannot be loaded: {error} ({file})") from error
         self._known = read_description(data, name, file)
         return self._known
+
+    def start(self) -> None:
+        """Start the process of the backend, unless it is at work.
+
+        Raises:
+            CapabilityError: It cannot be imported.
+        """
+        try:
+            self.process.serve(self._source)
+        except (LostError, BackendError) as error:
+            raise CapabilityError(f"backend {self.name!r} cannot be loaded: {error}") from error
 
     def describe(self) -> None:
         """Ask the backend what it is, unless that is known; raises as `about`."""

@@ -17,11 +17,10 @@ from pathlib import Path
 
 from lacore.errors import CapabilityError, InputError, require_known
 from lacore.solvers.contract import Backend, Family
-from lacore.solvers.isolation import IsolatedBackend, SolverProcess, Source
+from lacore.solvers.isolation import ISOLATE, IsolatedBackend, SolverProcess, Source
 from lacore_start import hidden
 
 GROUP = "lacore.backends"
-ISOLATE = "LACORE_ISOLATE_BACKENDS"
 _OWN = "backends"  # the package of ours
 
 

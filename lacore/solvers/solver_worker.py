@@ -100,8 +100,8 @@ class SolverWorker:
         found = []
         if threads:
             found.append(f"{len(threads)} threads ({', '.join(sorted(threads)[:4])})")
-        if children := _children():
-            found.append(f"{children} child processes")
+        if names := _children():
+            found.append(f"{len(names)} child processes ({', '.join(sorted(names)[:4])})")
         return " and ".join(found)
 
     def was_busy(self) -> bool:
@@ -124,12 +124,20 @@ class SolverWorker:
         return self._backend
 
 
-def _children() -> int:
-    """Number of child processes that are alive; 0 where the system does not say (Linux does)."""
-    found = 0
+def _children() -> list[str]:
+    """Names of the child processes that are alive; empty where the system lists none (not Linux)."""
+    found = []
     for task in Path("/proc/self/task").glob("*/children"):
         try:
-            found += len(task.read_text().split())
+            numbers = task.read_text().split()
         except OSError:
             continue
+        for number in numbers:
+            try:
+                about = Path(f"/proc/{number}/stat").read_text()
+            except OSError:
+                continue  # it has ended meanwhile
+            name, _, rest = about.partition("(")[2].rpartition(")")
+            if rest.split()[0] != "Z":  # one that has ended, and only waits to be asked how
+                found.append(name)
     return found

@@ -66,7 +66,8 @@ def test_its_word_is_rechecked_by_the_forces(native, displaced, status):
 
 @pytest.mark.parametrize("name", ["slsqp", "trust-constr"])
 def test_a_failed_solve_is_no_start_for_the_next(name):
-    backend = find_backend(name)
+    kinds = {"slsqp": slsqp_nlp.Slsqp, "trust-constr": trust_constr.TrustConstr}
+    backend = kinds[name]()
     solver = backend.prepare(PLASTIC.program, backend.Options(max_iterations=1))
     assert solver.solve(PLASTIC.contact).status is Status.ITERATION_LIMIT
     assert solver._start is None

@@ -144,19 +144,18 @@ def self_tests(on_start: Callable[[str], None]) -> list[dict[str, str]]:
             on_start(name)
             state, remedy = "missing", missing
             if backend is not None and not missing:
-                state, remedy = _self_test(name, process)
+                state, remedy = _self_test(process.isolated(backend))
             records.append({"backend": name, "self_test": state, "remedy": remedy})
     return records
 
 
-def _self_test(backend: str, process: la.SolverProcess) -> tuple[str, str]:
+def _self_test(backend: Backend) -> tuple[str, str]:
     for program in SELF_TEST:
         findings = conformance.run(
             backend,
             {"time_limit": LIMIT},
             programs=[program],
             on_start=lambda _: None,
-            process=process,
         )
         for wrong in conformance.failures(findings):  # one that hangs is not asked twice
             return "FAIL", f"{wrong} (all checks: lacore conformance {backend.name})"

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from queue import SimpleQueue
 from typing import Protocol
@@ -12,13 +12,14 @@ import lacore as la
 from lacore.solvers.child_process import (
     GRACE,
     LONGEST,
+    START,
     ChildProcess,
     LostError,
     forget_peak_memory,
     peak_memory,
 )
-from lacore.solvers.isolation import IsolatedBackend
-from lacore.solvers.registry import ISOLATE, load_backend
+from lacore.solvers.isolation import ISOLATE, IsolatedBackend, release_processes
+from lacore.solvers.registry import load_backend
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
 from verification.perform.one_run import Assembled, assemble, lost, outcome_of
@@ -50,6 +51,13 @@ class Worker:
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
+
+    def open(self, backend: str) -> None:
+        """Start the process of a backend, which imports it; what goes wrong is for `row_of`."""
+        with suppress(la.LacoreError):
+            found = load_backend(backend)
+            if isinstance(found, IsolatedBackend):
+                found.start()
 
     def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
         """Row and evidence of a run; `time_limit`: s, of each inner solve."""
@@ -88,6 +96,7 @@ class RunProcess(ChildProcess):
         before, self._case = self._case or run.case, run.case
         if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
             self.close()
+        self.ask(START, "open", run.backend)  # no part of the time limit
         row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
 
@@ -119,6 +128,7 @@ def run_in_processes(
     A run that takes longer is stopped; closing the iterator stops all that are at work.
     `on_start` is called by threads of its own.
     """
+    release_processes()  # those that were asked what they are while the runs were planned
     stop = threading.Event()
     children = [RunProcess() for _ in range(max(min(jobs, len(runs)), 1))]
     idle: SimpleQueue[RunProcess] = SimpleQueue()

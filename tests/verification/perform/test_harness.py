@@ -208,12 +208,12 @@ def test_a_backend_that_breaks_is_a_failed_row_and_the_run_goes_on(monkeypatch):
     solve = la.solve
 
     def breaks(problem, backend, **options):
-        if backend == "broken":
+        if backend == "cvxpy":
             raise ZeroDivisionError("planted")
         return solve(problem, backend, **options)
 
     monkeypatch.setattr(limit_state, "solve", breaks)
-    runs = [Run(CASE, VARIANT, "coarse", name) for name in ("broken", "clarabel")]
+    runs = [Run(CASE, VARIANT, "coarse", name) for name in ("cvxpy", "clarabel")]
     first, second = run_here(runs)
     assert (first.row.status, first.row.verdict) == ("failed", FAIL)
     assert first.row.message == "ZeroDivisionError: planted"
@@ -225,7 +225,7 @@ def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
         raise la.CapabilityError("too big: take a coarser mesh")
 
     monkeypatch.setattr(limit_state, "solve", cannot)
-    outcomes = list(run_here([Run(CASE, VARIANT, "coarse", "small")]))
+    outcomes = list(run_here([Run(CASE, VARIANT, "coarse", "cvxpy")]))
     assert outcomes[0].row.verdict == SKIPPED
     assert outcomes[0].row.message == "too big: take a coarser mesh"
     assert tally(outcomes).skipped == 1
