@@ -125,7 +125,7 @@ class SolverWorker:
 
 
 def _children() -> list[str]:
-    """Names of the child processes that are alive; empty where the system lists none (not Linux)."""
+    """Names of the child processes that are alive; empty where the system lists none."""
     found = []
     for task in Path("/proc/self/task").glob("*/children"):
         try:

@@ -15,10 +15,11 @@ from verification.store.provenance import code_of, describe
 @pytest.fixture
 def changed(monkeypatch):
     """As if a package had another version."""
+    real = provenance._version
 
     def change(name):
         def other(asked):
-            return "changed" if asked == name else version(asked)
+            return "changed" if asked == name else real(asked)
 
         monkeypatch.setattr(provenance, "_version", other)
         provenance.code_version.cache_clear()
