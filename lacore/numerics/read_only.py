@@ -37,8 +37,8 @@ def arrays_of(value: object, name: str = "program") -> Iterator[tuple[str, npt.N
         for part in _INDEX_ARRAYS:
             if isinstance(own := getattr(value, part, None), np.ndarray):
                 yield f"{name}.{part}", own
-    for own, part in _parts_of(value, name):
-        yield from arrays_of(part, own)
+    for whole, held in _parts_of(value, name):
+        yield from arrays_of(held, whole)
 
 
 def make_read_only(value: object) -> None:
