@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from lacore.errors import BackendError, CapabilityError, InputError
@@ -167,12 +166,7 @@ class SolverProcess:
     def __enter__(self) -> SolverProcess:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
 
@@ -263,10 +257,6 @@ class IsolatedBackend:
         except (LostError, BackendError) as error:
             raise CapabilityError(f"backend {self.name!r} cannot be loaded: {error}") from error
 
-    def describe(self) -> None:
-        """Ask the backend what it is, unless that is known; raises as `about`."""
-        assert self.about.name == self._source.name
-
     @property
     def name(self) -> str:
         """As registered."""
@@ -334,11 +324,6 @@ class IsolatedBackend:
     ) -> None:
         self.process.serve(self._source)
         self.process.ask(START, "write", ending, program, contact, str(Path(path).absolute()))
-
-    @property
-    def processor_time(self) -> float:
-        """Of its process since it was started, s; NaN where it is lost."""
-        return self.process.processor_time
 
     def prepare(self, program: KinematicProgram, options: Any) -> IsolatedSolver:
         """The backend at work on one program; a process that is lost is the answer of `solve`."""

@@ -139,7 +139,7 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
         return _isolated(entry, name, variant).knowing(backend)
     isolated = _isolated(entry, name, variant)
     isolated = isolated if process is None else isolated.within(process)
-    isolated.describe()
+    assert isolated.about.name == name  # asked now, so that a faulty one is known before it works
     return isolated
 
 

@@ -184,7 +184,7 @@ def test_an_error_brings_its_traceback(process, block):
 def test_a_backend_that_cannot_be_imported_is_named(process):
     nowhere = type("Elsewhere", (), {"__module__": "only_here"})
     with pytest.raises(la.CapabilityError, match=r"'Elsewhere' cannot be loaded.*only_here"):
-        isolated(process, nowhere).describe()
+        assert isolated(process, nowhere).about
 
 
 def test_files_in_the_working_directory_shadow_nothing(block, tmp_path, monkeypatch):

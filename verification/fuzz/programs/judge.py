@@ -91,7 +91,7 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
 
 def _spent(backend: Backend) -> float:
     """Processor time of this process, and of that in which a backend works."""
-    elsewhere = backend.processor_time if isinstance(backend, IsolatedBackend) else 0.0
+    elsewhere = backend.process.processor_time if isinstance(backend, IsolatedBackend) else 0.0
     return time.process_time() + elsewhere
 
 
