@@ -25,13 +25,13 @@ from verification.analysis.columns import (
     table,
     truths,
 )
-from verification.verdicts.words import NO_REFERENCE, PASS, SKIPPED
+from verification.verdicts.words import BOUND_ONLY, NO_REFERENCE, PASS, SKIPPED
 
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {
         "claim": lambda results: truths(results, "claimed"),
         "certificate": lambda results: says(results, "status", SOLVED),
-        "verdict": lambda results: says(results, "verdict", PASS, NO_REFERENCE),
+        "verdict": lambda results: says(results, "verdict", PASS, BOUND_ONLY, NO_REFERENCE),
     }
 )
 """What may count as solved: the solver says so; residuals that we computed; these and a reference.
@@ -261,7 +261,8 @@ def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
         claimed, certified = (SOLVED_BY[name](part) for name in ("claim", "certificate"))
-        correct, unjudged = (says(part, "verdict", kind) for kind in (PASS, NO_REFERENCE))
+        correct = says(part, "verdict", PASS, BOUND_ONLY)
+        unjudged = says(part, "verdict", NO_REFERENCE)
         count, judged = len(part), int((~unjudged).sum())
         rows.append(
             {
