@@ -72,10 +72,11 @@ class VariantSummary:
             are straightened; empty without any.
         value: load factor of the exact backend and mesh that `error` is of; where there is no
             reference, of the finest mesh.
-        mesh, elements: that mesh, and how many elements it has.
+        mesh, elements: that mesh, and how many elements it has; empty and NaN where `error` is of a
+            bracket.
         error: the worst of exact backends on the finest mesh on which any has a number: relative,
-            as `Row.error`, and as `Row.path_error` of paths. Where there are only brackets, that of
-            the farther end of the narrowest one.
+            as `Row.error`, and as `Row.path_error` of paths. Where the narrowest bracket is closer
+            to the reference, that of its farther end.
         below, above: what the band of the case allows there, relative to what `error` is; of a
             bracket the width that it must reach.
         agreeing: backends all of whose results are right; without a reference, those whose values
@@ -186,9 +187,11 @@ class _Group:
         lower, upper, bounded = self._bounds
         below, above = (nan, nan) if worst is None else _allowed(worst)
         error = nan if worst is None else _error(worst.row)
-        if worst is None and (narrowest := self._narrowest) is not None:
-            error = _farther_end(narrowest)
-            below = above = _target(narrowest)
+        narrowest = self._narrowest
+        end = nan if narrowest is None else _farther_end(narrowest)
+        bracketed = narrowest is not None and not abs(end) >= abs(error) and isfinite(end)
+        if narrowest is not None and bracketed:
+            error, below, above = end, _target(narrowest), _target(narrowest)
         solvers = [self._loops(name) for name in dict.fromkeys(o.row.backend for o in self._ran)]
         agreeing = [own for own in solvers if self._agrees(own)]
         return VariantSummary(
@@ -201,8 +204,8 @@ class _Group:
             upper=upper,
             bounded=bounded,
             value=nan if worst is None else worst.row.load_factor,
-            mesh="" if worst is None else worst.row.mesh,
-            elements=nan if worst is None else worst.row.n_elements,
+            mesh="" if worst is None or bracketed else worst.row.mesh,
+            elements=nan if worst is None or bracketed else worst.row.n_elements,
             error=error,
             below=below,
             above=above,
@@ -282,8 +285,12 @@ class _Group:
 
     @property
     def _narrowest(self) -> Outcome | None:
-        """The narrowest bracket that is proven."""
-        found = [o for o in self._ran if o.row.coupling == BRACKET and isfinite(o.row.width)]
+        """The narrowest bracket that is proven and passes."""
+        found = [
+            o
+            for o in self._ran
+            if o.row.coupling == BRACKET and isfinite(o.row.width) and o.row.verdict == PASS
+        ]
         return min(found, key=lambda o: o.row.width, default=None)
 
     @cached_property

@@ -68,10 +68,10 @@ def judge(
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
     lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
-    the Coulomb load factors must bound the reference, and pass only where their own is known; else
-    they are bounds only. Unless we `insist` on a result, a solve that claims nothing, or nothing
-    that can be judged, is none; one that claims what residuals have `refuted` (see `refutation`) is
-    wrong. Without a reference nothing passes.
+    the Coulomb load factors must bound the reference; where they are not within its band, and their
+    own reference is not known, they are bounds only. Unless we `insist` on a result, a solve that
+    claims nothing, or nothing that can be judged, is none; one that claims what residuals have
+    `refuted` (see `refutation`) is wrong. Without a reference nothing passes.
     """
     if state.status not in (la.Status.SOLVED, reference.status, *_CLAIMED):
         if refuted:
@@ -96,7 +96,9 @@ def judge(
     if state.regularised is not None and (too_strong := _too_strong(state, band)):
         return FAIL if insist else NO_RESULT, too_strong
     verdict, why = _judge_value(state, reference, allowed_of(reference, band))
-    if verdict == PASS and allowed_of is not allowed_values:
+    value = _CLAIMED.get(state.status, state.load_factor)
+    bounds = allowed_of is not allowed_values
+    if verdict == PASS and bounds and not allowed_values(reference, band).holds(value):
         return BOUND_ONLY, f"{why}: a bound by another model, {MODELS[state.coupling]}"
     return verdict, why
 
