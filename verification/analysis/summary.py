@@ -130,7 +130,8 @@ class VariantSummary:
     @property
     def rank(self) -> tuple[bool, float]:
         """Order in which readers want to see answers: failures first, then the largest errors."""
-        return self.verdict != FAIL, -abs(self.error) if isfinite(self.error) else 0.0
+        known = isfinite(self.error) and not self.rounded
+        return self.verdict != FAIL, -abs(self.error) if known else 0.0
 
     @property
     def error_text(self) -> str:
