@@ -26,14 +26,14 @@ from verification.analysis.columns import (
     table,
     truths,
 )
-from verification.verdicts.words import NO_REFERENCE, PASS, SKIPPED
+from verification.verdicts.words import BOUND_ONLY, NO_REFERENCE, PASS, SKIPPED
 
 SOLVED_BY: Mapping[str, Callable[[pd.DataFrame], Bools]] = MappingProxyType(
     {
         "claim": lambda results: truths(results, "claimed"),
         "certificate": lambda results: says(results, "status", SOLVED) & answered_itself(results),
         "verdict": lambda results: (
-            says(results, "verdict", PASS, NO_REFERENCE) & answered_itself(results)
+            says(results, "verdict", PASS, BOUND_ONLY, NO_REFERENCE) & answered_itself(results)
         ),
     }
 )
@@ -265,9 +265,9 @@ def rates(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
     rows = []
     for names, part in groups(results[~says(results, "verdict", SKIPPED)], by):
         claimed, certified = (SOLVED_BY[name](part) for name in ("claim", "certificate"))
-        correct, unjudged = (
-            says(part, "verdict", kind) & answered_itself(part) for kind in (PASS, NO_REFERENCE)
-        )
+        itself = answered_itself(part)
+        correct = says(part, "verdict", PASS, BOUND_ONLY) & itself
+        unjudged = says(part, "verdict", NO_REFERENCE) & itself
         count, judged = len(part), int((~unjudged).sum())
         rows.append(
             {

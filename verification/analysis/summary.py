@@ -7,7 +7,7 @@ the bands of their cases; all else is read from their rows.
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from math import inf, isfinite, isnan, nan
+from math import floor, inf, isfinite, isnan, log10, nan
 from typing import Any
 
 import numpy as np
@@ -15,20 +15,27 @@ import numpy as np
 import lacore as la
 from lacore.bounds.enclosing import has_coulomb
 from verification.case import SOLVER
-from verification.case.bracketing import BRACKET
+from verification.case.bracketing import BRACKET, Bracketing
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.allowed import allowed_values
+from verification.verdicts.allowed import allowed_values, distance
 from verification.verdicts.bracket import STRICT
 from verification.verdicts.limit_state import FINDS_NONE
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import (
+    BOUND_ONLY,
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+)
 
 CONTINUUM, DISCRETE = "continuum", "discrete"
 _SOLVED = la.Status.SOLVED.label
 _UPPER, _LOWER = la.Rigor.UPPER.label, la.Rigor.LOWER.label
 _DISCRETE = la.Rigor.DISCRETE.label
 _EXACT = (_UPPER, _LOWER, _DISCRETE)
-_ORDER = (FAIL, PASS, NO_REFERENCE, NO_RESULT, SKIPPED)
+_ORDER = (FAIL, PASS, BOUND_ONLY, NO_REFERENCE, NO_RESULT, SKIPPED)
 
 
 @dataclass(frozen=True)
@@ -65,18 +72,21 @@ class VariantSummary:
             are straightened; empty without any.
         value: load factor of the exact backend and mesh that `error` is of; where there is no
             reference, of the finest mesh.
-        mesh, elements: that mesh, and how many elements it has.
+        mesh, elements: that mesh, and how many elements it has; empty and NaN where `error` is of a
+            bracket.
         error: the worst of exact backends on the finest mesh on which any has a number: relative,
-            as `Row.error`, and as `Row.path_error` of paths.
-        below, above: what the band of the case allows there, relative to what `error` is.
+            as `Row.error`, and as `Row.path_error` of paths. Where the narrowest bracket is closer
+            to the reference, that of its farther end.
+        below, above: what the band of the case allows there, relative to what `error` is; of a
+            bracket the width that it must reach.
         agreeing: backends all of whose results are right; without a reference, those whose values
             are the exact backend's on each mesh, to what both may err.
         answered: backends that have any result, a load factor or a claim such as ``locked``.
         asked: backends that were run.
         runs: number of them, without the skipped ones.
         seconds: solve time of all runs, s.
-        verdict: ``FAIL`` where a run failed, else ``pass`` where one passes, ``no reference``,
-            ``no result`` or ``skipped``.
+        verdict: ``FAIL`` where a run failed, else ``pass`` where one passes, ``bound only``,
+            ``no reference``, ``no result`` or ``skipped``.
         shortfalls: runs that failed, gave no result, or were skipped.
     """
 
@@ -112,9 +122,47 @@ class VariantSummary:
         """The error allowed on the side on which it is: negative below the reference."""
         return -self.below if self.error < 0 else self.above if self.error >= 0 else nan
 
+    @property
+    def rounded(self) -> bool:
+        """Whether the error is round-off, and the tolerance of solvers."""
+        return abs(self.error) < SOLVER
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Order in which readers want to see answers: failures first, then the largest errors."""
+        known = isfinite(self.error) and not self.rounded
+        return self.verdict != FAIL, -abs(self.error) if known else 0.0
+
+    @property
+    def error_text(self) -> str:
+        """The error in per cent, such as ``+98 %``; empty without one."""
+        return percent(self.error)
+
+    @property
+    def tolerance_text(self) -> str:
+        """The allowed error in per cent; without a sign where the error is round-off."""
+        text = percent(self.allowed)
+        return text.lstrip("+-") if self.rounded else text
+
     def record(self) -> dict[str, Any]:
         """All of it by name, shortfalls too, with `allowed`."""
         return {**asdict(self), "allowed": self.allowed}
+
+
+def percent(value: float) -> str:
+    """Format a relative number in per cent, with two digits, and all of them from 10 % on.
+
+    Example:
+        >>> percent(0.98321), percent(-0.00123), percent(12.0), percent(1e-9)
+        ('+98 %', '-0.12 %', '+1200 %', '0 %')
+    """
+    if not isfinite(value):
+        return ""
+    if abs(value) < SOLVER:
+        return "0 %"
+    size = abs(100 * value)
+    digits = max(1 - floor(log10(size)), 0)
+    return f"{100 * value:+.{digits}f} %"
 
 
 def summaries(outcomes: Sequence[Outcome]) -> list[VariantSummary]:
@@ -139,6 +187,12 @@ class _Group:
         named, worst = self._reference_row, self._worst
         lower, upper, bounded = self._bounds
         below, above = (nan, nan) if worst is None else _allowed(worst)
+        error = nan if worst is None else _error(worst.row)
+        narrowest = self._narrowest
+        end = nan if narrowest is None else _farther_end(narrowest)
+        bracketed = narrowest is not None and not abs(end) >= abs(error) and isfinite(end)
+        if narrowest is not None and bracketed:
+            error, below, above = end, _target(narrowest), _target(narrowest)
         solvers = [self._loops(name) for name in dict.fromkeys(o.row.backend for o in self._ran)]
         agreeing = [own for own in solvers if self._agrees(own)]
         return VariantSummary(
@@ -151,9 +205,9 @@ class _Group:
             upper=upper,
             bounded=bounded,
             value=nan if worst is None else worst.row.load_factor,
-            mesh="" if worst is None else worst.row.mesh,
-            elements=nan if worst is None else worst.row.n_elements,
-            error=nan if worst is None else _error(worst.row),
+            mesh="" if worst is None or bracketed else worst.row.mesh,
+            elements=nan if worst is None or bracketed else worst.row.n_elements,
+            error=error,
             below=below,
             above=above,
             agreeing=len(agreeing),
@@ -230,6 +284,16 @@ class _Group:
                 return lower, upper, problem
         return nan, nan, ""
 
+    @property
+    def _narrowest(self) -> Outcome | None:
+        """The narrowest bracket that is proven and passes."""
+        found = [
+            o
+            for o in self._ran
+            if o.row.coupling == BRACKET and isfinite(o.row.width) and o.row.verdict == PASS
+        ]
+        return min(found, key=lambda o: o.row.width, default=None)
+
     @cached_property
     def _coulomb(self) -> bool:
         """Whether there is Coulomb friction, as far as anybody can tell."""
@@ -242,7 +306,8 @@ class _Group:
         """Whether there are results, and all of them are right."""
         given = [row for row in rows if _answers(row)]
         return bool(given) and all(
-            row.verdict == PASS or (row.verdict == NO_REFERENCE and self._is_the_exact_one(row))
+            row.verdict in (PASS, BOUND_ONLY)
+            or (row.verdict == NO_REFERENCE and self._is_the_exact_one(row))
             for row in given
         )
 
@@ -268,7 +333,7 @@ class _Group:
 
 def _answers(row: Row) -> bool:
     """Whether a run ended with something that is right or wrong."""
-    judged = row.verdict in (PASS, NO_REFERENCE)
+    judged = row.verdict in (PASS, BOUND_ONLY, NO_REFERENCE)
     return judged or (row.verdict == FAIL and isfinite(row.load_factor))
 
 
@@ -283,6 +348,27 @@ def _error(row: Row) -> float:
         return row.error
     known = [abs(size) for size in (row.error, row.path_error) if not isnan(size)]
     return max(known, default=nan)
+
+
+def _farther_end(outcome: Outcome) -> float:
+    """Relative distance from the reference of that end of a bracket which is farther from it."""
+    row, run = outcome.row, outcome.run
+    if row.model:  # the reference is that of another model
+        return nan
+    try:
+        reference = run.case.reference_of(run.variant)
+        band = run.case.band_of(run.variant, int(row.n_elements))
+    except Exception:  # of others: the row says what is wrong with it
+        return nan
+    ends = [distance(end, reference, band) for end in (row.lower, row.upper)]
+    return max((end for end in ends if isfinite(end)), key=abs, default=nan)
+
+
+def _target(outcome: Outcome) -> float:
+    """Width that a bracket must reach."""
+    run = outcome.run
+    stated = run.case.bracket or Bracketing()
+    return float(run.settings.get("target_width", stated.target_width))
 
 
 def _allowed(outcome: Outcome) -> tuple[float, float]:

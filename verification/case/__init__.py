@@ -7,6 +7,7 @@ from verification.case.band import EXACT, SOLVER, Band, Convergence, Order, exac
 from verification.case.beside import RANGE, Beside
 from verification.case.bracketing import BRACKET, Bracketing
 from verification.case.case import BLOCKS, CLAMPED, JAM, KINDS, Case, Variant, is_of_lacore
+from verification.case.first import CLOSE, First
 from verification.case.following import Following
 from verification.case.reference import UNKNOWN, UNKNOWN_KINDS, Reference
 
@@ -14,6 +15,7 @@ __all__ = [
     "BLOCKS",
     "BRACKET",
     "CLAMPED",
+    "CLOSE",
     "EXACT",
     "JAM",
     "KINDS",
@@ -26,6 +28,7 @@ __all__ = [
     "Bracketing",
     "Case",
     "Convergence",
+    "First",
     "Following",
     "Order",
     "Reference",

@@ -12,6 +12,7 @@ from lacore.errors import require_known
 from verification.case.band import Band, Order
 from verification.case.beside import Beside
 from verification.case.bracketing import Bracketing
+from verification.case.first import First
 from verification.case.following import Following
 from verification.case.guard import guarded
 from verification.case.reference import UNKNOWN, Reference
@@ -74,6 +75,7 @@ class Case:
             expected, or known.
         bracket: what is asked of a lower and an upper bound around it; None for none. Rigid bodies
             have none in any case.
+        first: what the first comparison runs of the case, `lacore compare` without a case.
         path: how a variant is followed through large deformation, from its parameters, which are
             then to have those of `verification.case.following.STEPPING`; None: one limit problem.
             `reference` and `band` are those of the last load, the band of all others, too.
@@ -99,6 +101,7 @@ class Case:
     surfaces: bool = False
     order: Callable[..., Order | None] | None = None
     bracket: Bracketing | None = field(default_factory=Bracketing)
+    first: First = field(default_factory=First)
     path: Callable[..., Following] | None = None
     beside: Callable[..., Sequence[Beside]] | None = None
     sketch: Callable[[Axes, la.Problem], None] | None = None

@@ -22,7 +22,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 _TOP = 0.5  # thickness of the upper layer, half a width of the footing
@@ -116,6 +116,7 @@ soft ground, k = 1/2:  Prandtl there, 5.14/2 k, and two vertical
     reference=reference,
     band=band,
     bracket=Bracketing(mesh="medium"),
+    first=First(meshes=("medium",)),
     variants=(
         Variant("stiff-below", {"below": 2.0}),
         Variant("soft-below", {"below": 0.5}),

@@ -30,7 +30,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 if TYPE_CHECKING:
@@ -146,6 +146,7 @@ plane stress: s0 in place of 2 k, from below as before; from
     order=order,
     bracket=Bracketing(target_width=0.005),
     sketch=sketch,
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(
         Variant("plane-strain", {"kinematics": "plane_strain"}),
         Variant("plane-stress", {"kinematics": "plane_stress"}),

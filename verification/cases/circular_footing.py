@@ -23,7 +23,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 
 RADIUS, WIDTH, DEPTH = 1.0, 3.0, 1.5
 _SMOOTH = Convergence(
@@ -104,5 +104,6 @@ von Mises:  below, no hand calculation: 5.21 k and 5.51 k
     reference=reference,
     band=band,
     bracket=None,
+    first=First(meshes=("medium",)),
     variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
 )

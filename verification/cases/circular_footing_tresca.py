@@ -26,7 +26,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 
 _PUBLISHED = {(0.0, False): 5.689, (0.0, True): 6.048, (20.0, False): 20.1}
 """(angle, rough) to mean pressure per strength."""
@@ -115,6 +115,7 @@ von Mises:  5.21 c and 5.51 c at the same strength in shear
     band=band,
     surfaces=True,
     bracket=None,
+    first=First(meshes=("medium",)),
     variants=(
         Variant("smooth", {"angle": 0.0, "rough": False}),
         Variant("rough", {"angle": 0.0, "rough": True}, ("coarse",)),

@@ -32,7 +32,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from lacore.conditions.loads import Load
-from verification.case import Band, Bracketing, Case, Convergence, Reference, Variant
+from verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 WIDTH, DEPTH, THICKNESS = 3.6, 1.5, 0.5
 _LENT = 1e-5  # Pa
@@ -199,6 +199,7 @@ phi = 30:    d = 15      20      30
     band=band,
     surfaces=True,
     bracket=Bracketing(target_width=0.3),
+    first=First(meshes=(), bracket=0.03),
     variants=(
         _variant("half", 15.0),
         _variant("full", 30.0),

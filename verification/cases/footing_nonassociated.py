@@ -25,7 +25,7 @@ from math import atan, cos, degrees, exp, pi, radians, sin, tan
 
 import lacore as la
 from lacore.bodies.any_body import of_kind
-from verification.case import Band, Beside, Case, Reference, Variant
+from verification.case import Band, Beside, Case, First, Reference, Variant
 from verification.cases import strip_footing
 from verification.cases.shared.friction_inside import UNFIT
 
@@ -121,6 +121,7 @@ Davis, psi = 0:      beta = cos(30), tan(phi*) = sin(30):  20.081
     beside=beside,
     surfaces=True,
     bracket=None,
+    first=First(meshes=("medium",)),
     variants=(
         Variant("psi-20", {"angle": 30.0, "dilation": 20.0}, ("coarse",), unfit=UNFIT),
         Variant("psi-0", {"angle": 30.0, "dilation": 0.0}, ("coarse",), unfit=UNFIT),

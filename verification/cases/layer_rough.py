@@ -20,7 +20,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 
 WIDTH = 2.0  # of the footing
 _BOUNDS = {2.0: (5.2159, 5.3391), 4.0: (6.1562, 6.2771)}  # by B/H
@@ -105,6 +105,7 @@ thin layer:      two rough planes: dp/dx = 2 k/H, which adds
     build=build,
     reference=reference,
     band=band,
+    first=First(meshes=("medium",), bracket=0.03),
     variants=(
         Variant("B-H-2", {"slenderness": 2.0}),
         Variant("B-H-4", {"slenderness": 4.0}),

@@ -29,7 +29,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Bracketing, Case, Convergence, Reference, Variant
+from verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _BRACKETS = {2.0: (5.274, 0.009), 0.5: (3.695, 0.007)}
 """By k2/k1 (k1 = 1): middle and half width of a bracket of the load."""
@@ -108,6 +108,7 @@ soft below, a footing as wide as it is:
     reference=reference,
     band=band,
     bracket=Bracketing(target_width=0.01),
+    first=First(meshes=(), bracket=0.02),
     variants=(
         Variant("stiff-below", {"below": 2.0}),
         Variant("soft-below", {"below": 0.5}),

@@ -28,7 +28,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Order, Reference, Variant, exact_patch
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant, exact_patch
 
 LOAD = 0.1  # N, on a width of 1, per strength
 _BEAM = 0.1  # its height
@@ -158,6 +158,7 @@ rocking:   about the toe, V h = N b/2: alpha = b/(2 h)
     order=order,
     surfaces=True,
     bracket=None,
+    first=First(meshes=("medium",)),
     variants=(
         _variant("guided", guided=True),
         _variant("guided-tall", ("coarse",), height=2.0, guided=True),

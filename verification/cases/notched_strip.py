@@ -29,7 +29,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 NOTCH, LENGTH = 0.5, 2.0  # half the width is 1; half the length
@@ -108,5 +108,6 @@ a = 1/2:     2 k (1/2) (1 + ln(0.75/0.5))
     band=band,
     order=order,
     bracket=Bracketing(target_width=0.005),
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(Variant("half", {}),),
 )

@@ -23,7 +23,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 _NETS = {1.0: 2.0, 2.0: 2.427658, 4.0: 3.505757}  # by h
@@ -110,6 +110,7 @@ h >= 8.7115:        (2 + pi) k (Prandtl)
     band=band,
     order=order,
     bracket=Bracketing(target_width=0.005),
+    first=First(meshes=("medium",), bracket=0.02),
     variants=tuple(Variant(f"h-{h:g}", {"h": h}) for h in _NETS),
     sweep="h",
 )

@@ -17,7 +17,7 @@ and what is certified depends on where one starts.
 """
 
 import lacore as la
-from verification.case import Band, Beside, Case, Convergence, Reference, Variant
+from verification.case import Band, Beside, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.cases.shared.friction_inside import UNFIT
 
@@ -109,6 +109,7 @@ Davis:       psi = 20: c* = 0.981674 c, phi* = 29.543 degrees,
     beside=beside,
     surfaces=True,
     bracket=Bracketing(target_width=0.15),
+    first=First(meshes=("medium",)),
     variants=(
         Variant("associated", {"dilation": ANGLE}, ("coarse",)),
         Variant("psi-20", {"dilation": 20.0}, ("coarse",), unfit=UNFIT),

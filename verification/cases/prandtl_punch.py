@@ -28,7 +28,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 if TYPE_CHECKING:
@@ -141,5 +141,6 @@ active wedge 1:   sigma_y = -(p1 + k)
     order=order,
     bracket=Bracketing(target_width=0.005),
     sketch=sketch,
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(Variant("smooth", {"rough": False}), Variant("rough", {"rough": True})),
 )

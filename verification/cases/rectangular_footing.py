@@ -20,7 +20,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.cases.shared.tetrahedra import CLAY, DEPTH, WIDTH, bounded
 
 LENGTH = 2.0
@@ -28,11 +28,11 @@ LOW, HIGH = 5.1562, 5.5852
 _ERROR = Convergence(0.397, 0.299, "48, 288, 864 tetrahedra: 12.5, 7.71, 5.24 % above")
 
 
-def build(n: int) -> la.Problem:
-    """The quarter; an even n, half of it in depth, two more along its length."""
+def build(n: int, layers: int = 0, width: float = WIDTH, depth: float = DEPTH) -> la.Problem:
+    """The quarter; an even n, half of it in depth or `layers`, two more along its length."""
     mesh = la.meshes.box(
-        *((0, WIDTH), (0, LENGTH + WIDTH - 1), (-DEPTH, 0)),
-        *(n, n + 2, n // 2),
+        *((0, width), (0, LENGTH + width - 1), (-depth, 0)),
+        *(n, n + 2, layers or n // 2),
         grade_x=(1.0, 1.0),
         grade_y=(LENGTH, 1.0),
     )
@@ -71,7 +71,13 @@ CASE = Case(
 below and above:          5.156 k <= alpha <= 5.585 k
 square, strip (Prandtl):  5.387 ... 5.607 k, 5.1416 k
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
+    meshes={
+        "coarse": {"n": 2},
+        "moderate": {"n": 3, "layers": 2, "width": 2.4, "depth": 1.2},
+        "medium": {"n": 4},
+        "fine": {"n": 6},
+    },
+    first=First(meshes=("moderate",)),
     build=build,
     reference=reference,
     band=band,

@@ -16,7 +16,7 @@ ones. No closed form is known: the reference is an interval of two strict bounds
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.cases.shared.tetrahedra import bounded, eighth, on_diagonal
 
@@ -68,6 +68,7 @@ bounds:  1.0401 s0 on 928 tetrahedra, 1.0517 s0 on 1296
     reference=reference,
     band=band,
     bracket=Bracketing(target_width=0.1),
+    first=First(variant="p2-disc"),
     variants=tuple(
         Variant(space, {"space": space}, meshes=("coarse",)) for space in ("p2-vertex", "p2-disc")
     ),

@@ -16,7 +16,7 @@ has the same block with friction instead.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 WIDTH, HEIGHT = 1.0, 0.5  # of the quarter
@@ -89,5 +89,6 @@ net:         alpha = 2.427658
     band=band,
     order=order,
     bracket=Bracketing(target_width=0.005),
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(Variant("sticking", {}),),
 )

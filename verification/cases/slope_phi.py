@@ -19,7 +19,7 @@ The toe is a singular point: meshes are graded towards it.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
@@ -84,6 +84,7 @@ friction alone, c = 0, holds a slope that is no steeper than phi.
     band=band,
     surfaces=True,
     bracket=Bracketing(target_width=0.25),
+    first=First(meshes=("medium",)),
     variants=(
         Variant("steep", {"slope": 60.0, "angle": 20.0}, ("coarse",)),
         Variant("gentle", {"slope": 45.0, "angle": 10.0}, ("coarse",)),

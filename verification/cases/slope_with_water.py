@@ -26,7 +26,7 @@ rows, as pressures are linear in elements.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.cases.shared.slopes import MESHES, held, mesh_of_slope
 
@@ -106,6 +106,7 @@ drawn down:   the same without the face: 7.5480 at most
     band=band,
     surfaces=True,
     bracket=Bracketing(target_width=0.25),
+    first=First(meshes=("medium",)),
     variants=(
         Variant("submerged", {"level": 1.5, "pool": True}, ("coarse",)),
         Variant("pool", {"level": 0.5, "pool": True}, ("coarse",)),

@@ -20,7 +20,7 @@ No closed form is known: the reference is an interval of two strict bounds.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.cases.shared.tetrahedra import (
     CLAY,
     DEPTH,
@@ -34,10 +34,12 @@ from verification.cases.shared.tetrahedra import (
 KNOWN = {False: (5.129, 5.291), True: (5.3869, 5.6071)}
 
 
-def build(n: int, rough: bool) -> la.Problem:
-    """The eighth; an even n, half of it in depth."""
-    edge = (1.0, 1.0)
-    mesh = la.meshes.box((0, WIDTH), (0, WIDTH), (-DEPTH, 0), n, n, n // 2, False, edge, edge)
+def build(
+    n: int, rough: bool, width: float = WIDTH, depth: float = DEPTH, ratio: float = 1.0
+) -> la.Problem:
+    """The eighth; an even n, half of it in depth, graded towards the edges of the footing."""
+    edge = (1.0, ratio)
+    mesh = la.meshes.box((0, width), (0, width), (-depth, 0), n, n, n // 2, False, edge, edge)
     return la.Problem(
         bodies={"clay": la.Body(eighth(mesh), CLAY, kinematics="3d", space="p2-disc")},
         supports=[
@@ -81,7 +83,13 @@ smooth, below and above:  5.129 k <= alpha <= 5.291 k
 rough:                    5.387 k <= alpha <= 5.607 k
 strip footing (Prandtl):  5.1416 k
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 4}, "fine": {"n": 6}},
+    meshes={
+        "coarse": {"n": 2},
+        "moderate": {"n": 4, "width": 1.9, "depth": 0.8, "ratio": 1.5},
+        "medium": {"n": 4},
+        "fine": {"n": 6},
+    },
+    first=First(meshes=("moderate",)),
     build=build,
     reference=reference,
     band=band,

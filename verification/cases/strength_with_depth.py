@@ -26,7 +26,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Bracketing, Case, Convergence, Reference, Variant
+from verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _LOADS = {
     (1.0, True): 6.609245,
@@ -113,6 +113,7 @@ smooth rho =  1:  F =  5.981829/5.391593 = 1.10947
     reference=reference,
     band=band,
     bracket=Bracketing(target_width=0.01, max_elements=9000),
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(
         Variant("rough-1", {"rho": 1.0, "rough": True}),
         Variant("rough-4", {"rho": 4.0, "rough": True}, ("coarse",)),

@@ -30,7 +30,7 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Bools, Floats
 from lacore.conditions.loads import Load
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 _HEAVY = {(20.0, 0.0): 17.893, (20.0, 1.0): 24.370}
@@ -158,6 +158,7 @@ phi = 20, gamma = 1, B = 2:  N_gamma = 1.57863
     order=order,
     surfaces=True,
     bracket=Bracketing(target_width=0.15),
+    first=First(meshes=("medium",), bracket=0.03),
     variants=(
         Variant("phi-20", {"angle": 20.0, "surcharge": 0.0, "weight": 0.0}),
         Variant("phi-30", {"angle": 30.0, "surcharge": 0.0, "weight": 0.0}, ("coarse",)),

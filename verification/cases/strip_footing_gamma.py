@@ -31,7 +31,7 @@ import numpy as np
 
 import lacore as la
 from lacore.arrays import Bools, Floats
-from verification.case import Band, Bracketing, Case, Convergence, Reference, Variant
+from verification.case import Band, Bracketing, Case, Convergence, First, Reference, Variant
 
 _EXACT = {
     (20.0, False): 1.57863,
@@ -114,6 +114,7 @@ a fit:        (N_q - 1) tan(1.34 phi): 2.83 and 14.7 (rough)
     meshes={
         "coarse": {"nx": 5, "ny": 2, "ratio": 4.0},
         "medium": {"nx": 16, "ny": 9, "ratio": 10.0},
+        "refined": {"nx": 28, "ny": 16, "ratio": 30.0},
         "fine": {"nx": 44, "ny": 26, "ratio": 16.0},
     },
     build=build,
@@ -121,6 +122,7 @@ a fit:        (N_q - 1) tan(1.34 phi): 2.83 and 14.7 (rough)
     band=band,
     surfaces=True,
     bracket=Bracketing(target_width=0.6),
+    first=First(meshes=("refined",)),
     variants=(
         Variant("smooth-30", {"angle": 30.0, "rough": False}, ("coarse",)),
         Variant("rough-30", {"angle": 30.0, "rough": True}, ("coarse",)),

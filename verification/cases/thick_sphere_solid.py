@@ -17,7 +17,7 @@ and no value bounds that of the sphere.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.cases.shared.cavities import INNER, OUTER, SPHERE, SPHERE_BURSTS
 from verification.cases.shared.tetrahedra import hollow_octant
 
@@ -56,6 +56,7 @@ CASE = Case(
     hand_calculation=SPHERE_BURSTS,
     meshes={
         "coarse": {"across": 2, "through": 2},
+        "moderate": {"across": 3, "through": 3},
         "medium": {"across": 6, "through": 5},
         "fine": {"across": 8, "through": 7},
     },
@@ -63,5 +64,6 @@ CASE = Case(
     reference=reference,
     band=band,
     bracket=None,
+    first=First(meshes=("moderate",)),
     variants=(Variant("burst", {}, meshes=("coarse",)),),
 )

@@ -19,7 +19,7 @@ the circle by what is cut off.
 from math import cos, pi, sin
 
 import lacore as la
-from verification.case import EXACT, Band, Case, Reference, Variant
+from verification.case import EXACT, Band, Case, First, Reference, Variant
 from verification.cases.shared.tetrahedra import CLAY, disc
 
 
@@ -83,5 +83,6 @@ polygon:   N sin(2 pi/N) cos(pi/N) / (2 pi) of it; N = 8: 0.831833
     reference=reference,
     band=band,
     bracket=None,
+    first=First(meshes=("medium",)),
     variants=(Variant("twisted", {}, meshes=("coarse",)),),
 )

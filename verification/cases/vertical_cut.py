@@ -21,7 +21,7 @@ The toe is a singular point: meshes are graded towards it.
 import numpy as np
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Order, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 _ERROR = Convergence(2.671, 0.707, "32 to 4744 elements: 22.7, 6.50, 3.00, 1.39, 0.64 % above")
@@ -97,5 +97,6 @@ a curved cut: 3.83 (Fellenius)
     band=band,
     order=order,
     bracket=Bracketing(target_width=0.005),
+    first=First(meshes=("medium",), bracket=0.02),
     variants=(Variant("cut", {}),),
 )

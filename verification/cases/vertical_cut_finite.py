@@ -18,7 +18,7 @@ interval of two strict bounds, of this block, whose base is held at the toe.
 """
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.cases.shared.tetrahedra import CLAY, bounded
 
 WIDTH = 1.25
@@ -26,9 +26,21 @@ KNOWN = {2.0: (4.4742, 4.7371)}
 _ERROR = Convergence(0.284, 0.246, "6, 48, 162, 750 tetrahedra: 18.3, 13.3, 10.0, 5.56 % above")
 
 
-def build(n: int, length: float) -> la.Problem:
-    """Half of the length, in cells of six tetrahedra, the same number along all edges."""
-    mesh = la.meshes.box((0, WIDTH), (0, length / 2), (0, 1), n, n, n)
+def build(
+    n: int,
+    length: float,
+    rows: int = 0,
+    layers: int = 0,
+    width: float = WIDTH,
+    ratio: float = 0.0,
+) -> la.Problem:
+    """Half of the length, in cells of six tetrahedra; graded by `ratio` towards the end.
+
+    Along all edges there are n cells, or `rows` along the length and `layers` in height.
+    """
+    grade = (length / 2, ratio) if ratio else None
+    cells = n, rows or n, layers or n
+    mesh = la.meshes.box((0, width), (0, length / 2), (0, 1), *cells, grade_y=grade)
     return la.Problem(
         bodies={"soil": la.Body(mesh, CLAY, kinematics="3d", space="p2-disc")},
         supports=[
@@ -63,7 +75,13 @@ CASE = Case(
 plane:    gamma H = 3.7765 k, whatever the length
 ends:     tear at k, and add to what is dissipated: more than that
 """,
-    meshes={"coarse": {"n": 2}, "medium": {"n": 3}, "fine": {"n": 5}},
+    meshes={
+        "coarse": {"n": 2},
+        "moderate": {"n": 4, "rows": 2, "layers": 3, "width": 1.0, "ratio": 3.0},
+        "medium": {"n": 3},
+        "fine": {"n": 5},
+    },
+    first=First(meshes=("moderate",)),
     build=build,
     reference=reference,
     band=band,

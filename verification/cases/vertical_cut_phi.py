@@ -21,7 +21,7 @@ The toe is a singular point: meshes are graded towards it.
 import numpy as np
 
 import lacore as la
-from verification.case import Band, Case, Convergence, Reference, Variant
+from verification.case import Band, Case, Convergence, First, Reference, Variant
 from verification.case.bracketing import Bracketing
 
 _PROVEN = {20.0: (5.4479, 5.5049), 30.0: (6.6528, 6.6869)}
@@ -93,6 +93,7 @@ from below:   sigma_y = -gamma (1 - y) behind the face, else 0:
     band=band,
     surfaces=True,
     bracket=Bracketing(target_width=0.15),
+    first=First(meshes=("medium",)),
     variants=(
         Variant("phi-20", {"angle": 20.0}),
         Variant("phi-30", {"angle": 30.0}, ("coarse",)),

@@ -18,6 +18,7 @@ from lacore.errors import (
 from verification.case import UNKNOWN_KINDS, Band, Case, Order, Reference, Variant
 from verification.case.bracketing import Bracketing
 from verification.case.following import STEPPING, Following
+from verification.catalogue.first_checks import check_first
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")  # of files, of lists with commas, of id:variant
 _TEXTS = ("title", "unit", "explanation", "hand_calculation")
@@ -48,6 +49,7 @@ def check(case: Case) -> None:
     _check_bracket(case)
     _check_picklable(case)
     _check_variants(case)
+    check_first(case)
     for variant in case.variants:
         _check_signatures(case, variant)
         _check_reference(variant, _called(case.reference, "reference", variant))

@@ -1,4 +1,4 @@
-"""An answer on one screen: a line a case, what fell short and why, and where the rest is."""
+"""The summary on the terminal: a line for each case, what fell short and why, where the rest is."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
@@ -20,35 +20,41 @@ _NAMES = 8  # of them for names alone, where cases are still more
 _REASONS = 7  # lines for what fell short
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
-_LINE = "{:30} {:20} {:19} {:>9} {:>10} {:6} {:>7} {}".format
+_LINE = "{:30} {:20} {:20} {:>10} {:>10} {:8} {:>8} {}".format
+_HEADS = (
+    ("", "", "proven bounds", "", "", "backends", "solve", ""),
+    ("", "reference", "or value", "error", "tolerance", "agreeing", "time", "verdict"),
+)
 
 
 def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
-    """A line a variant, or of many variants the worst of each case; then what fell short.
+    """Print a line for each variant, or for the worst of each case; then what fell short.
 
-    Of many cases those that are closest to what they are allowed, and the names of the others.
+    Failures come first, then the largest errors. Of many cases those that come last are named only.
     """
     folded = len(found) > _VARIANTS
     cases = _by_case(found) if folded else [[own] for own in found]
-    told = _told(cases)
-    name = "case: worst of its variants" if folded else "case:variant"
-    head = (name, "reference", "proven, or found", "worst by", "allowed", "agree", "solve")
-    print_line(console, _LINE(*head, "verdict"), "bold")
-    for own in (own for place, own in enumerate(cases) if place in told):
-        worst = max(own, key=_badness)
+    cases.sort(key=lambda own: min(one.rank for one in own))
+    shown = len(cases) if len(cases) <= _VARIANTS else _VARIANTS - _NAMES
+    name = "case and its worst variant" if folded else "case and variant"
+    for head in _HEADS:
+        print_line(console, _LINE(head[0] or name if head is _HEADS[-1] else "", *head[1:]), "bold")
+    for own in cases[:shown]:
+        worst = min(own, key=lambda one: one.rank)
         more = f" +{len(own) - 1}" if len(own) > 1 else ""
         cells = (
             _cut(worst.name, _NAME - len(more)) + more,
             _cut(worst.expected, 20),
             proven(worst),
-            *_errors(worst),
+            worst.error_text,
+            worst.tolerance_text,
             f"{worst.agreeing} of {worst.asked}",
             f"{sum(one.seconds for one in own):.1f} s",
         )
         print_line(console, _LINE(*cells, worst.verdict), _STYLES.get(worst.verdict, "dim"))
-    rest = [own[0].case for place, own in enumerate(cases) if place not in told]
+    rest = [own[0].case for own in cases[shown:]]
     for line in wrap(
-        f"and farther from what they are allowed: {', '.join(rest)}" if rest else "",
+        f"with smaller errors, or without any: {', '.join(rest)}" if rest else "",
         WIDTH,
         subsequent_indent="  ",
         max_lines=_NAMES,
@@ -57,13 +63,6 @@ def show_overview(console: Console, found: Sequence[VariantSummary]) -> None:
     ):
         print_line(console, line, "dim")
     show_shortfalls(console, [short for own in found for short in own.shortfalls])
-
-
-def _told(cases: Sequence[Sequence[VariantSummary]]) -> set[int]:
-    """Places of the cases that get a line: all, or as many of the worst as there is room for."""
-    most = _VARIANTS if len(cases) <= _VARIANTS else _VARIANTS - _NAMES
-    worst = sorted(range(len(cases)), key=lambda place: max(map(_badness, cases[place])))
-    return set(worst[::-1][:most])
 
 
 def proven(summary: VariantSummary) -> str:
@@ -77,24 +76,6 @@ def proven(summary: VariantSummary) -> str:
     if isnan(value):
         return summary.expected if summary.verdict == PASS else ""
     return f"{value + 0.0:.7g}"
-
-
-def _errors(summary: VariantSummary) -> tuple[str, str]:
-    """The worst error and the one that is allowed, %; of round-off the sides tell nothing."""
-    error, allowed = 100 * summary.error, 100 * summary.allowed
-    if isnan(error):
-        return "", ""
-    none = abs(summary.error) < SOLVER
-    shown = "< 1e-4 %" if none else f"{error:+.2g} %"
-    most = f"{abs(allowed):.2g} %" if none else f"{allowed:+.2g} %"
-    return shown, most if isfinite(allowed) else ""
-
-
-def _badness(summary: VariantSummary) -> tuple[bool, int, float]:
-    """What is wrong first, then who disagrees, then what is closest to its allowed error."""
-    share = abs(summary.error / summary.allowed) if summary.allowed else 0.0
-    disagreeing = summary.asked - summary.agreeing
-    return summary.verdict == FAIL, disagreeing, 0.0 if isnan(share) else share
 
 
 def _by_case(found: Sequence[VariantSummary]) -> list[list[VariantSummary]]:

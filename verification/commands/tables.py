@@ -52,7 +52,7 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             _number(row.outer_iterations, ".0f"),
             _number(row.build_time, ".2f"),
             _number(row.solve_time, ".2f"),
-            row.verdict,
+            f"{row.verdict} (model: {row.model})" if row.model else row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
         if row.answered_by not in ("", row.backend):

@@ -21,6 +21,7 @@ from verification.runs.row import Row
 from verification.runs.run import Run
 from verification.verdicts.allowed import about
 from verification.verdicts.bracket import STRICT, between, judge_bracket
+from verification.verdicts.limit_state import ASSOCIATED
 
 _LIMIT = 600.0  # s, where none is given
 _PART = 0.8  # of the time limit; what follows the bracket takes the rest
@@ -49,6 +50,7 @@ def run_bracket(
         CapabilityError: the backend cannot take it.
     """
     stated = run.case.bracket or Bracketing()
+    stated = replace(stated, target_width=run.settings.get("target_width", stated.target_width))
     coulomb, problem = has_coulomb(problem), associated(problem)
     begin = time.perf_counter()
     found = la.bracket(
@@ -74,6 +76,7 @@ def run_bracket(
         solve_time=seconds,
         peak_memory_mb=memory(),
         message=found.message,
+        model=ASSOCIATED if coulomb else "",
     )
     reference = between(run.case.reference_of(run.variant), coulomb)
     band = run.case.band_of(run.variant, int(row.n_elements))

@@ -18,7 +18,7 @@ from verification.runs.outcome import Outcome
 from verification.runs.row import Row
 from verification.runs.run import Run
 from verification.verdicts.allowed import about, distance
-from verification.verdicts.limit_state import judge, refutation
+from verification.verdicts.limit_state import MODELS, judge, refutation
 
 
 def run_limit_state(
@@ -63,6 +63,7 @@ def run_limit_state(
         **about(reference),
         **_standing(state),
         "coupling": run.coupling or state.coupling,
+        "model": MODELS.get(state.coupling, ""),
         "error": distance(state.load_factor, reference, band),
         "peak_memory_mb": float(np.fmax(state.peak_memory, memory())),  # of either process
         "verdict": verdict,

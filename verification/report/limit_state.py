@@ -26,6 +26,7 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("error", "error %", "+.4f", scale=100),
         Column("expected", "reference", "g", order="reference"),
         *HOW,
+        *_models(results),
         Column("n_elements", "elements", ".0f"),
         *varied(results),
         Column("energy", "C", ".2g"),
@@ -36,6 +37,12 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("solve_time", "solve s", ".2f"),
     )
     return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
+
+
+def _models(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Return the column of models other than that of the case, where there are any."""
+    named = "model" in results and results["model"].fillna("").ne("").any()
+    return (Column("model", "model compared"),) if named else ()
 
 
 def _standing(results: pd.DataFrame) -> tuple[Column, ...]:

@@ -18,12 +18,12 @@ from verification.verdicts.words import FAIL, PASS
 
 _COLUMNS = (
     Column("variant"),
-    Column("proven", "load factor", link=CERTIFICATE, hover="told"),
+    Column("proven", "proven bounds or value", link=CERTIFICATE, hover="told"),
     Column("expected", "reference"),
-    Column("error", "worst error %", "+.2g", scale=100),
-    Column("allowed", "allowed %", "+.2g", scale=100),
-    Column("agree", order="agreeing"),
-    Column("seconds", "s", ".1f"),
+    Column("error", "error %", "+.3g", scale=100, order="size"),
+    Column("allowed", "tolerance %", "+.3g", scale=100),
+    Column("agree", "backends agreeing", order="agreeing"),
+    Column("seconds", "solve time, s", ".1f"),
     Column("verdict", moods=VERDICTS),
 )
 
@@ -34,16 +34,19 @@ def cards(
     files: Mapping[str, str],
     pictures: Mapping[str, Picture],
 ) -> Cards:
-    """A card for each case.
+    """Return a card for each case: failures first, then the largest errors.
 
     Args:
-        cases: in the order of the cards.
+        cases: to be shown.
         outcomes: of these cases, and of any others.
         files: of the pages, by id of the case.
         pictures: those that there are, by id of the case.
     """
+    ranks: dict[str, tuple[bool, float]] = {}
+    for one in summaries(outcomes):
+        ranks[one.case] = min(one.rank, ranks.get(one.case, one.rank))
     items = []
-    for case in cases:
+    for case in sorted(cases, key=lambda case: ranks.get(case.id, (True, 0.0))):
         own = [outcome for outcome in outcomes if outcome.run.case.id == case.id]
         table = answers(own)
         items.append(
@@ -63,13 +66,17 @@ def mood_of(verdicts: Sequence[str]) -> str:
 
 
 def answers(outcomes: Sequence[Outcome], *before: Column, sortable: bool = False) -> Table:
-    """A row for each variant: what is proven, how far off, and who agrees."""
-    rows = [_row(own, outcomes) for own in summaries(outcomes)]
+    """Return a row for each variant: failures first, then the largest errors."""
+    rows = [_row(own, outcomes) for own in sorted(summaries(outcomes), key=_rank)]
     names = [*dict.fromkeys(["case", *(c.name for c in _COLUMNS), *_HIDDEN])]
     return Table((*before, *_COLUMNS), pd.DataFrame(rows, columns=names), sortable=sortable)
 
 
-_HIDDEN = (CERTIFICATE.column, "told", "agreeing")
+def _rank(summary: VariantSummary) -> tuple[bool, float]:
+    return summary.rank
+
+
+_HIDDEN = (CERTIFICATE.column, "told", "agreeing", "size")
 
 
 def _row(summary: VariantSummary, outcomes: Sequence[Outcome]) -> dict[str, Any]:
@@ -78,7 +85,8 @@ def _row(summary: VariantSummary, outcomes: Sequence[Outcome]) -> dict[str, Any]
         "variant": summary.variant,
         "proven": proven(summary),
         "expected": summary.expected,
-        "error": summary.error,
+        "error": 0.0 if summary.rounded else summary.error,
+        "size": abs(summary.error),
         "allowed": summary.allowed,
         "agree": f"{summary.agreeing} of {summary.asked}",
         "agreeing": float(summary.agreeing),

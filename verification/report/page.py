@@ -49,7 +49,7 @@ from verification.store.results import as_table
 from verification.verdicts.limit_state import STRONG
 from verification.verdicts.tally import Tally as Verdicts
 from verification.verdicts.tally import tally
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT
+from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT
 
 _SHOWN = 8
 """Lines of a list that are seen at once; more are folded away."""
@@ -137,8 +137,8 @@ def _index(
                 cards(cases, outcomes, files, pictures),
                 Details("All in one table", [answers(outcomes, Column("case"), sortable=True)]),
             ],
-            "Proven bounds or the value of an exact backend; the worst error of exact backends on"
-            " their finest mesh beside the error that is allowed there; how many backends agree.",
+            "Failures come first, then the largest errors. The error is the worst one of exact"
+            " backends on their finest mesh, or of the farther end of a bracket.",
         ),
         *([side_by_side] if side_by_side else []),
     ]
@@ -200,7 +200,11 @@ def _tally(count: Verdicts) -> Tally:
         Count(count.failed, "FAIL", "bad" if count.failed else "mild"),
         Count(count.skipped, "skipped"),
     ]
-    rare = [Count(count.no_result, NO_RESULT), Count(count.no_reference, NO_REFERENCE)]
+    rare = [
+        Count(count.bound_only, BOUND_ONLY),
+        Count(count.no_result, NO_RESULT),
+        Count(count.no_reference, NO_REFERENCE),
+    ]
     return Tally(counts + [own for own in rare if own.number])
 
 

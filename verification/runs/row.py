@@ -38,14 +38,17 @@ class Row:
         lowest, highest: load factors that a range of a soil found; `lower` and `upper` are proven
             of all on its mesh.
         davis: load factor with Davis's strength, of a range; it bounds nothing.
+        model: the model that was solved in place of that of the case, such as ``associated``; empty
+            where it is that of the case.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
         build_time, solve_time: s.
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
-        verdict: ``pass``, ``FAIL``, ``skipped``, ``no reference`` of what is proven and cannot be
-            compared, or ``no result`` of what claims nothing and need not: a regularised backend,
-            or a coupling that is not the default; `why` says why.
+        verdict: ``pass``, ``FAIL``, ``skipped``, ``bound only`` of another model whose own load
+            factor is not known, which is on the right side of the reference, ``no reference`` of
+            what is proven and cannot be compared, or ``no result`` of what claims nothing and need
+            not: a regularised backend, or a coupling that is not the default; `why` says why.
         why: the rule that gave the verdict, with its numbers.
         alpha_reg, regularised_lambda, P: the values of T19, as load factors.
         energy: C of T19.
@@ -100,6 +103,7 @@ class Row:
     lowest: float = nan
     highest: float = nan
     davis: float = nan
+    model: str = ""
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -24,7 +24,8 @@ class Run:
         insist: whether to end without a result is a failure; not of regularised backends.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.
-        settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...
+        settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...; of a
+            bracket its `target_width`, in place of that of the case.
         options: of the backend, by name.
     """
 

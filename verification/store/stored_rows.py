@@ -24,7 +24,14 @@ from verification.case.bracketing import BRACKET
 from verification.runs.row import Row
 from verification.runs.run import FUZZ
 from verification.verdicts.bracket import STRICT
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import (
+    BOUND_ONLY,
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+)
 
 TEXTS = ("run", "code", "session", "finished", "identity", "row", "residuals", "history")
 """Columns of the store that are text or a number; the seal is of them."""
@@ -32,7 +39,7 @@ _SOLVED = la.Status.SOLVED.label
 _WORDS: Mapping[str, tuple[str, ...]] = {
     "status": (*(own.label for own in la.Status), "skipped", "refused"),
     "rigor": ("", STRICT, *(own.label for own in la.Rigor)),
-    "verdict": (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE),
+    "verdict": (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE, BOUND_ONLY),
     "ending": ("", *(own.label for own in Ending)),
     "standing": ("", *(own.label for own in la.Standing)),
     "side": ("", "below", "above", "both"),

@@ -17,7 +17,7 @@ from verification.verdicts.allowed import (
     lower_values,
     upper_values,
 )
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
+from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 if TYPE_CHECKING:
     from lacore.regularization import RegularisedValues
@@ -31,6 +31,14 @@ BOUNDS = {"associated": upper_values, "stick": upper_values, "frictionless": low
 """Couplings that bound the Coulomb load factors (T14) instead of finding one."""
 APART = "davis"
 """The coupling that answers another problem and bounds nothing (T55)."""
+ASSOCIATED = "associated"
+MODELS = {
+    "associated": ASSOCIATED,
+    "stick": "no slip",
+    "frictionless": "no friction",
+    APART: "Davis's strength",
+}
+"""Names of the models that couplings solve in place of that of the case."""
 FINDS_NONE = (*BOUNDS, APART, BRACKET, RANGE)
 """What stands for a coupling in rows that have no Coulomb load factor."""
 _CLAIMED = {la.Status.LOCKED: inf, la.Status.UNSAFE: -inf, la.Status.FREE: 0.0}
@@ -60,7 +68,8 @@ def judge(
     Exact backends must lie in the band of the case. Regularised ones approach the exact discrete
     value from below with an error smaller than the energy C = alpha_reg - P (T19), so the band is
     lowered by C; and C must be small, or the verdict would be worth nothing. Couplings that bound
-    the Coulomb load factors must bound the reference. Unless we `insist` on a result, a solve that
+    the Coulomb load factors must bound the reference; where they are not within its band, and their
+    own reference is not known, they are bounds only. Unless we `insist` on a result, a solve that
     claims nothing, or nothing that can be judged, is none; one that claims what residuals have
     `refuted` (see `refutation`) is wrong. Without a reference nothing passes.
     """
@@ -86,7 +95,12 @@ def judge(
         return verdict, f"{state.status.label}, expected {reference.text}"
     if state.regularised is not None and (too_strong := _too_strong(state, band)):
         return FAIL if insist else NO_RESULT, too_strong
-    return _judge_value(state, reference, allowed_of(reference, band))
+    verdict, why = _judge_value(state, reference, allowed_of(reference, band))
+    value = _CLAIMED.get(state.status, state.load_factor)
+    bounds = allowed_of is not allowed_values
+    if verdict == PASS and bounds and not allowed_values(reference, band).holds(value):
+        return BOUND_ONLY, f"{why}: a bound by another model, {MODELS[state.coupling]}"
+    return verdict, why
 
 
 def refutation(claimed: bool, residuals: Mapping[str, float]) -> str:

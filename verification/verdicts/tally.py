@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from verification.runs.outcome import Outcome
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
 
 
 @dataclass(frozen=True)
@@ -16,11 +16,16 @@ class Tally:
     skipped: int
     no_result: int
     no_reference: int
+    bound_only: int = 0
 
     @property
     def text(self) -> str:
         """One line."""
-        rare = {NO_RESULT: self.no_result, NO_REFERENCE: self.no_reference}
+        rare = {
+            BOUND_ONLY: self.bound_only,
+            NO_RESULT: self.no_result,
+            NO_REFERENCE: self.no_reference,
+        }
         parts = [f"{self.passed} pass", f"{self.failed} FAIL", f"{self.skipped} skipped"]
         return ", ".join(parts + [f"{count} {kind}" for kind, count in rare.items() if count])
 
@@ -28,5 +33,5 @@ class Tally:
 def tally(outcomes: Sequence[Outcome]) -> Tally:
     """Count verdicts."""
     verdicts = [outcome.row.verdict for outcome in outcomes]
-    kinds = (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE)
+    kinds = (PASS, FAIL, SKIPPED, NO_RESULT, NO_REFERENCE, BOUND_ONLY)
     return Tally(*(verdicts.count(kind) for kind in kinds))

@@ -1,11 +1,11 @@
 """One answer a variant: proven bounds, worst error beside the allowed one, who agrees."""
 
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import inf, isnan, nan, pi
 
 import pytest
 
-from verification.analysis.summary import CONTINUUM, DISCRETE, summaries
+from verification.analysis.summary import CONTINUUM, DISCRETE, percent, summaries
 from verification.campaigns.comparison import planned
 from verification.catalogue.catalogue import find
 from verification.runs.outcome import Outcome
@@ -13,7 +13,15 @@ from verification.runs.row import Row
 from verification.verdicts.allowed import about, distance
 from verification.verdicts.bracket import STRICT
 from verification.verdicts.limit_state import judge
-from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS, SKIPPED
+from verification.verdicts.tally import tally
+from verification.verdicts.words import (
+    BOUND_ONLY,
+    FAIL,
+    NO_REFERENCE,
+    NO_RESULT,
+    PASS,
+    SKIPPED,
+)
 
 
 def made(name, value, backend="clarabel", mesh="coarse", coupling="certified", **more):
@@ -200,3 +208,38 @@ def test_variants_are_told_apart_and_keep_their_order():
     outcomes = [made(name, 5.2, backend) for backend in ("clarabel", "cvxpy") for name in names]
     assert [found.name for found in summaries(outcomes)] == list(names)
     assert summaries([]) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.98321, "+98 %"), (1.3, "+130 %"), (-0.17, "-17 %"), (0.0481, "+4.8 %"),
+     (6.3e-5, "+0.0063 %"),
+     (1e-9, "0 %"), (0.0, "0 %"), (nan, ""), (inf, "")],
+)  # fmt: skip
+def test_errors_are_printed_in_per_cent_without_exponents(value, text):
+    assert percent(value) == text
+
+
+def test_of_a_narrow_bracket_the_error_is_that_of_the_farther_end():
+    """It is compared with the width that the bracket has to reach."""
+    bracket = made(
+        "prandtl-punch:smooth", nan, coupling="bracket", rigor=STRICT, lower=5.0, upper=5.2,
+        width=0.039,
+    )  # fmt: skip
+    run = replace(bracket.run, settings={"target_width": 0.04})
+    found = one(replace(bracket, run=run))
+    assert found.error == pytest.approx(5.0 / (2 + pi) - 1)
+    assert found.allowed == -0.04
+    assert found.agreeing == found.asked == 1
+    assert found.tolerance_text == "-4.0 %"
+    near, far = (made("prandtl-punch:smooth", factor * (2 + pi)) for factor in (1.01, 1.2))
+    assert one(replace(bracket, run=run), far).error == found.error
+    assert one(replace(bracket, run=run), near).error == near.row.error
+
+
+def test_bounds_by_another_model_are_no_passes():
+    stick = made("platens-coulomb:mu-0.1", 4.0, coupling="stick", verdict=BOUND_ONLY)
+    found = one(stick)
+    assert found.verdict == BOUND_ONLY
+    assert found.agreeing == 1
+    assert tally([stick]).text == "0 pass, 0 FAIL, 0 skipped, 1 bound only"

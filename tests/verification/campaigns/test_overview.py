@@ -1,7 +1,9 @@
-"""A first look: what it runs, and that its answer fits a screen whatever comes out."""
+"""The first comparison: its runs, how close they are, and that its summary fits a screen."""
 
 import io
 import time
+from dataclasses import replace
+from math import nan
 
 import pytest
 from rich.console import Console
@@ -10,13 +12,14 @@ import lacore as la
 from verification import progress
 from verification.analysis.summary import summaries
 from verification.campaigns.comparison import capabilities, is_regularised, plan
-from verification.campaigns.overview import overview
+from verification.campaigns.overview import LARGE, everything, overview, shown_first
+from verification.case import BRACKET, CLOSE
 from verification.catalogue.catalogue import catalogue
 from verification.commands import screen
-from verification.perform.one_run import lost
+from verification.perform.one_run import lost, run_here
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
-from verification.verdicts.words import FAIL, NO_RESULT, PASS
+from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 FIRST = overview()
 DEFAULT = [case for case in catalogue().values() if not case.on_demand]
@@ -40,12 +43,58 @@ def test_every_default_backend_meets_many_cases():
     assert not [run for run in FIRST if run.case.meshed and capabilities(run.backend).dense]
 
 
-def test_all_goes_on_from_it():
-    """The same keys: what a first look has in its store is not run again."""
-    everything = {run.key for run in plan()}
+def test_all_continues_from_it():
+    """The keys are the same, so stored results are not run again; coarse meshes are added."""
+    every = everything()
     keys = [run.key for run in FIRST]
-    assert len(keys) == len(set(keys)) < len(everything) / 3
-    assert set(keys) <= everything
+    assert len(keys) == len(set(keys)) < len(every) / 3
+    assert {run.key for run in every} == {*keys, *(run.key for run in plan())}
+    cases = [run.case.id for run in every]
+    assert cases == sorted(cases, key=[case.id for case in DEFAULT].index)
+
+
+def test_a_case_runs_the_variant_meshes_and_bracket_that_it_names():
+    for case in DEFAULT:
+        variant = shown_first(case)[0]
+        own = [run for run in FIRST if run.case is case and run.variant is variant]
+        assert variant.name == (case.first.variant or case.variants[0].name)
+        meshes = {run.mesh for run in own if run.coupling != BRACKET}
+        if case.first.meshes is not None:
+            assert meshes == set(case.first.meshes)
+        brackets = [run.settings["target_width"] for run in own if run.coupling == BRACKET]
+        assert brackets == ([case.first.bracket] if case.first.bracket else [])
+        assert case.first.bracket <= CLOSE
+
+
+def test_one_exact_backend_runs_what_is_expensive():
+    """Further meshes, brackets, paths, other statuses, and large cases."""
+    for case in DEFAULT:
+        main, *others = shown_first(case)
+        for variant in shown_first(case):
+            own = [run for run in FIRST if run.case is case and run.variant is variant]
+            if variant in others or case.path is not None or LARGE in case.tags:
+                assert len({run.backend for run in own}) == 1
+        levels = case.first.meshes or ()
+        quick = [run for run in FIRST if run.case is case and run.variant is main]
+        if levels and levels[0] != next(iter(case.meshes)):
+            assert all(capabilities(run.backend).paths for run in quick)
+
+
+def _close_runs():
+    """One exact run for each mesh and bracket of deformable bodies."""
+    exact = [run for run in FIRST if run.case.meshed and not is_regularised(run.backend)]
+    runs = {(run.case.id, run.variant.name, run.mesh, run.coupling): run for run in reversed(exact)}
+    return [*runs.values()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", _close_runs(), ids=lambda run: run.label.replace(" ", "-"))
+def test_runs_are_close_to_the_reference(run):
+    """Regularised backends agree with the exact ones, and rigid bodies are exact."""
+    (found,) = summaries(list(run_here([run])))
+    assert found.verdict in (PASS, NO_REFERENCE)
+    if found.verdict == PASS:
+        assert abs(found.error) <= CLOSE
 
 
 def test_what_deforms_comes_first_and_paths_come_last():
@@ -76,7 +125,7 @@ def answered(run, verdict):
     return lost(run, status, f"{run.label}: " + "it went wrong at length " * 20)
 
 
-@pytest.mark.parametrize("runs", [FIRST, plan()], ids=["first look", "all"])
+@pytest.mark.parametrize("runs", [FIRST, everything()], ids=["first", "all"])
 @pytest.mark.parametrize("verdict", [PASS, FAIL, NO_RESULT])
 def test_an_answer_is_one_screen(runs, verdict):
     console = Console(file=io.StringIO(), width=200)
@@ -118,3 +167,22 @@ def test_what_is_quick_says_nothing(capsys):
         watch.start(FIRST[0])
         watch.finish(answered(FIRST[0], PASS))
     assert capsys.readouterr().err == ""
+
+
+def test_failures_come_first_and_then_the_largest_errors():
+    def row(number, error, verdict=PASS):
+        outcome = answered(FIRST[number], PASS)
+        return replace(outcome, row=replace(outcome.row, error=error, verdict=verdict))
+
+    numbers = {run.case.id: place for place, run in reversed([*enumerate(FIRST)])}
+    names = ["prandtl-punch", "vertical-cut", "layer-rough", "block-slide"]
+    errors = (0.01, -0.3, 0.98, nan)
+    outcomes = [row(numbers[name], error) for name, error in zip(names, errors, strict=True)]
+    outcomes.append(row(numbers["wall-1"], 0.0, FAIL))
+    console = Console(file=io.StringIO(), width=200)
+    screen.show_overview(console, summaries(outcomes))
+    lines = console.file.getvalue().splitlines()
+    cases = [line.split(":")[0] for line in lines[2:7]]
+    assert cases == ["wall-1", "layer-rough", "vertical-cut", "prandtl-punch", "block-slide"]
+    assert "+98 %" in lines[3]
+    assert "-30 %" in lines[4]

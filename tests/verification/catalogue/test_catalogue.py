@@ -297,6 +297,29 @@ def test_a_bracket_says_what_it_must(planted, stated, message):
     assert message in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("stated", "message"),
+    [
+        ("3", "Case.first = 'int': not a First; give a First"),
+        ("First(variant='squar')", "Case.first.variant = 'squar': unknown variant; did you mean"),
+        ("First(meshes='fine')", "Case.first.meshes = 'fine': not names in a tuple; write"),
+        ("First(meshes=('bloks',))", "Case.first.meshes = 'bloks': unknown level; did you mean"),
+        ("First(bracket=-1.0)", "Case.first.bracket = -1.0: not a width; give a number >= 0"),
+        ("First(bracket=0.1)", "Case.first.bracket = 0.1: no bracket can be computed"),
+        ("First(meshes=())", "Case.first.meshes = (): names no mesh, and there is no bracket"),
+    ],
+)
+def test_wrong_runs_of_the_first_comparison_are_named(planted, stated, message):
+    imported = (
+        "import lacore as la\n",
+        "import lacore as la\nfrom verification.case import First\n",
+    )
+    folder = planted(imported, ("build=build", f"build=build,\n    first={stated}"))
+    done = run("cases", "--cases", folder)
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
 def test_an_order_needs_a_ladder(planted):
     order = (
         "def order(h):\n    from verification.case import Order\n"
