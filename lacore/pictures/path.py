@@ -25,6 +25,7 @@ from lacore.paths.path import Path, Snapshot
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
+from lacore.pictures.layout import lay_out
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
@@ -49,6 +50,7 @@ _EVENTS = {
     drift.LOST: "#8c510a",
 }
 _LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
+FOOTING = _PLASTIC
 
 
 def plot_path(path: Path) -> Figure:
@@ -63,7 +65,7 @@ def plot_path(path: Path) -> Figure:
     figure, bodies, load = page(path)
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
     draw_load(load, path)
-    figure.draw_without_rendering()  # the layout needs the scales to find the margins
+    lay_out(figure)
     return figure
 
 
@@ -94,9 +96,9 @@ def page(path: Path) -> tuple[Figure, Axes, Axes]:
         pad=0.01,
         aspect=25,
     )
-    label = "equivalent strain\nmeans around vertices"
+    label = "equivalent strain\naveraged at the vertices"
     if not path.history.empty:
-        label += f"\n(points: up to {path.history['max_strain'].max():.3g})"
+        label += f"\n(maximum at a point: {path.history['max_strain'].max():.3g})"
     bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8)
     return figure, left, right
@@ -134,7 +136,7 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
         )
         lines = edge_lines(mesh, mesh.boundary_facets())
         axes.add_collection(LineCollection(lines, colors="#222222", linewidths=1.0, zorder=4))
-    before = Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="before")
+    before = Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="initial shape")
     axis = draw_axis(axes, stage.bodies.values())
     handles: list[Artist] = [before, *axis]
     handles += _draw_tools(axes, path, snapshot)
@@ -277,6 +279,6 @@ def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
     for footing in footings(path.stage.problem.reference_loads):
         mesh = meshes[footing.body]
         lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(footing.where)]))
-        axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
+        axes.add_collection(LineCollection(lines, colors=FOOTING, linewidths=3.0, zorder=5))
         drawn = True
-    return [Line2D([], [], color=_PLASTIC, lw=3.0, label="rigid footing")] if drawn else []
+    return [Line2D([], [], color=FOOTING, lw=3.0, label="rigid footing")] if drawn else []

@@ -1,4 +1,4 @@
-"""Brackets on a page: both bounds beside the reference, how they closed in, where the gap is."""
+"""Brackets on a page: both bounds and the reference, their history, the gap by elements."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -18,6 +18,7 @@ from verification.report.blocks import Column, Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
 from verification.runs.outcome import Outcome
+from verification.runs.row import Row
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
 _CLOSE = 0.05  # widths above it say nothing of the order yet
@@ -26,7 +27,7 @@ _ANY = 100.0  # bounds close in by steps: their local slopes are anything
 
 
 def brackets_table(results: pd.DataFrame) -> Table:
-    """Proven load factors beside the reference between them."""
+    """Return the proven bounds and the reference between them."""
     columns = (
         Column("verdict", moods=VERDICTS, hover="why"),
         Column("variant"),
@@ -36,42 +37,46 @@ def brackets_table(results: pd.DataFrame) -> Table:
         Column("upper", "upper bound", ".7f"),
         Column("width", "width %", ".2f", scale=100),
         Column("rigor"),
-        Column("n_elements_lower", "elements below", ".0f"),
-        Column("n_elements", "elements above", ".0f"),
+        Column("n_elements_lower", "elements, lower", ".0f"),
+        Column("n_elements", "elements, upper", ".0f"),
         Column("outer_iterations", "solves", ".0f"),
-        Column("solve_time", "solve s", ".2f"),
+        Column("solve_time", "solve time, s", ".2f"),
     )
-    return Table(columns, with_certificates(results), anchor=RUN, caption="Proven from both sides")
+    return Table(columns, with_certificates(results), anchor=RUN, caption="Lower and upper bounds")
 
 
-def drawn_bracket(outcome: Outcome) -> Figure:
-    """Meshes of a stored bracket, and the shares of their elements.
+def stored_shares(outcome: Outcome) -> tuple[Shares, Shares]:
+    """Restore the meshes of the upper and of the lower bound, with the shares of their elements.
 
     Raises:
-        ValueError: what is stored is no bracket.
+        ValueError: The evidence is not that of a bracket.
     """
-    row = outcome.row
     found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
     if not {"upper", "lower"} <= set(found):
         raise ValueError("one of the meshes is missing")
-    above, below = found["upper"], found["lower"]
+    return found["upper"], found["lower"]
+
+
+def drawn_bracket(row: Row, above: Shares, below: Shares) -> Figure:
+    """Draw both meshes of a stored bracket."""
     bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
     return plot_shares(
         heading(row.lower, row.upper, row.width, row.message, bounded),
-        _mesh(above),
+        mesh_of(above),
         above.shares,
-        _mesh(below),
+        mesh_of(below),
         below.marks,
     )
 
 
-def _mesh(shares: Shares) -> MeshTri | MeshTet:
+def mesh_of(shares: Shares) -> MeshTri | MeshTet:
+    """Make the mesh of stored shares."""
     made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
     return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:
-    """Width and mean number of elements of both meshes, a row a solve, from when there are both."""
+    """Return the width and the mean number of elements, a row per solve, once both bounds exist."""
     rows, last = [], {"lower": 0, "upper": 0}
     for step in outcome.evidence.history:
         last[step["bound"]] = step["elements"]
@@ -83,7 +88,7 @@ def widths(outcome: Outcome) -> pd.DataFrame:
 
 
 def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
-    """Width against elements, with its order where there are enough narrow ones."""
+    """Draw the width against elements, with its order where enough brackets are narrow."""
     found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.history]
     frames, fits = [], []
     for outcome in {one.run.variant.name: one for one in found}.values():
@@ -104,6 +109,7 @@ def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
     chart = fitted(pd.concat(frames), pd.DataFrame(fits), ELEMENTS, _WIDTH, by="line")
     return Drawing(
         f"{found[0].run.case.id}-widths",
-        "Width of the bracket against elements, mean of both meshes (uniform refinement: −0.5)",
+        "Width of the bracket against the mean number of elements of both meshes (slope under"
+        " uniform refinement: −0.5)",
         chart,
     )

@@ -9,9 +9,9 @@ import pandas as pd
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import Case
 from verification.case.bracketing import BRACKET
-from verification.report.blocks import Card, Cards, Column, Page, Picture, Table
+from verification.report.blocks import Card, Cards, Column, Filters, Page, Picture, Table
 from verification.report.description import lead
-from verification.report.drawing import Drawn
+from verification.report.drawing import Drawn, Subject, thumbnail_of
 from verification.report.tables import CERTIFICATE, VERDICTS
 from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL, PASS
@@ -26,6 +26,9 @@ _COLUMNS = (
     Column("seconds", "solve time, s", ".1f"),
     Column("verdict", moods=VERDICTS),
 )
+
+ORDER = "failures, then largest errors"
+_FEW = 4  # cards: fewer need no controls
 
 
 def cards(
@@ -54,10 +57,24 @@ def cards(
                 Page(case.title, files[case.id], lead(case)),
                 pictures.get(case.id),
                 table,
-                mood_of(table.data["verdict"].tolist()),
+                mood_of(verdicts := table.data["verdict"].tolist()),
+                name=case.id,
+                tags=case.tags,
+                verdicts=list(dict.fromkeys(verdicts)),
+                seconds=float(table.data["seconds"].sum()),
             )
         )
     return Cards(items)
+
+
+def filters(*lists: Cards) -> list[Filters]:
+    """Controls for all cards of a page; none for a few."""
+    items = [card for cards in lists for card in cards.items]
+    if len(items) < _FEW:
+        return []
+    tags = sorted({tag for card in items for tag in card.tags}, key=str.casefold)
+    verdicts = dict.fromkeys(verdict for card in items for verdict in card.verdicts)
+    return [Filters(tags, list(verdicts), ORDER)]
 
 
 def mood_of(verdicts: Sequence[str]) -> str:
@@ -69,7 +86,9 @@ def answers(outcomes: Sequence[Outcome], *before: Column, sortable: bool = False
     """Return a row for each variant: failures first, then the largest errors."""
     rows = [_row(own, outcomes) for own in sorted(summaries(outcomes), key=_rank)]
     names = [*dict.fromkeys(["case", *(c.name for c in _COLUMNS), *_HIDDEN])]
-    return Table((*before, *_COLUMNS), pd.DataFrame(rows, columns=names), sortable=sortable)
+    found = pd.DataFrame(rows, columns=names)
+    shown = (*before, *_COLUMNS)
+    return Table(shown, found, sortable=sortable, stacked=True, card="case" if before else "")
 
 
 def _rank(summary: VariantSummary) -> tuple[bool, float]:
@@ -141,7 +160,6 @@ def _proof(summary: VariantSummary, outcomes: Sequence[Outcome]) -> str | None:
     return next((outcome.run.key for outcome in found), None)
 
 
-def first_picture(subjects: Sequence[str], drawn: Drawn) -> Picture | None:
-    """The first of these names that was drawn."""
-    found = (drawn.get(name) for name in subjects)
-    return next((one for one in found if isinstance(one, Picture)), None)
+def first_thumbnail(subjects: Sequence[Subject], drawn: Drawn) -> Picture | None:
+    """Find the first thumbnail of subjects that was drawn."""
+    return next(filter(None, (thumbnail_of(one, drawn) for one in subjects)), None)

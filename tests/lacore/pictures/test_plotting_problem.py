@@ -13,7 +13,7 @@ from matplotlib.patches import FancyArrowPatch
 import lacore as la
 from lacore.pictures.regions import shaded
 from tests.shares import one_in
-from verification.case.sketches import sketch_of
+from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.catalogue import catalogue
 
 CASES = [  # of the plane, each sixth in the fast tests
@@ -63,7 +63,7 @@ def stated(problem):
 def sketch(name):
     """Of the first variant of a case: nothing below changes it."""
     case = catalogue()[name]
-    return sketch_of(case, case.variants[0])
+    return sketch_of(case, sketched(case, case.variants[0]))
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -73,7 +73,7 @@ def test_sketch_of_a_case_shows_all_that_is_stated(case):
     assert set(stated(problem)) <= names(figure)
     assert any(r"\alpha" in text for text in labels(figure))
     held = any(holds_blocks(support, problem) for support in problem.supports)
-    assert ("held block" in legend(figure)) == held
+    assert ("fixed block" in legend(figure)) == held
     figure.savefig(io.BytesIO(), format="svg")
 
 
@@ -267,7 +267,7 @@ def test_frames_with_all_that_they_can_have():
     )
     figure = problem.plot()
     assert set(stated(problem)) <= names(figure)
-    assert "hinge without moment" in legend(figure)
+    assert "pinned end" in legend(figure)
     assert r"member, $M_p = 1 \ldots 2$ N" in legend(figure)
     for line in arrows(figure, "dead-load-0"):
         assert line[:, 0].max() <= 0  # on the side that the wind comes from
