@@ -1,6 +1,5 @@
 """What cannot be right is refused when it is stated, with field, value and mend."""
 
-
 import numpy as np
 import pytest
 
