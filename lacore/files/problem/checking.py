@@ -23,7 +23,7 @@ _SAID: Mapping[str, tuple[str, str]] = {
     "tuple_type": _LIST,
     "list_type": _LIST,
     "missing": ("too few values", "add the next one"),  # of lists: keys are checked before
-    "too_long": ("too many values", "leave out the rest"),
+    "too_long": ("too many values", "remove the others"),
     "dict_type": _TABLE,
     "model_type": _TABLE,
     "model_attributes_type": _TABLE,

@@ -112,12 +112,12 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
         raise WrongUnitError("not a number" if accepted else "a text in place of a number", mend)
     number, unit = float(match[1]), match[2]
     if not isfinite(number):
-        raise WrongUnitError("no finite number", mend)
+        raise WrongUnitError("not a finite number", mend)
     if unit is None:
         raise WrongUnitError("a number in quotes, without its unit", mend)
     if accepted == (DEGREES,):
         if unit not in _ANGLES:
-            raise WrongUnitError(f"{unit!r} is no unit of angles", mend)
+            raise WrongUnitError(f"{unit!r} is not a unit of angle", mend)
         return Amount(text, number * _ANGLES[unit], DEGREES, _ANGLES[unit])
     registry, given = _registry(), _parsed(unit, mend)
     for own in accepted:
@@ -154,11 +154,11 @@ def _parsed(unit: str, mend: str) -> "pint.Unit":
     plain = unit.translate(_SIGNS).replace("**", "^")
     plain = re.sub(r"\b([kMG]?N)m\b", r"\1 m", plain)  # to pint kNm is a length
     if len(plain) > _LONGEST or _TAKEN.fullmatch(plain) is None:
-        raise WrongUnitError(f"{unit!r} is no unit", mend)
+        raise WrongUnitError(f"{unit!r} is not a unit", mend)
     try:
         return _registry().Unit(re.sub(_ONE, _raised, plain))
     except Exception as error:  # pint has no common one
-        raise WrongUnitError(f"{unit!r} is no unit that is known", mend) from error
+        raise WrongUnitError(f"{unit!r} is not a known unit", mend) from error
 
 
 def _raised(match: re.Match[str]) -> str:

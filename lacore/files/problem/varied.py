@@ -89,7 +89,7 @@ def read_varied(source: Source, text: str, field: Path | str) -> Varied:
         why = f"one end in {first[1] or 'no unit'}, the other in {second[1] or 'no unit'}"
         raise _error(source, field, text, why, "give both in units of one kind")
     if not first[0] < second[0]:
-        raise _error(source, field, text, "its ends are not in order", "give LOW:HIGH")
+        raise _error(source, field, text, "LOW is not below HIGH", "give LOW:HIGH")
     return Varied(source, path, first[1], first[0], second[0])
 
 
@@ -103,14 +103,14 @@ def _found(source: Source, name: str, text: str, field: Path | str) -> Path:
         return known[ends[0]]
     if ends:
         mend = f"write more of its name: {', '.join(sorted(ends)[:6])}"
-        raise _error(source, field, text, f"{len(ends)} numbers of the file are called so", mend)
+        raise _error(source, field, text, f"{len(ends)} numbers of the file have this name", mend)
     mend = suggest(name, known)
     if not mend.endswith("?"):  # it may be an end that is meant
         parts = {own[place:]: own for own in known for place in _ends(own)}
         close = suggest(name, parts)
         mend = close if close.endswith("?") else f"it has {', '.join(sorted(known)[:12])}"
-    raise _error(source, field, text, "the file has no such number: one that is left out has to be"
-                 " written, to vary", mend)  # fmt: skip
+    raise _error(source, field, text, "the file has no such number; a default value must be"
+                 " written in the file to vary it", mend)  # fmt: skip
 
 
 def _ends(name: str) -> Iterator[int]:
@@ -146,7 +146,7 @@ def _read(source: Source, path: Path, text: str) -> tuple[float, str]:
         if one.given is given:
             stated_by(other)
             return one.value, one.own
-    why = "is counted, or picked, and cannot vary"
+    why = "is a count or a choice, and cannot vary"
     raise source.error(path, None, why, "vary a length, an angle, a strength, a load, a ratio")
 
 

@@ -44,7 +44,7 @@ def write_problem(problem: Problem, path: str | PathLike[str], title: str = "") 
 
     place = Path(fspath(path))
     if place.suffix.lower() != ".toml":
-        raise InputError("path", str(place), "not the name of a TOML file", "let it end in .toml")
+        raise InputError("path", str(place), "not the name of a TOML file", "use the ending .toml")
     document: Table = {"title": title} if title else {}
     meshes: dict[Path, Any] = {}
     document["bodies"] = {
@@ -93,7 +93,7 @@ def _(body: Frame, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
 @_stated.register
 def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
     if body.dimension == 3:
-        why, mend = "files state problems of the plane", "keep this problem in Python"
+        why, mend = "problem files describe plane problems only", "keep this problem in Python"
         raise InputError(f"{field}.kinematics", body.kinematics, why, mend)
     mesh = recipe(body.mesh, file.parent)
     if mesh is None:

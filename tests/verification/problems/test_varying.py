@@ -163,7 +163,7 @@ WRONG = {
         "--vary = 'fricton=0.1:0.6': the file has no such number.*did you mean",
     ),
     "no range": (("--vary", "friction=0.1", "--critical"), "not a name and a range; write NAME"),
-    "order": (("--vary", "friction=0.6:0.1", "--limit"), "not in order; give LOW:HIGH"),
+    "order": (("--vary", "friction=0.6:0.1", "--limit"), "LOW is not below HIGH; give LOW:HIGH"),
     "kinds": (("--vary", "friction=0.1:0.6 m", "--limit"), "my.toml:7: interfaces.0..friction"),
     "negative": (("--vary", "friction=-1:0.6", "--limit"), "my.toml:7: interfaces.0..friction"),
     "a question": (("--vary", "friction=0.1:0.6"), "--vary .*: no analysis uses this number; add"),
@@ -195,7 +195,7 @@ def test_of_several_numbers_of_a_name_more_is_asked_for(tmp_path):
     file.write_text(starters.text("frame"), encoding="utf-8")
     result = lacore("solve", file, "--vary", "vector[0]=1 kN:2 kN", "--worst")
     assert result.exit_code == 2
-    assert "2 numbers of the file are called so; write more of its name: refer" in result.output
+    assert "2 numbers of the file have this name; write more of its name: refer" in result.output
 
 
 def test_a_range_that_a_file_says_has_its_line(tmp_path):

@@ -185,9 +185,9 @@ class Wall(_Blocks):
     def _either(self) -> "Wall":
         regular = [self.wide, self.courses]
         if self.rows is not None and (any(regular) or self.openings or self.first):
-            raise refused("wide and courses are there, too", "give one of the two", "rows")
+            raise refused("wide and courses are given, too", "give one of the two", "rows")
         if self.rows is None and None in regular:
-            raise refused("says not how large it is", "add wide and courses, or rows")
+            raise refused("has no size", "add wide and courses, or rows")
         if self.wide and self.courses and self.wide * self.courses > _MOST:
             many = f"these are {self.wide * self.courses} blocks"
             raise refused(many, f"give at most {_MOST}", "courses")

@@ -142,11 +142,11 @@ class Weight(_Load):
     @model_validator(mode="after")
     def _of_all(self) -> "Weight":
         if self.unit_weight is None and self.where is not None:
-            why = "without unit_weight, by densities, it is the weight of all blocks"
+            why = "without unit_weight, the densities give the weight of all blocks"
             raise refused(why, "add unit_weight, or leave it out", "where")
         weights = getattr(self.unit_weight, "values", (self.unit_weight,))
         if any(isinstance(weight, float) and weight < 0 for weight in weights):
-            mend = "give it >= 0; what acts upwards has direction = [0, 1]"
+            mend = "give a value >= 0; an upward load has direction = [0, 1]"
             raise refused("a weight below 0", mend, "unit_weight")
         return self
 
@@ -154,7 +154,7 @@ class Weight(_Load):
         """See `Entry.call`."""
         given = self.arguments(at)
         if self.unit_weight is None:
-            why = f"missing: {self.body!r} is no drawing, whose layers have densities"
+            why = f"missing: {self.body!r} is not a drawing whose layers have densities"
             unless = (why, "add unit_weight")
             place = (*at, "unit_weight")
             return Own((self.body, DRAWING), "weight", given, place, at, unless)

@@ -177,9 +177,9 @@ class FrictionLaw(Entry):
             )
         for name in ("adhesion", "tension", "associated"):
             if getattr(self, name) and self.limit is not None:
-                raise refused("is of Coulomb friction only", "leave it out", name)
+                raise refused("applies to Coulomb friction only", "leave it out", name)
         if self.angle is not None and not 0 <= self.angle < 90:
-            raise refused("no angle of friction", "give 0 to less than 90 degrees", "angle")
+            raise refused("not a friction angle", "give 0 to less than 90 degrees", "angle")
         return self
 
     def call(self, at: Path) -> Any:

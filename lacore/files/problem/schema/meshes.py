@@ -53,7 +53,7 @@ class MeshFile(Entry):
     @classmethod
     def _no_shape(cls, given: Any) -> Any:
         if isinstance(given, dict) and "shape" in given:
-            raise refused("is there beside a file", "give one of the two", "shape")
+            raise refused("is given in addition to a file", "give one of the two", "shape")
         return given
 
     def arguments(self, at: Path) -> dict[str, Any]:
@@ -73,7 +73,7 @@ class MeshFile(Entry):
         if self.file.lower().endswith(".npz"):
             for name in ("surface", "merge"):
                 if getattr(self, name) is not None:
-                    raise refused("is of other files than .npz", "leave it out", name)
+                    raise refused("does not apply to .npz files", "leave it out", name)
         return self
 
 
@@ -87,7 +87,7 @@ class _Shape(Entry):
         if first * second > _CELLS:
             raise refused(
                 f"with {self.cells[1]} = {second} these are {first * second} cells",
-                f"give at most {_CELLS} in all: a bracket refines where it is needed",
+                f"give at most {_CELLS} cells; a bracket refines the mesh where needed",
                 self.cells[0],
             )
         return self

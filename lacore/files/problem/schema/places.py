@@ -66,7 +66,7 @@ def of_body(where: Any, body: str, entry: Path) -> Any:
     """A place as part of calls, on a body that an entry of the file names."""
     if not isinstance(where, Own):
         return where
-    why = f"{body!r} is no drawing: its blocks have no layers"
+    why = f"{body!r} is not a drawing, so its blocks have no layers"
     mend = "name its blocks: where = [ ... ]"
     return replace(where, thing=(body, DRAWING), entry=entry, unless=(why, mend))
 

@@ -86,7 +86,7 @@ class Measure(_Read):
             raise refused("not finite" if least else "not a number", f"give a finite number{unit}")
         if isinstance(given, float) and 0 < given <= self.radians:
             said = f"'{given:g} rad', or '{given:g} deg' if that is meant"
-            raise refused("radians, by its looks: angles are in degrees", f"give {said}")
+            raise refused("this looks like radians, but angles are in degrees", f"give {said}")
         return Amount(given, float(given), own)  # type: ignore[arg-type]  # a real number
 
     def _accepted(self, info: ValidationInfo) -> tuple[str, ...]:

@@ -236,12 +236,12 @@ def test_what_is_wrong_is_said_with_line_and_mend(old, new, said, tmp_path):
         (
             'unit_weight = "20 kN/m3"',
             "",
-            r":10: dead_loads\[0\]: missing: 'an arch' is no drawing.*add unit_weight",
+            r":10: dead_loads\[0\]: missing: 'an arch' is not a drawing.*add unit_weight",
         ),
         (
             'where = ["left", "right"]',
             'where = { layer = "left" }',
-            r":9: supports\[0\].where.layer = 'left': 'an arch' is no drawing",
+            r":9: supports\[0\].where.layer = 'left': 'an arch' is not a drawing",
         ),
     ],
 )

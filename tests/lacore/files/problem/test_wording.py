@@ -15,10 +15,20 @@ PYTHON = re.compile(r"\b(la|lacore)\.|\w\(|SMOOTH|STICK|BOND|True|False|\bNone\b
     [
         ("masonry-wall", "friction = 0.75", "friction = -0.75", r':10: .*= -0.75: .*"smooth" or'),
         ("masonry-wall", "friction = 0.75", "friction = 37", r"= 37: .*\{ angle = \"37 deg\" \}"),
-        ("masonry-wall", "friction = 0.75", "friction = { angle = 0.64 }", r"0.64: radians, by"),
+        (
+            "masonry-wall",
+            "friction = 0.75",
+            "friction = { angle = 0.64 }",
+            r"0.64: this looks like radians",
+        ),
         ("masonry-wall", "height = 3", "height = 9", r":11: bodies.wall.openings: it leaves the"),
         ("masonry-wall", 'where = "base"', "where = { y = 5 }", r":17: .*the blocks lie in x = 0"),
-        ("retaining-wall", '"30 deg" }\nmesh', "0.52 }\nmesh", r":7: .*angle = 0.52: radians, b"),
+        (
+            "retaining-wall",
+            '"30 deg" }\nmesh',
+            "0.52 }\nmesh",
+            r":7: .*angle = 0.52: this looks like radians",
+        ),
         (
             "retaining-wall",
             "normal = [0, 1]",
@@ -27,7 +37,12 @@ PYTHON = re.compile(r"\b(la|lacore)\.|\w\(|SMOOTH|STICK|BOND|True|False|\bNone\b
         ),
         ("retaining-wall", "[bodies.wall]", "[body.wall]", r":10: body: unknown.*'bodies'"),
         ("arch", 'at = "7"', "at = 7", r":25: reference_loads\[0\].at = 7: not a text; write it"),
-        ("arch", '"180 deg"', "3.14159", r":10: bodies.arch.embrace = 3.14159: radians"),
+        (
+            "arch",
+            '"180 deg"',
+            "3.14159",
+            r":10: bodies.arch.embrace = 3.14159: this looks like radians",
+        ),
         ("arch", 'unit_weight = "22 kN/m3"', 'unit_weight = 1\nwhere = "q"', r":21: .*where = 'q'"),
         ("footing", "{ x = [0, 0.5], y = 0 }", "{ x = 9 }", r":20: .*the mesh lies in x = 0 to 5"),
         ("footing", 'where = "right"', "where = { x = 6 }", r":33: .*the mesh lies in x = 0 to 5"),

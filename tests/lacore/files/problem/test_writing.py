@@ -139,7 +139,7 @@ def test_curves_names_and_order_are_kept(tmp_path):
                 [la.Traction("cube", "top", (0.0, 0.0, -1.0))],
                 [la.Fix("cube", "bottom")],
             ),
-            "kinematics = '3d'.*of the plane",
+            "kinematics = '3d'.*plane problems",
         ),
         (3, "problem = 3: no Problem"),
     ],
