@@ -7,6 +7,20 @@ narrow on purpose: "bar" finds a bar of residuals, and not a bar in tension.
 
 import re
 
+import click
+import pytest
+
+from tests.conftest import ROOT
+from verification.commands import cli
+from verification.problems import starters
+
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / "lacore").glob("*.txt")),
+    *sorted((ROOT / "verification" / "report").glob("*.j2")),
+]
+ITEM = "line|page|row|process|card|picture|solve|table|step|test|file"
 PRIVATE = {
     r"fit backends?\b": "applicable backends",
     r"what (it|each|he|they|a backend|backends?) takes?\b": "supported",
@@ -19,7 +33,7 @@ PRIVATE = {
     r"stands? or falls?\b": "stands or collapses",
     r"dilates? less\b": "non-associated flow (dilation angle smaller than the friction angle)",
     r"mend(s|ed|ing)?\b": "fix",
-    r"told\b": "reported",
+    r"told\b(?! (apart|users?)\b)": "reported",
     r"said\b(?! to be\b)": "reported, stated",
     r"(by|with|in) a word\b|a word, (locked|unsafe|free)\b|words are proven\b": "message",
     r"what (it|they|that|this|an?|the|is|are|each|one)\b[^.;:|?]{0,60}\bworth\b": (
@@ -33,7 +47,7 @@ PRIVATE = {
     r"turn(s|ed|ing)? over\b": "dissipated (power); overturns (a body)",
     r"left over\b|leftovers?\b": "residual, rest",
     r"what (it|they|is|the \w+|a \w+) (left|leaves?)\b(?! out)": "residual, rest",
-    r"nearby\b|near (start|solve)s?\b": "warm start; close",
+    r"near(by)? (start|solve)s?\b|starts? nearby\b": "warm start",
     r"good units?\b|(is|are) good (for|to)\b|good to \d": "scaled units; accuracy",
     r"(?<!frequently )asked\b|(is|are|was|were) held to\b": "requested, required",
     r"bars? of (the )?(certificate|residual|tolerance|\d)": "tolerance",
@@ -63,9 +77,7 @@ PRIVATE = {
     r"floors? of (the )?(house|package|code)s?\b": "layer",
     r"everything against everything\b": "every combination",
     r"set (themselves|itself|themself) up\b": "create .venv on first use",
-    r"(a|an|one) (line|page|row|process|card|picture|solve|table|step|column|test) an? [a-z]+\b": (
-        "one ... per ..."
-    ),
+    rf"(a|an|one) ({ITEM}) an? (?!name\b)[a-z]+\b": "one ... per ...",
     r"(?<!there )(is|are) no (number|bound|answer|proof|mesh|case)\b": "is not a ...",
 }
 """Patterns of private words, matched without regard to case, and what to write instead."""
@@ -89,3 +101,51 @@ def private_words(text):
         for found in pattern.finditer(line):
             around = line[max(0, found.start() - 40) : found.end() + 40]
             yield f"{found[0]!r} in {around!r}: write {write}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_pages_use_established_terms(page):
+    assert [*private_words(prose(page.read_text(encoding="utf-8")))] == []
+
+
+@pytest.mark.parametrize("name", [None, *cli.main.commands])
+def test_help_texts_use_established_terms(name):
+    command = cli.main if name is None else cli.main.commands[name]
+    with click.Context(command, info_name=name) as context:
+        assert [*private_words(prose(f"{command.get_help(context)}\n{cli.START}"))] == []
+
+
+@pytest.mark.parametrize("name", starters.titles())
+def test_starter_files_use_established_terms(name):
+    assert [*private_words(starters.text(name))] == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "It names the field, the value and the mend.",
+        "What a Coulomb\nload factor is worth",
+        "a page with pictures beside it",
+        "```sh\nlacore compare  # a first look at every case\n```",
+        "| bodies of revolution | none |",
+        "The loop goes on until it settles.",
+        "The rooms of the house have an order.",
+    ],
+)
+def test_private_words_are_found(text):
+    assert [*private_words(prose(text))]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A bar in tension has one cone, and there is no room for error.",
+        "The rule is said to be associated.",
+        "The axis of revolution is vertical, and time and space are discretised.",
+        "The value is worth knowing; the load falls by 2 %.",
+        "```python\nmend = told[0]\n```",
+        "The attribute `mend` names <!-- told --> the [fix](said.md).",
+    ],
+)
+def test_ordinary_words_are_not_found(text):
+    assert [*private_words(prose(text))] == []
