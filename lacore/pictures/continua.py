@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs, edge_shapes
@@ -25,18 +24,24 @@ _SIDES = 6  # chords drawn for each curved edge of a deformed element
 
 
 def draw_continua(
-    figure: Figure, axes: Axes, state: LimitState, stretch: float, units: Units
-) -> bool:
-    """Continua displaced by `stretch` (s) times their velocity.
+    axes: Axes, state: LimitState, stretch: float, units: Units, edges: float = 0.35
+) -> PolyCollection | None:
+    """Draw continua displaced by `stretch` (s) times their velocity.
+
+    Args:
+        axes: What to draw on.
+        state: Any state with a point.
+        stretch: Displacement per velocity, s.
+        units: Units of the dissipation density.
+        edges: Width of the lines between elements, points; 0 draws none.
 
     Returns:
-        whether there is a bar of colours: plastic dissipation.
+        The elements coloured by their dissipation; None if no body dissipates.
     """
     dissipation = dict(state.dissipation)
     if not dissipation:
-        return False
-    power = 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
-    size = units.size("m") ** power
+        return None
+    size = units.size("m") ** _power(state)
     dissipation = {name: size * own for name, own in dissipation.items()}
     norm = _colour_scale(state, np.concatenate(list(dissipation.values())))
     cmap = matplotlib.colormaps["YlOrRd"].with_extremes(under=RIGID, bad=RIGID)
@@ -49,21 +54,32 @@ def draw_continua(
             array=dissipation[name] if norm else np.zeros_like(dissipation[name]),
             norm=norm or LogNorm(1, 2),
             cmap=cmap,
-            edgecolors=(0, 0, 0, 0.16),
-            linewidths=0.35,
+            edgecolors=(0, 0, 0, 0.16) if edges else "none",
+            linewidths=edges,
+            # Smoothed sides of polygons without lines between them would leave hairlines.
+            antialiaseds=edges > 0,
             zorder=2,
         )
         axes.add_collection(picture)
         axes.add_collection(
             LineCollection(list(outline), colors="#222222", linewidths=1.0, zorder=3)
         )
-    if norm is None:
-        axes.set_title("no plastic dissipation: a rigid motion", fontsize=9, loc="right")
-    elif picture is not None:
-        bar = figure.colorbar(picture, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
-        bar.set_label(f"dissipation density [W/{units.length}$^{power}$ per W of load]", fontsize=9)
-        bar.ax.tick_params(labelsize=8)
-    return norm is not None
+    return picture if norm else None
+
+
+def draw_colour_bar(axes: Axes, faces: PolyCollection, state: LimitState, units: Units) -> None:
+    """Draw the colour bar of the dissipation density next to the axes."""
+    figure = axes.figure
+    assert figure is not None
+    bar = figure.colorbar(faces, ax=axes, shrink=0.85, pad=0.01, aspect=25, extend="min")
+    density = f"W/{units.length}$^{_power(state)}$ per W of load"
+    bar.set_label(f"dissipation density [{density}]", fontsize=9)
+    bar.ax.tick_params(labelsize=8)
+
+
+def _power(state: LimitState) -> int:
+    """Dimension of the volume that dissipation densities refer to."""
+    return 3 if has_axis(state.discretisation.problem.bodies.values()) else 2
 
 
 def boundary_lines(body: BodyDofs) -> list[Floats]:
