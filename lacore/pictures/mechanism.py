@@ -18,6 +18,7 @@ from lacore.pictures.continua import draw_colour_bar
 from lacore.pictures.displaced import displacement_of, draw_displaced, draw_ground_below
 from lacore.pictures.forces import draw_forces
 from lacore.pictures.frames import draw_moments
+from lacore.pictures.layout import lay_out
 from lacore.pictures.space.mechanism import plot_in_space
 from lacore.pictures.space.surface import plot_flow
 from lacore.status import Status
@@ -82,7 +83,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     for cell, contact in zip(layout.cells, panels, strict=True):
         draw_panel(layout.figure, cell, contact, shown.fastest, units)
     layout.figure.suptitle(title_of(state), fontsize=11, x=0.01, ha="left")
-    layout.figure.draw_without_rendering()  # the layout needs the scales to find the margins
+    lay_out(layout.figure)
     return layout.figure
 
 

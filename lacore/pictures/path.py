@@ -25,6 +25,7 @@ from lacore.paths.path import Path, Snapshot
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
+from lacore.pictures.layout import lay_out
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
@@ -63,7 +64,7 @@ def plot_path(path: Path) -> Figure:
     figure, bodies, load = page(path)
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
     draw_load(load, path)
-    figure.draw_without_rendering()  # the layout needs the scales to find the margins
+    lay_out(figure)
     return figure
 
 

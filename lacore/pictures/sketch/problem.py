@@ -8,6 +8,7 @@ from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.numerics.quantities import Units, fitting
 from lacore.pictures.axis import draw_axis, label_coordinates
+from lacore.pictures.layout import lay_out
 from lacore.pictures.sketch.bodies import draw_body, part_names
 from lacore.pictures.sketch.conditions import (
     draw_interface,
@@ -129,4 +130,4 @@ def _finish(figure: Figure, sheet: Sheet) -> None:
     page = max(page, shown / _POINTS)
     rows = -(-len(sheet.handles) // columns)
     figure.set_size_inches(page, height + 0.6 + 0.2 * rows)
-    figure.draw_without_rendering()
+    lay_out(figure)
