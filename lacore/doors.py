@@ -28,6 +28,11 @@ views.picture.makers |= {
     ),
     "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
 }
+views.thumbnail.makers |= {
+    "lacore.problem.problem:Problem": "lacore.pictures.thumbnails.problem:thumbnail_of_problem",
+    "lacore.limit.state:LimitState": "lacore.pictures.thumbnails.mechanism:thumbnail_of_state",
+    "lacore.paths.path:Path": "lacore.pictures.thumbnails.path:thumbnail_of_path",
+}
 views.section.makers |= {
     "lacore.limit.state:LimitState": "lacore.pictures.space.section:plot_section",
     "lacore.bounds.lower:LowerBound": "lacore.pictures.space.section:plot_strength_section",

@@ -44,6 +44,7 @@ class View(Generic[Made]):
 
 
 picture: View["Figure"] = View("draws")
+thumbnail: View["Figure"] = View("draws a thumbnail of")
 section: View["Figure"] = View("cuts")
 animation: View[None] = View("animates")
 files: View["Path"] = View("writes files of")

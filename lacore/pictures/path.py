@@ -50,6 +50,7 @@ _EVENTS = {
     drift.LOST: "#8c510a",
 }
 _LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
+FOOTING = _PLASTIC
 
 
 def plot_path(path: Path) -> Figure:
@@ -278,6 +279,6 @@ def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
     for footing in footings(path.stage.problem.reference_loads):
         mesh = meshes[footing.body]
         lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(footing.where)]))
-        axes.add_collection(LineCollection(lines, colors=_PLASTIC, linewidths=3.0, zorder=5))
+        axes.add_collection(LineCollection(lines, colors=FOOTING, linewidths=3.0, zorder=5))
         drawn = True
-    return [Line2D([], [], color=_PLASTIC, lw=3.0, label="rigid footing")] if drawn else []
+    return [Line2D([], [], color=FOOTING, lw=3.0, label="rigid footing")] if drawn else []

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from lacore.arrays import Floats
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
@@ -47,13 +48,30 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
     if problem.dimension == 3:
         drawn = sketch_of_faces if of_kind(problem.bodies, Body) else sketch_in_space
         return drawn(problem, units)
-    corners = np.array([body.box for body in problem.bodies.values()])
-    extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
-    extent = np.maximum(extent, _FLAT * np.linalg.norm(extent))
+    extent = extent_of(problem)
     point = float(max(extent[0] / _PAGE, extent[1] / _TALLEST) / _POINTS)
     figure = Figure(layout="constrained")
     figure.set_facecolor("white")
     sheet = Sheet(figure.add_subplot(), point, units)
+    draw_problem(sheet, problem)
+    _name_parts(sheet, problem)
+    sheet.place_labels()
+    for line in draw_axis(sheet.axes, problem.bodies.values()):
+        sheet.handles["axis"] = line
+    label_coordinates(sheet.axes, problem.bodies.values(), units)
+    _finish(figure, sheet)
+    return figure
+
+
+def extent_of(problem: Problem) -> Floats:
+    """Width and height of the bodies of a plane problem, m, shape (2,)."""
+    corners = np.array([body.box for body in problem.bodies.values()])
+    extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
+    return np.asarray(np.maximum(extent, _FLAT * np.linalg.norm(extent)))
+
+
+def draw_problem(sheet: Sheet, problem: Problem) -> None:
+    """Draw bodies, supports, contact and loads of a plane problem; labels are left to be placed."""
     for name, body in problem.bodies.items():
         draw_body(body, sheet, name, problem)
     for index, support in enumerate(problem.supports):
@@ -63,13 +81,6 @@ def plot_problem(problem: Problem, units: Units | None = None) -> Figure:
         for index, load in enumerate(loads):
             body = problem.bodies[load.body]
             draw_load(sheet, load, body, kind == "reference", f"{kind}-load-{index}")
-    _name_parts(sheet, problem)
-    sheet.place_labels()
-    for line in draw_axis(sheet.axes, problem.bodies.values()):
-        sheet.handles["axis"] = line
-    label_coordinates(sheet.axes, problem.bodies.values(), units)
-    _finish(figure, sheet)
-    return figure
 
 
 def _name_parts(sheet: Sheet, problem: Problem) -> None:

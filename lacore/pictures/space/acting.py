@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lacore.arrays import Ints
+from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import of_kind
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import boundary_facets
@@ -38,21 +38,26 @@ def sketch_of_faces(problem: Problem, units: Units) -> Figure:
     figure, (place,) = page(1, "")
     axes = space(figure, place, boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), units)
     handles: list[Artist] = []
-    colours = {}
-    for name, body in bodies.items():
-        facets = body.mesh.boundary_facets().astype(np.int64)
-        colours[name] = np.tile(to_rgb(PLAIN), (facets.size, 1))
-    for told, colour, places in _acting(problem):
-        for name, own in places:
-            facets = bodies[name].mesh.boundary_facets()
-            colours[name][np.isin(facets, own)] = to_rgb(colour)
-        label = cut(units.rewritten(told, framed=True), _LONGEST)
+    for text, colour, _ in _acting(problem):
+        label = cut(units.rewritten(text, framed=True), _LONGEST)
         handles.append(Patch(facecolor=colour, edgecolor="#555555", label=label))
+    colours = face_colours(problem)
     for name, body in bodies.items():
         corner = face_corners(body.mesh, body.mesh.boundary_facets())
         fill_faces(axes, body.mesh, corner, colours[name])
     explain(axes, handles, 2)
     return figure
+
+
+def face_colours(problem: Problem) -> dict[str, Floats]:
+    """Colours of the boundary faces by what acts on them, by body, (faces, 3) each."""
+    bodies = of_kind(problem.bodies, Body)
+    facets = {name: body.mesh.boundary_facets().astype(np.int64) for name, body in bodies.items()}
+    colours = {name: np.tile(to_rgb(PLAIN), (own.size, 1)) for name, own in facets.items()}
+    for _, colour, places in _acting(problem):
+        for name, own in places:
+            colours[name][np.isin(facets[name], own)] = to_rgb(colour)
+    return colours
 
 
 def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]]]:

@@ -1,6 +1,7 @@
 """Polygons, lines and axes in space, drawn by matplotlib."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import matplotlib.colors
 import numpy as np
@@ -110,6 +111,44 @@ def fill_solids(
         points: vertices of the blocks, displaced or not, (3, n), m.
         colours: of each block.
     """
+    shown = faces_of(points, blocks, colours)
+    thin = 0.5 if blocks.radius.size < _MANY else 0.25
+    for place, own in enumerate(shown.from_behind):
+        axes.add_collection3d(
+            Poly3DCollection(
+                [points[:, blocks.faces[face]].T for face in shown.face[own].tolist()],
+                facecolors=shown.filled[own],
+                edgecolors=shown.lined[own],
+                linewidths=thin,
+                zorder=zorder + place / len(shown.from_behind),
+            )
+        )
+
+
+@dataclass(frozen=True)
+class ShadedFaces:
+    """Faces of blocks that look at the eye.
+
+    Attributes:
+        face: Numbers of the polygons of the blocks, shape (k,).
+        filled, lined: Colours of the faces and of their edges, shape (k, 3).
+        from_behind: Places in `face` of the faces of each block; each block hides those before.
+    """
+
+    face: Ints
+    filled: Floats
+    lined: Floats
+    from_behind: list[Ints]
+
+
+def faces_of(points: Floats, blocks: Blocks, colours: Sequence[str]) -> ShadedFaces:
+    """Find what one sees of blocks, and shade it.
+
+    Args:
+        points: Vertices of the blocks, displaced or not, m, shape (3, n).
+        blocks: Blocks that have these vertices.
+        colours: Colour of each block.
+    """
     normal = normals_of(points, blocks.faces)
     seen = np.flatnonzero(eye() @ normal > 0)
     light = np.maximum(_LIGHT @ normal / np.linalg.norm(_LIGHT), 0.0)
@@ -118,19 +157,20 @@ def fill_solids(
     rgb = np.array([matplotlib.colors.to_rgb(colours[block]) for block in owner.tolist()])
     filled = np.clip(shade * rgb, 0.0, 1.0)
     lined = np.where(blocks.whole[seen, None], _LINE, filled)
-    thin = 0.5 if blocks.radius.size < _MANY else 0.25
-    order = from_behind(blocks, eye())
-    for place, block in enumerate(order):
-        own = np.flatnonzero(owner == block)
-        axes.add_collection3d(
-            Poly3DCollection(
-                [points[:, blocks.faces[face]].T for face in seen[own].tolist()],
-                facecolors=filled[own],
-                edgecolors=lined[own],
-                linewidths=thin,
-                zorder=zorder + place / len(order),
-            )
-        )
+    order = [np.flatnonzero(owner == block) for block in from_behind(blocks, eye())]
+    return ShadedFaces(seen, filled, lined, order)
+
+
+def on_screen(points: Floats) -> tuple[Floats, Floats]:
+    """Project points of shape (3, ...) as one sees them.
+
+    Returns:
+        Their places to the right and upwards, m, shape (2, ...), and how near they are, m.
+    """
+    around = np.radians(AZIMUTH)
+    right = np.array([-np.sin(around), np.cos(around), 0.0])
+    up = np.cross(eye(), right)
+    return np.tensordot(np.stack([right, up]), points, 1), np.tensordot(eye(), points, 1)
 
 
 def draw_edges(axes: Axes3D, points: Floats, blocks: Blocks, colour: str, zorder: float) -> None:

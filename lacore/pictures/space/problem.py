@@ -40,16 +40,10 @@ def sketch_in_space(problem: Problem, units: Units) -> Figure:
     figure, (place,) = page(1, "")
     low, high = blocks.points.min(axis=1), blocks.points.max(axis=1)
     axes = space(figure, place, low, high, units)
-    colours = [FREE] * blocks.radius.size
     handles: list[Artist] = []
-    for support in problem.supports:
-        body = bodies[support.body]
-        held = body.faces.block[body.outline(support.where, "Fix.where")]
-        for block in np.unique(held + blocks.first[support.body]).tolist():
-            colours[block] = FIXED
     if problem.supports:
-        handles.append(Patch(facecolor=FIXED, edgecolor="#555555", label="held"))
-    fill_solids(axes, blocks.points, blocks, colours, 2.0)
+        handles.append(Patch(facecolor=FIXED, edgecolor="#555555", label="fixed"))
+    fill_solids(axes, blocks.points, blocks, block_colours(problem, blocks), 2.0)
     for interface in problem.interfaces:
         (name, where), *master = interface.sides
         if master:
@@ -68,6 +62,18 @@ def sketch_in_space(problem: Problem, units: Units) -> Figure:
             handles.append(Line2D([], [], color=colour, lw=2, marker=">", label=label))
     explain(axes, handles, 1)
     return figure
+
+
+def block_colours(problem: Problem, blocks: Blocks) -> list[str]:
+    """Colours of blocks: those that supports hold are grey."""
+    bodies = of_kind(problem.bodies, BlockAssembly3D)
+    colours = [FREE] * blocks.radius.size
+    for support in problem.supports:
+        body = bodies[support.body]
+        held = body.faces.block[body.outline(support.where, "Fix.where")]
+        for block in np.unique(held + blocks.first[support.body]).tolist():
+            colours[block] = FIXED
+    return colours
 
 
 def _draw_arrows(axes: Axes3D, points: Floats, force: Floats, colour: str, blocks: Blocks) -> None:

@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from skfem import MeshTet
 
-from lacore.arrays import Floats
+from lacore.arrays import Bools, Floats
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.solid.faces import face_geometry
 from lacore.limit.state import LimitState
@@ -24,6 +24,7 @@ _STRETCH = 0.1  # of the size of the bodies: the largest displacement that is dr
 _WIDE = 7.4  # inches, with the scale of colours
 PLAIN = "#ece2cd"
 DISSIPATION = "dissipation per volume, per its largest"
+EDGE = 0.6  # of the colour of faces: that of their edges
 _FEW = 10  # boundaries that have a colour
 _SHADOW = 0.72  # of the colour that is left on sides that the light does not meet
 _LIGHT = np.array([-0.35, -0.6, 0.72]) / np.linalg.norm([-0.35, -0.6, 0.72])
@@ -73,6 +74,21 @@ def plot_flow(state: LimitState, units: Units, title: str) -> Figure:
         units: that sizes are told in.
         title: of the figure.
     """
+    bodies, corners, shares = displaced_faces(state)
+    return _coloured(
+        bodies, corners, shares, (title, DISSIPATION, matplotlib.colormaps["YlOrRd"], 1.0), units
+    )
+
+
+def displaced_faces(
+    state: LimitState,
+) -> tuple[dict[str, Body], dict[str, Floats], dict[str, Floats]]:
+    """Find the bodies of a state, their displaced boundary faces and their dissipation.
+
+    Returns:
+        The bodies, the corners of their boundary faces, m, shape (3, 3, faces), and the
+        dissipation density of their elements, as a share of the largest, shape (elements,).
+    """
     dofs, velocity = state.discretisation.bodies, state.velocity
     bodies = {name: own.body for name, own in dofs.items()}
     size = max(body.size for body in bodies.values())
@@ -85,10 +101,7 @@ def plot_flow(state: LimitState, units: Units, title: str) -> Figure:
         corners[name] = face_corners(own.body.mesh, facets) + stretch * moved
     power = state.dissipation
     largest = max(float(own.max()) for own in power.values()) or 1.0
-    shares = {name: own / largest for name, own in power.items()}
-    return _coloured(
-        bodies, corners, shares, (title, DISSIPATION, matplotlib.colormaps["YlOrRd"], 1.0), units
-    )
+    return bodies, corners, {name: own / largest for name, own in power.items()}
 
 
 def _coloured(
@@ -115,17 +128,21 @@ def _coloured(
 
 def fill_faces(axes: Axes3D, mesh: MeshTet, corners: Floats, colours: Floats) -> None:
     """Boundary faces with corners (3, 3, k) that look at the eye, shaded, in colours (k, 3)."""
-    facets = mesh.boundary_facets()
-    _, normal = face_geometry(mesh, facets)
-    seen = eye() @ normal > 0
-    shade = _SHADOW + (1 - _SHADOW) * np.maximum(_LIGHT @ normal, 0.0)
-    shaded = (shade[:, None] * colours)[seen]
+    seen, shaded = seen_faces(mesh, colours)
     axes.add_collection3d(
         Poly3DCollection(
             list(corners[:, :, seen].transpose(2, 1, 0)),
             facecolors=shaded,
-            edgecolors=0.6 * shaded,
+            edgecolors=EDGE * shaded,
             linewidths=0.3,
             zorder=2.0,
         )
     )
+
+
+def seen_faces(mesh: MeshTet, colours: Floats) -> tuple[Bools, Floats]:
+    """Find the boundary faces that look at the eye, (k,), and their shaded colours, (seen, 3)."""
+    _, normal = face_geometry(mesh, mesh.boundary_facets())
+    seen = eye() @ normal > 0
+    shade = _SHADOW + (1 - _SHADOW) * np.maximum(_LIGHT @ normal, 0.0)
+    return seen, (shade[:, None] * colours)[seen]
