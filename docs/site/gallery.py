@@ -1,9 +1,6 @@
 """The gallery: pictures of all cases in groups, and pictures of the guide."""
 
-import io
 from collections.abc import Iterator, Mapping, Sequence
-
-from PIL import Image, ImageChops
 
 from pictures import small
 from verification.case import Case
@@ -38,8 +35,6 @@ _EXAMPLES = {
         ("billet.png", "Upsetting of a billet", "../guide/large-deformation"),
     )
 }
-_WIDE, _HIGH = 480, 360  # pixels of a picture in the gallery: it is shown half as wide
-_RIM = 24  # pixels of white margin, both sides together
 
 
 def group(case: Case) -> str:
@@ -86,17 +81,4 @@ def _picture(case: Case, drawn: Drawn) -> Picture | None:
 def thumbnails(cases: Sequence[Case], drawn: Drawn) -> Mapping[str, bytes]:
     """Return small pictures of the cases by their paths."""
     found = [own for case in cases if (own := _picture(case, drawn))]
-    return {f"pictures/gallery/{own.name}.png": _small(own.data) for own in found}
-
-
-def _small(data: bytes) -> bytes:
-    with Image.open(io.BytesIO(data)) as whole:
-        drawn = whole.convert("RGB")
-    margin = ImageChops.difference(drawn, Image.new("RGB", drawn.size, "white")).getbbox()
-    inner = drawn.crop(margin)
-    inner.thumbnail((_WIDE - _RIM, _HIGH - _RIM), Image.Resampling.LANCZOS)
-    paper = Image.new("RGB", (_WIDE, _HIGH), "white")
-    paper.paste(inner, ((_WIDE - inner.width) // 2, (_HIGH - inner.height) // 2))
-    buffer = io.BytesIO()
-    paper.quantize(64).save(buffer, format="PNG", optimize=True)
-    return buffer.getvalue()
+    return {f"pictures/gallery/{own.name}.png": own.data for own in found}

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 import lacore as la
+from lacore import views
 from lacore.bounds.enclosing import associated
+from lacore.pictures.thumbnails.paper import DPI
 from verification.case import Case
 from verification.case.bracketing import BRACKET
 from verification.report.blocks import Picture, Text
-from verification.report.drawing import Drawn, Subject, draw, sketch
+from verification.report.drawing import Drawn, Figures, Subject, draw, sketch
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import code_version
@@ -33,11 +33,11 @@ def mechanism(case: Case) -> Subject:
     return Subject(f"{case.id}-{_SEEN}", text, case, partial(_mechanism, case))
 
 
-def _mechanism(case: Case) -> Figure:
+def _mechanism(case: Case) -> Figures:
     state = _state(case)
     if state.status is not la.Status.SOLVED:
         raise ValueError(f"there is no collapse mechanism: {state.status.label}. {state.message}")
-    return state.plot()
+    return Figures(state.plot())
 
 
 def _state(case: Case) -> la.LimitState:
@@ -45,24 +45,29 @@ def _state(case: Case) -> la.LimitState:
 
 
 def small(case: Case) -> Subject:
-    """Return the thumbnail of a case: its mechanism, or else the problem, without text."""
-    return Subject(f"{case.id}-{_SMALL}", case.title, case, partial(_bare, case))
+    """Return the thumbnail of a case: its mechanism or deformed bodies, or else the problem."""
+    return Subject(f"{case.id}-{_SMALL}", case.title, case, partial(_thumbnail, case), DPI)
 
 
-def _bare(case: Case) -> Figure:
-    """Draw the first axes without titles, scales and legends, which would be too small to read."""
-    state = _state(case) if case.path is None else None
-    solved = state is not None and state.status is la.Status.SOLVED
-    figure = state.plot() if state is not None and solved else sketch(case).draw()
-    first, *others = figure.axes
-    legends = [own for own in (*figure.legends, first.get_legend()) if own is not None]
-    for part in (*others, *figure.texts, *legends):
-        part.remove()
-    figure.set_layout_engine("none")
-    first.set_title("")
-    first.set_axis_off()
-    first.set_position((0, 0, 1, 1))
-    return figure
+def _thumbnail(case: Case) -> Figures:
+    if case.path is not None:
+        return Figures(views.thumbnail(_path(case)))
+    state = _state(case)
+    solved = state.status is la.Status.SOLVED
+    return Figures(views.thumbnail(state if solved else state.discretisation.problem))
+
+
+def _path(case: Case) -> la.Path:
+    variant = case.variants[0]
+    stated = case.following_of(variant)
+    return la.sequential(
+        case.problem(variant, next(iter(case.meshes))),
+        stated.travel,
+        stated.steps,
+        stated.scheme,
+        stated.control,
+        approaching=stated.approaching,
+    )
 
 
 def subjects(case: Case, outcomes: Sequence[Outcome]) -> Iterator[Subject]:
@@ -88,11 +93,12 @@ def enclosed(case: Case, outcomes: Sequence[Outcome]) -> Subject | None:
     return None
 
 
-def _bracketed(run: Run) -> Figure:
+def _bracketed(run: Run) -> Figures:
     stated = run.case.bracket
     assert stated is not None
     width, most = stated.target_width, stated.max_elements
-    return la.bracket(associated(run.problem()), width, most, backend=run.backend, jobs=1).plot()
+    problem = associated(run.problem())
+    return Figures(la.bracket(problem, width, most, backend=run.backend, jobs=1).plot())
 
 
 @dataclass(frozen=True)

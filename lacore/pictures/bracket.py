@@ -83,8 +83,8 @@ def plot_shares(
     return figure
 
 
-def _parts(shares: Floats) -> tuple[Floats, LogNorm]:
-    """Shares in per cent, none too small for the colours; the scale of these."""
+def parts(shares: Floats) -> tuple[Floats, LogNorm]:
+    """Shares in per cent, none too small for the colour scale, and that scale."""
     part = 100 * np.maximum(shares, 0.0) / max(float(np.maximum(shares, 0.0).sum()), 1e-300)
     peak = max(float(part.max()), 1e-12)
     low = float(np.clip(part.min(), peak * 10**-_DECADES, peak / 2))
@@ -95,7 +95,7 @@ def _draw_in_space(
     figure: Figure, cell: SubplotSpec, mesh: MeshTet, shares: Floats, units: Units
 ) -> Axes3D:
     """By the elements behind the faces that one sees."""
-    part, norm = _parts(shares)
+    part, norm = parts(shares)
     axes = space(figure, cell, mesh.p.min(axis=1), mesh.p.max(axis=1), units)
     scale = ScalarMappable(norm, matplotlib.colormaps["YlOrRd"])
     facets = mesh.boundary_facets()
@@ -107,7 +107,7 @@ def _draw_in_space(
 
 
 def _draw(figure: Figure, cell: SubplotSpec, mesh: MeshTri, shares: Floats, units: Units) -> Axes:
-    part, norm = _parts(shares)
+    part, norm = parts(shares)
     axes = figure.add_subplot(cell)
     picture = PolyCollection(
         list(mesh.p[:, mesh.t].transpose(2, 1, 0)),

@@ -15,7 +15,7 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.control import gauge_of
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.path import Snapshot
-from lacore.paths.stage import staged
+from lacore.paths.stage import Stage, staged
 from verification.evidence.limit_state import Proof, packed, recheck, restored_on, unpacked
 from verification.runs.outcome import Evidence
 from verification.runs.row import Row
@@ -57,6 +57,17 @@ def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
     if stated.load == "force":
         load /= gauge_of(stated.control, stage.problem)(discretisation, point.velocity)
     return replace(recheck(discretisation, row, evidence), load_factor=load)
+
+
+def last_shape(run: Run, evidence: Evidence) -> tuple[Stage, Configuration]:
+    """Restore the bodies where the load of the last step of a path acts.
+
+    Raises:
+        ValueError: There is no state.
+    """
+    stage = staged(run.problem(), run.case.following_of(run.variant).approaching)
+    moment, _ = _unpacked(evidence.arrays, list(stage.bodies))
+    return stage, moment.at
 
 
 def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:

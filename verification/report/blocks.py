@@ -154,19 +154,24 @@ class Picture:
     """A picture in pixels, a file that all pages share.
 
     Attributes:
-        name: what tells it from others; the name of its file is made of it.
-        caption: what it shows.
-        data: the PNG.
+        name: Unique name, from which the name of the file is made.
+        caption: What the picture shows.
+        data: The PNG.
+        thumbnail: The same drawn for a list; None for none.
+        shown_at: Pixels of the page for each pixel of the file, 1/2 of pictures for dense screens.
     """
 
     name: str
     caption: str
     data: bytes
+    thumbnail: "Picture | None" = None
+    shown_at: float = 1.0
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height, pixels; a page that knows them does not jump when it is loaded."""
-        return struct.unpack(">II", self.data[16:24])  # of the first chunk of every PNG
+        """Width and height on the page, pixels, so that it does not jump while loading."""
+        wide, high = struct.unpack(">II", self.data[16:24])  # of the first chunk of every PNG
+        return round(self.shown_at * wide), round(self.shown_at * high)
 
 
 @dataclass(frozen=True)

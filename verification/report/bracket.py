@@ -18,6 +18,7 @@ from verification.report.blocks import Column, Drawing, Table
 from verification.report.charts.axes import ELEMENTS, Axis, fitted
 from verification.report.tables import CERTIFICATE, RUN, VERDICTS, with_certificates
 from verification.runs.outcome import Outcome
+from verification.runs.row import Row
 
 _WIDTH = Axis("width", "(upper − lower)/mean")
 _CLOSE = 0.05  # widths above it say nothing of the order yet
@@ -44,28 +45,32 @@ def brackets_table(results: pd.DataFrame) -> Table:
     return Table(columns, with_certificates(results), anchor=RUN, caption="Proven from both sides")
 
 
-def drawn_bracket(outcome: Outcome) -> Figure:
-    """Meshes of a stored bracket, and the shares of their elements.
+def stored_shares(outcome: Outcome) -> tuple[Shares, Shares]:
+    """Restore the meshes of the upper and of the lower bound, with the shares of their elements.
 
     Raises:
-        ValueError: what is stored is no bracket.
+        ValueError: The evidence is not that of a bracket.
     """
-    row = outcome.row
     found = {one.mesh: one for one in unpacked_shares(outcome.evidence.arrays)}
     if not {"upper", "lower"} <= set(found):
         raise ValueError("one of the meshes is missing")
-    above, below = found["upper"], found["lower"]
+    return found["upper"], found["lower"]
+
+
+def drawn_bracket(row: Row, above: Shares, below: Shares) -> Figure:
+    """Draw both meshes of a stored bracket."""
     bounded = POLYGON if row.rigor == Rigor.DISCRETE.label else BODY
     return plot_shares(
         heading(row.lower, row.upper, row.width, row.message, bounded),
-        _mesh(above),
+        mesh_of(above),
         above.shares,
-        _mesh(below),
+        mesh_of(below),
         below.marks,
     )
 
 
-def _mesh(shares: Shares) -> MeshTri | MeshTet:
+def mesh_of(shares: Shares) -> MeshTri | MeshTet:
+    """Make the mesh of stored shares."""
     made = {2: MeshTri, 3: MeshTet}[len(shares.points)]
     return made(*map(np.ascontiguousarray, (shares.points, shares.elements)))
 

@@ -9,15 +9,20 @@ from queue import SimpleQueue
 
 from matplotlib.figure import Figure
 
+from lacore import views
+from lacore.pictures.thumbnails.bracket import thumbnail_of_shares
+from lacore.pictures.thumbnails.paper import DPI
+from lacore.pictures.thumbnails.path import thumbnail_of_shape
 from lacore.solvers.child_process import ChildProcess
-from verification.case import Case, is_of_lacore
+from verification.case import Case, Variant, is_of_lacore
 from verification.case.bracketing import BRACKET
-from verification.case.sketches import sketch_of
+from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.checks import said
 from verification.evidence.limit_state import restored
+from verification.evidence.path import last_shape
 from verification.perform.processes import ONE_THREAD
 from verification.report.blocks import Picture, Text, slug
-from verification.report.bracket import drawn_bracket
+from verification.report.bracket import drawn_bracket, mesh_of, stored_shares
 from verification.report.charts.figures import finest_exact, png
 from verification.report.charts.theme import freeze
 from verification.runs.outcome import Outcome
@@ -32,41 +37,56 @@ _DPI = 90
 _WORKER = "verification.report.drawing:Painter"
 
 Drawn = Mapping[str, Picture | Text]
-"""Pictures by their names; of those that cannot be drawn, why not."""
+"""Pictures by name; for those that cannot be drawn, the reason."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What is drawn of a subject.
+
+    Attributes:
+        full: The figure of its own page.
+        thumbnail: The mechanism alone, for a list of cases; None for none.
+    """
+
+    full: Figure
+    thumbnail: Figure | None = None
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What a picture is to be drawn of.
+    """Something to draw.
 
     Attributes:
-        name: of the picture.
-        caption: what it shows.
-        case: whose problem has to be built for it.
-        draw: makes the figure; goes to another process.
+        name: Name of the picture.
+        caption: What the picture shows.
+        case: Case whose problem has to be built for it.
+        draw: Makes the figures; is sent to another process.
+        dpi: Pixels per inch of the full figure.
     """
 
     name: str
     caption: str
     case: Case
-    draw: Callable[[], Figure]
+    draw: Callable[[], Figures]
+    dpi: int = _DPI
 
 
 class Painter:
-    """In a process of its own: draws one subject after the other."""
+    """Draws one subject after the other in a process of its own."""
 
     def draw(self, subject: Subject) -> Picture | Text:
-        """The picture; of what cannot be drawn, why not."""
+        """Draw a subject, or say why it cannot be drawn."""
         return painted(subject)
 
 
 def most_for(cases: int) -> int:
-    """How many mechanisms, and brackets, of each of so many cases are drawn first."""
+    """Choose how many mechanisms and brackets of each case are drawn if there are so many cases."""
     return min(max(_FEW // max(cases, 1), 1), MOST)
 
 
 def mechanisms(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """Mechanisms of the variants of a case; those that failed come first."""
+    """List the mechanisms of the variants of a case; those of failed runs come first."""
     shown = sorted(finest_exact(outcomes).items(), key=lambda item: item[1].row.verdict != FAIL)
     return [
         Subject(
@@ -80,41 +100,77 @@ def mechanisms(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
 
 
 def brackets(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """Meshes of the brackets of a case; those that failed come first."""
+    """List the meshes of the brackets of a case; those of failed runs come first."""
     found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.arrays]
     return [
         Subject(
             f"{slug(outcome.run.case.id)}-{slug(outcome.run.variant.name)}-bracket",
-            f"Bracket of {outcome.run.variant.name}: where the rest of the gap is",
+            f"Bracket of {outcome.run.variant.name}: elements that contribute to the gap",
             outcome.run.case,
-            partial(drawn_bracket, outcome),
+            partial(_bracket, outcome),
         )
         for outcome in sorted(found, key=lambda one: one.row.verdict != FAIL)[:most]
     ]
 
 
-def sketch(case: Case) -> Subject:
-    """The problem of the first variant, from its model."""
+def sketch(case: Case, outcomes: Sequence[Outcome] = ()) -> Subject:
+    """Describe the sketch of the first variant of a case.
+
+    Its thumbnail shows the deformed bodies at the end of a path if there is one among the outcomes,
+    else the problem.
+    """
     variant = case.variants[0]
+    paths = [one for one in outcomes if one.row.ending and one.evidence.arrays]
     return Subject(
         f"{slug(case.id)}-sketch",
-        f"{variant.name}, drawn from the model",
+        f"Problem of {variant.name}, drawn from the model",
         case,
-        partial(sketch_of, case, variant),
+        partial(_sketch, case, variant, next(iter(paths), None)),
     )
 
 
-def _mechanism(outcome: Outcome) -> Figure:
-    """That of a stored state, its layout as it is."""
-    figure = restored(outcome.run, outcome.row, outcome.evidence).plot()
-    freeze(figure, lay_out=False)  # it is laid out: once more would take as long as all else
-    return figure
+def thumbnail_of(subject: Subject, drawn: Drawn) -> Picture | None:
+    """Find the thumbnail of a subject that was drawn."""
+    found = drawn.get(subject.name)
+    return found.thumbnail if isinstance(found, Picture) else None
+
+
+def _sketch(case: Case, variant: Variant, path: Outcome | None) -> Figures:
+    problem = sketched(case, variant)
+    if path is None:
+        small = views.thumbnail(problem)
+    else:
+        stage, shape = last_shape(path.run, path.evidence)
+        small = thumbnail_of_shape(stage, stage, shape)
+    return Figures(sketch_of(case, problem), small)
+
+
+def _mechanism(outcome: Outcome) -> Figures:
+    """Draw a stored state."""
+    state = restored(outcome.run, outcome.row, outcome.evidence)
+    figure = state.plot()
+    freeze(figure, lay_out=False)  # laying it out once more would take as long as all else
+    return Figures(figure, views.thumbnail(state))
+
+
+def _bracket(outcome: Outcome) -> Figures:
+    above, below = stored_shares(outcome)
+    return Figures(
+        drawn_bracket(outcome.row, above, below),
+        thumbnail_of_shares(mesh_of(above), above.shares),
+    )
 
 
 def painted(subject: Subject) -> Picture | Text:
-    """The picture of a subject; of what cannot be drawn, why not."""
+    """Draw a subject, or say why it cannot be drawn."""
     try:
-        return Picture(subject.name, subject.caption, png(subject.draw(), _DPI))
+        made = subject.draw()
+        small = None
+        if made.thumbnail is not None:
+            name = f"{subject.name}-thumbnail"
+            data = png(made.thumbnail, DPI)
+            small = Picture(name, subject.caption, data, shown_at=1 / 2)
+        return Picture(subject.name, subject.caption, png(made.full, subject.dpi), small)
     except Exception as error:  # of a case that was changed since, or whatever others wrote
         return _failed(subject, error)
 

@@ -25,7 +25,7 @@ from verification.report.blocks import (
 from verification.report.description import counted, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
-from verification.report.overview import answers, cards
+from verification.report.overview import answers, cards, first_thumbnail
 from verification.report.page import explained, results_frame, results_of
 from verification.report.tables import VERDICTS
 from verification.runs.outcome import Outcome
@@ -40,7 +40,7 @@ def subjects(cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> l
     found: list[Subject] = []
     for case in cases:
         own = _of(case, outcomes)
-        found += [sketch(case), *mechanisms(own, most), *brackets(own, most)]
+        found += [sketch(case, own), *mechanisms(own, most), *brackets(own, most)]
     return found
 
 
@@ -80,8 +80,11 @@ def _contents(
     drawn: Drawn,
 ) -> Document:
     """The page that leads to all others, cases by kind."""
-    found = {case.id: drawn.get(sketch(case).name) for case in cases}
-    pictures = {own: one for own, one in found.items() if isinstance(one, Picture)}
+    pictures = {}
+    for case in cases:
+        subjects = [*mechanisms(_of(case, outcomes), 1), sketch(case)]
+        if small := first_thumbnail(subjects, drawn):
+            pictures[case.id] = small
     sections = []
     for kind in (*KINDS, _NO_KIND):
         own = [case for case in cases if _kind(case) == kind]

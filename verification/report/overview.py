@@ -11,7 +11,7 @@ from verification.case import Case
 from verification.case.bracketing import BRACKET
 from verification.report.blocks import Card, Cards, Column, Page, Picture, Table
 from verification.report.description import lead
-from verification.report.drawing import Drawn
+from verification.report.drawing import Drawn, Subject, thumbnail_of
 from verification.report.tables import CERTIFICATE, VERDICTS
 from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL, PASS
@@ -133,7 +133,6 @@ def _proof(summary: VariantSummary, outcomes: Sequence[Outcome]) -> str | None:
     return next((outcome.run.key for outcome in found), None)
 
 
-def first_picture(subjects: Sequence[str], drawn: Drawn) -> Picture | None:
-    """The first of these names that was drawn."""
-    found = (drawn.get(name) for name in subjects)
-    return next((one for one in found if isinstance(one, Picture)), None)
+def first_thumbnail(subjects: Sequence[Subject], drawn: Drawn) -> Picture | None:
+    """Find the first thumbnail of subjects that was drawn."""
+    return next(filter(None, (thumbnail_of(one, drawn) for one in subjects)), None)

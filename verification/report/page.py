@@ -39,7 +39,7 @@ from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
 from verification.report.limit_state import results_table
-from verification.report.overview import answers, cards, first_picture
+from verification.report.overview import answers, cards, first_thumbnail
 from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.sections import solvers, studies
@@ -81,7 +81,7 @@ def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
     found: list[Subject] = []
     for own in by_case(outcomes):
         drawn = [*mechanisms(own.outcomes, most), *brackets(own.outcomes, most)]
-        found += drawn or [sketch(own.case)]
+        found += drawn or [sketch(own.case, own.outcomes)]
     return found
 
 
@@ -145,8 +145,8 @@ def _index(
 
 
 def _picture(own: Own, drawn: Drawn) -> Picture | None:
-    names = [*mechanisms(own.outcomes, 1), *brackets(own.outcomes, 1), sketch(own.case)]
-    return first_picture([subject.name for subject in names], drawn)
+    subjects = [*mechanisms(own.outcomes, 1), *brackets(own.outcomes, 1), sketch(own.case)]
+    return first_thumbnail(subjects, drawn)
 
 
 def _more(

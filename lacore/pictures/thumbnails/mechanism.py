@@ -1,6 +1,5 @@
 """Thumbnails of limit states."""
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -17,7 +16,7 @@ from lacore.pictures.thumbnails.paper import (
     paper,
     scale_of,
 )
-from lacore.pictures.thumbnails.solids import blocks_on_paper, surfaces_on_paper
+from lacore.pictures.thumbnails.solids import blocks_on_paper, surface_colours, surfaces_on_paper
 
 
 def thumbnail_of_state(state: LimitState, size: Size = SIZE) -> Figure:
@@ -39,12 +38,9 @@ def thumbnail_of_state(state: LimitState, size: Size = SIZE) -> Figure:
         return blocks_on_paper(size, motion.blocks, moved, colours_of(motion))
     if discretisation.problem.dimension == 3:
         bodies, corners, shares = displaced_faces(state)
-        cmap = matplotlib.colormaps["YlOrRd"]
-        colours = {
-            name: cmap(shares[name][body.mesh.f2t[0, body.mesh.boundary_facets()]])[:, :3]
-            for name, body in bodies.items()
-        }
-        return surfaces_on_paper(size, bodies, corners, colours)
+        meshes = {name: body.mesh for name, body in bodies.items()}
+        colours = {name: surface_colours(own, shares[name]) for name, own in meshes.items()}
+        return surfaces_on_paper(size, meshes, corners, colours)
     shown, axes = displacement_of(state), paper(size)
     draw_displaced(axes, shown, Units(), scale_of(size, np.asarray(shown.extent)), edges=0.0)
     return finish_around_contents(axes)

@@ -31,12 +31,9 @@ def thumbnail_of_problem(problem: Problem, size: Size = SIZE) -> Figure:
         blocks = blocks_of(solids.items())
         return blocks_on_paper(size, blocks, blocks.points, block_colours(problem, blocks))
     if problem.dimension == 3:
-        bodies = of_kind(problem.bodies, Body)
-        corners = {
-            name: face_corners(body.mesh, body.mesh.boundary_facets())
-            for name, body in bodies.items()
-        }
-        return surfaces_on_paper(size, bodies, corners, face_colours(problem))
+        meshes = {name: body.mesh for name, body in of_kind(problem.bodies, Body).items()}
+        corners = {name: face_corners(own, own.boundary_facets()) for name, own in meshes.items()}
+        return surfaces_on_paper(size, meshes, corners, face_colours(problem))
     axes = paper(size)
     point = 1 / ((1 - _SYMBOLS) * scale_of(size, extent_of(problem)))
     sheet = Sheet(axes, point, Units())

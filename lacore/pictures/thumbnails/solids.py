@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
+import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
+from skfem import MeshTet
 
 from lacore.arrays import Floats
-from lacore.bodies.continuum.body import Body
 from lacore.pictures.space.drawing import faces_of, on_screen
 from lacore.pictures.space.structure import Blocks
 from lacore.pictures.space.surface import EDGE, seen_faces
@@ -25,7 +26,7 @@ def blocks_on_paper(size: Size, blocks: Blocks, points: Floats, colours: Sequenc
 
 def surfaces_on_paper(
     size: Size,
-    bodies: Mapping[str, Body],
+    meshes: Mapping[str, MeshTet],
     corners: Mapping[str, Floats],
     colours: Mapping[str, Floats],
 ) -> Figure:
@@ -33,13 +34,13 @@ def surfaces_on_paper(
 
     Args:
         size: Of the figure, inches.
-        bodies: By name.
+        meshes: Of the bodies, by name.
         corners: Of the boundary faces of each body, m, shape (3, 3, faces).
         colours: Of these faces, shape (faces, 3).
     """
     polygons, depths, fills = [], [], []
-    for name, body in bodies.items():
-        seen, shaded = seen_faces(body.mesh, colours[name])
+    for name, mesh in meshes.items():
+        seen, shaded = seen_faces(mesh, colours[name])
         flat, near = on_screen(corners[name][:, :, seen])
         polygons.append(flat.transpose(2, 1, 0))
         depths.append(near.mean(axis=0))
@@ -47,3 +48,9 @@ def surfaces_on_paper(
     order = np.argsort(np.concatenate(depths))
     filled = np.concatenate(fills)[order]
     return faces_on_paper(size, list(np.concatenate(polygons)[order]), filled, EDGE * filled)
+
+
+def surface_colours(mesh: MeshTet, shares: Floats) -> Floats:
+    """Colours of the boundary faces, (faces, 3), by shares (0 to 1) of the elements behind them."""
+    behind = mesh.f2t[0, mesh.boundary_facets()]
+    return np.asarray(matplotlib.colormaps["YlOrRd"](shares[behind])[:, :3])

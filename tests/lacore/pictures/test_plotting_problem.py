@@ -13,7 +13,7 @@ from matplotlib.patches import FancyArrowPatch
 import lacore as la
 from lacore.pictures.regions import shaded
 from tests.shares import one_in
-from verification.case.sketches import sketch_of
+from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.catalogue import catalogue
 
 CASES = [  # of the plane, each sixth in the fast tests
@@ -63,7 +63,7 @@ def stated(problem):
 def sketch(name):
     """Of the first variant of a case: nothing below changes it."""
     case = catalogue()[name]
-    return sketch_of(case, case.variants[0])
+    return sketch_of(case, sketched(case, case.variants[0]))
 
 
 @pytest.mark.parametrize("case", CASES)
