@@ -109,6 +109,8 @@ class Table:
         caption: above the table; empty for none.
         anchor: makes each row a place to link to.
         sortable: whether a reader can sort it.
+        stacked: Whether a narrow page shows the cells of a row below each other, with their heads.
+        card: Column that names the card to which a row belongs, see `Card.name`; empty for none.
     """
 
     columns: Sequence[Column]
@@ -116,6 +118,8 @@ class Table:
     caption: str = ""
     anchor: Anchor | None = None
     sortable: bool = True
+    stacked: bool = False
+    card: str = ""
 
     @cached_property
     def records(self) -> list[dict[str, Any]]:
@@ -257,19 +261,27 @@ class Pages:
 
 @dataclass(frozen=True)
 class Card:
-    """What stands on a page for another one.
+    """The entry of another page in a list.
 
     Attributes:
-        page: the other one, and what is said of it.
-        picture: of it; None for none.
-        table: what it found.
-        mood: as of `Section`.
+        page: The other page.
+        picture: Its thumbnail; None for none.
+        table: Its results.
+        mood: As in `Section`.
+        name: Name that rows of tables use for the card.
+        tags: Tags by which `Filters` choose it.
+        verdicts: Verdicts by which they choose it.
+        seconds: Solve time by which they order it.
     """
 
     page: Page
     picture: Picture | None
     table: Table
     mood: str = ""
+    name: str = ""
+    tags: Sequence[str] = ()
+    verdicts: Sequence[str] = ()
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -277,6 +289,21 @@ class Cards:
     """Cards, one below the other; their tables have the same columns."""
 
     items: Sequence[Card]
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Controls that search, filter and order the cards of a page; its address keeps their state.
+
+    Attributes:
+        tags: Tags to choose from.
+        verdicts: Verdicts to choose from.
+        order: Name of the order in which the cards are listed.
+    """
+
+    tags: Sequence[str]
+    verdicts: Sequence[str]
+    order: str
 
 
 @dataclass(frozen=True)
@@ -320,7 +347,7 @@ class Columns:
 
 Block = (
     Text | Html | Heading | Preformatted | Links | Pages | Facts | Tally | Table | Drawing | Picture
-    | Gallery | Cards | Details | Columns
+    | Gallery | Cards | Filters | Details | Columns
 )  # fmt: skip
 
 

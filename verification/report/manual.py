@@ -25,7 +25,7 @@ from verification.report.blocks import (
 from verification.report.description import counted, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
-from verification.report.overview import answers, cards, first_thumbnail
+from verification.report.overview import answers, cards, filters, first_thumbnail
 from verification.report.page import explained, results_frame, results_of
 from verification.report.tables import VERDICTS
 from verification.runs.outcome import Outcome
@@ -85,11 +85,12 @@ def _contents(
         subjects = [*mechanisms(_of(case, outcomes), 1), sketch(case)]
         if small := first_thumbnail(subjects, drawn):
             pictures[case.id] = small
-    sections = []
+    sections, lists = [], []
     for kind in (*KINDS, _NO_KIND):
         own = [case for case in cases if _kind(case) == kind]
         if own:
             shown = cards(own, outcomes, files, pictures)
+            lists.append(shown)
             sections.append(Section(f"kind-{kind}", kind.capitalize(), [shown]))
     count = tally(outcomes)
     return Document(
@@ -97,6 +98,7 @@ def _contents(
         lead=f"{counted(len(cases), 'case')} with their references and how these are found by hand;"
         f" {counted(len(outcomes), 'run')}: {count.text}.",
         sections=[*sections, Section("machine", "Machine and versions", [Facts(provenance)])],
+        summary=filters(*lists),
     )
 
 

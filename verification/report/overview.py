@@ -9,7 +9,7 @@ import pandas as pd
 from verification.analysis.summary import VariantSummary, summaries
 from verification.case import Case
 from verification.case.bracketing import BRACKET
-from verification.report.blocks import Card, Cards, Column, Page, Picture, Table
+from verification.report.blocks import Card, Cards, Column, Filters, Page, Picture, Table
 from verification.report.description import lead
 from verification.report.drawing import Drawn, Subject, thumbnail_of
 from verification.report.tables import CERTIFICATE, VERDICTS
@@ -26,6 +26,9 @@ _COLUMNS = (
     Column("seconds", "s", ".1f"),
     Column("verdict", moods=VERDICTS),
 )
+
+ORDER = "failures, then largest errors"
+_FEW = 4  # cards: fewer need no controls
 
 
 def cards(
@@ -51,10 +54,24 @@ def cards(
                 Page(case.title, files[case.id], lead(case)),
                 pictures.get(case.id),
                 table,
-                mood_of(table.data["verdict"].tolist()),
+                mood_of(verdicts := table.data["verdict"].tolist()),
+                name=case.id,
+                tags=case.tags,
+                verdicts=list(dict.fromkeys(verdicts)),
+                seconds=float(table.data["seconds"].sum()),
             )
         )
     return Cards(items)
+
+
+def filters(*lists: Cards) -> list[Filters]:
+    """Controls for all cards of a page; none for a few."""
+    items = [card for cards in lists for card in cards.items]
+    if len(items) < _FEW:
+        return []
+    tags = sorted({tag for card in items for tag in card.tags}, key=str.casefold)
+    verdicts = dict.fromkeys(verdict for card in items for verdict in card.verdicts)
+    return [Filters(tags, list(verdicts), ORDER)]
 
 
 def mood_of(verdicts: Sequence[str]) -> str:
@@ -66,7 +83,9 @@ def answers(outcomes: Sequence[Outcome], *before: Column, sortable: bool = False
     """A row for each variant: what is proven, how far off, and who agrees."""
     rows = [_row(own, outcomes) for own in summaries(outcomes)]
     names = [*dict.fromkeys(["case", *(c.name for c in _COLUMNS), *_HIDDEN])]
-    return Table((*before, *_COLUMNS), pd.DataFrame(rows, columns=names), sortable=sortable)
+    found = pd.DataFrame(rows, columns=names)
+    shown = (*before, *_COLUMNS)
+    return Table(shown, found, sortable=sortable, stacked=True, card="case" if before else "")
 
 
 _HIDDEN = (CERTIFICATE.column, "told", "agreeing")

@@ -39,7 +39,7 @@ from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
 from verification.report.limit_state import results_table
-from verification.report.overview import answers, cards, first_thumbnail
+from verification.report.overview import answers, cards, filters, first_thumbnail
 from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.sections import solvers, studies
@@ -129,12 +129,14 @@ def _index(
     cases = [one.case for one in own]
     pictures = {one.case.id: picture for one in own if (picture := _picture(one, drawn))}
     side_by_side = solvers(results_frame(outcomes)) if own else None
+    shown = cards(cases, outcomes, files, pictures)
     return [
         Section(
             "cases",
             "Cases",
             [
-                cards(cases, outcomes, files, pictures),
+                *filters(shown),
+                shown,
                 Details("All in one table", [answers(outcomes, Column("case"), sortable=True)]),
             ],
             "Proven bounds or the value of an exact backend; the worst error of exact backends on"
