@@ -1,7 +1,7 @@
 """The report of `lacore solve`: results, pictures, certificate, tables and files."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from types import MappingProxyType
 from typing import Any
 
@@ -10,6 +10,7 @@ import pandas as pd
 
 import lacore as la
 from lacore import views
+from lacore.certificate import Certificate
 from lacore.numerics.quantities import Units
 from verification.problems.answers import Answer
 from verification.problems.more import MORE
@@ -191,11 +192,24 @@ def _tables(state: la.LimitState, units: Units) -> Iterator[Block]:
             own, heads = in_units(frame, units, problem)
             yield Details(f"{title}: {len(frame)}", [_table(own, title, heads)])
     if len(state.history):
-        yield Details(f"Solves: {len(state.history)}", [_table(state.history, "Solves")])
+        yield Details(f"Solves: {len(state.history)}", [*_history(state.history)])
+
+
+def _history(history: pd.DataFrame) -> Iterator[Table]:
+    """Yield the solves, and their residuals, which have too many columns to stand beside them."""
+    names = {entry.name for entry in fields(Certificate)}
+    residuals = [str(name) for name in history if name in names]
+    yield _table(history.drop(columns=residuals), "Solves")
+    if residuals:
+        first = str(history.columns[0])
+        yield _table(history[[first, *residuals]], "Residuals of the solves", form=".1e")
 
 
 def _table(
-    frame: pd.DataFrame, caption: str, heads: Mapping[str, str] = MappingProxyType({})
+    frame: pd.DataFrame,
+    caption: str,
+    heads: Mapping[str, str] = MappingProxyType({}),
+    form: str = ".5g",
 ) -> Table:
     shown = frame.head(_ROWS)
     rest = f" (the first {_ROWS} of {len(frame)})" if len(frame) > _ROWS else ""
@@ -203,9 +217,16 @@ def _table(
         Column(
             str(name),
             heads.get(str(name), str(name).replace("_", " ")),
-            "" if not pd.api.types.is_numeric_dtype(shown[name]) else ".5g",
+            _form(shown[name], form),
         )
         for name in shown
         if shown[name].map(lambda own: isinstance(own, str | int | float | np.number)).all()
     ]
     return Table(columns, shown, caption + rest)
+
+
+def _form(column: "pd.Series[Any]", form: str) -> str:
+    """Choose the format of a column: none for text, whole numbers as they are."""
+    if not pd.api.types.is_numeric_dtype(column):
+        return ""
+    return "g" if pd.api.types.is_integer_dtype(column) else form
