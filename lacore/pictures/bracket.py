@@ -73,8 +73,8 @@ def plot_shares(
     cells = figure.add_gridspec(rows, columns)
     for place, (mesh, shares, title) in enumerate(
         (
-            (above, gap, "upper bound: shares in the gap [%]"),
-            (below, varying, "lower bound: shares it was refined by [%]"),
+            (above, gap, "upper bound: contributions of the elements to the gap [%]"),
+            (below, varying, "lower bound: refinement indicator of the elements [%]"),
         )
     ):
         drawn = _draw if len(extent) == 2 else _draw_in_space

@@ -215,7 +215,7 @@ def draw_panel(
                 ("$u_t$ slip", profile.u_t / fastest, "#0072b2"),
                 ("$u_n$ opening", profile.u_n / fastest, "#e69f00"),
             ),
-            "velocity / largest",
+            "velocity / largest velocity",
             0.05,  # round-off must not fill the panel
         ),
     ):

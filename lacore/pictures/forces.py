@@ -78,7 +78,7 @@ def _draw_thrust(
         order = order[np.argsort(size[order], kind="stable")]  # the largest on top
         order = order[np.cumsum(size[order]) > _LEFT_OUT * size[order].sum()]
         shade = np.sqrt(size[order] / peak)
-        told = f", those above {size[order[0]] / units.size('N/m'):.2g}"
+        told = f", shown above {size[order[0]] / units.size('N/m'):.2g}"
     lines = np.concatenate([own[:, :, order] for own in forces.lines], axis=2).T
     faint, full = (np.array(matplotlib.colors.to_rgb(colour)) for colour in (_FAINT, THRUST))
     axes.add_collection(
@@ -184,7 +184,7 @@ def _draw_loads(axes: Axes, state: LimitState) -> list[Line2D]:
         return []
     force, place, size = force[:, loaded], place[:, loaded], size[loaded]
     reach = np.concatenate(sizes)[loaded].mean()
-    label = "dead load $F_d$" if _dead_alone(state) else "live load $F_0$"
+    label = "dead load $F_d$" if _dead_alone(state) else "reference load $F_0$"
     if size.size > _MANY:
         label += ", resultant"
         place = (place * size).sum(axis=1, keepdims=True) / size.sum()

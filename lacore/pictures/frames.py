@@ -114,7 +114,7 @@ def _draw_yielding_bars(
             axes.add_collection(
                 LineCollection(lines, colors=colour, linewidths=2.6, linestyles="--", zorder=4)
             )
-            text = "bar yields, longer" if sign > 0 else "bar yields, shorter"
+            text = "bar yields, elongating" if sign > 0 else "bar yields, shortening"
             yield text, Line2D([], [], color=colour, lw=2.6, ls="--", label=text)
 
 

@@ -66,7 +66,7 @@ def plot_mechanism(state: LimitState, units: Units | None = None) -> Figure:
     if faces is not None:
         draw_colour_bar(axes, faces, state, units)
     elif state.dissipation:
-        axes.set_title("no plastic dissipation: a rigid motion", fontsize=9, loc="right")
+        axes.set_title("no plastic dissipation: rigid-body motion", fontsize=9, loc="right")
     bodies = list(state.discretisation.problem.bodies.values())
     _frame(axes, handles, layout.columns)
     label_coordinates(axes, bodies, units)
@@ -153,7 +153,7 @@ def title_of(state: LimitState) -> str:
         worth = state.discretisation.worth(state.rigor).partition(":")[0]
         first = f"load factor {state.load_factor:.6g}   ({worth})"
     elif state.status is Status.UNSAFE:
-        first = "UNSAFE: what falls under the dead loads alone"
+        first = "UNSAFE: collapse mechanism under the dead loads alone"
     else:
         first = f"{state.status.label.upper()}: last iterate, for inspection only"
     return (

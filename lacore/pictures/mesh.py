@@ -23,7 +23,7 @@ from lacore.pictures.space.surface import surface_by_name, surface_by_value
 _PAGE, _TALLEST, _LOWEST = 6.0, 5.0, 1.6  # inches: the bodies alone
 _LINES = 2000  # elements: above it the lines of the mesh are thinner
 _FEW = 10  # boundaries that have a colour
-STRENGTH_USED = "largest stress in an element, per strength"
+STRENGTH_USED = "utilisation: largest stress of the element / strength"
 
 
 def plot_body(body: Body) -> Figure:
@@ -88,8 +88,8 @@ def plot_gap(identity: GapIdentity) -> Figure:
         raise ValueError("there are no elements to show")
     total = max(identity.total, np.finfo(float).tiny)
     shares = {name: 100 * np.maximum(own, 0.0) / total for name, own in identity.elements.items()}
-    title = f"upper {identity.upper:.6g} - lower {identity.lower:.6g}"
-    label = "share in the gap [%]"
+    title = f"gap between upper bound {identity.upper:.6g} and lower bound {identity.lower:.6g}"
+    label = "contribution of the element to the gap [%]"
     return _coloured(identity.bodies, shares, title, label, matplotlib.colormaps["YlOrRd"])
 
 

@@ -96,9 +96,9 @@ def page(path: Path) -> tuple[Figure, Axes, Axes]:
         pad=0.01,
         aspect=25,
     )
-    label = "equivalent strain\nmeans around vertices"
+    label = "equivalent strain\naveraged at the vertices"
     if not path.history.empty:
-        label += f"\n(points: up to {path.history['max_strain'].max():.3g})"
+        label += f"\n(maximum at a point: {path.history['max_strain'].max():.3g})"
     bar.set_label(label, fontsize=8)
     bar.ax.tick_params(labelsize=8)
     return figure, left, right
@@ -136,7 +136,7 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
         )
         lines = edge_lines(mesh, mesh.boundary_facets())
         axes.add_collection(LineCollection(lines, colors="#222222", linewidths=1.0, zorder=4))
-    before = Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="before")
+    before = Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="initial shape")
     axis = draw_axis(axes, stage.bodies.values())
     handles: list[Artist] = [before, *axis]
     handles += _draw_tools(axes, path, snapshot)

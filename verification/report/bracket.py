@@ -1,4 +1,4 @@
-"""Brackets on a page: both bounds beside the reference, how they closed in, where the gap is."""
+"""Brackets on a page: both bounds and the reference, their history, the gap by elements."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -27,7 +27,7 @@ _ANY = 100.0  # bounds close in by steps: their local slopes are anything
 
 
 def brackets_table(results: pd.DataFrame) -> Table:
-    """Proven load factors beside the reference between them."""
+    """Return the proven bounds and the reference between them."""
     columns = (
         Column("verdict", moods=VERDICTS, hover="why"),
         Column("variant"),
@@ -37,12 +37,12 @@ def brackets_table(results: pd.DataFrame) -> Table:
         Column("upper", "upper bound", ".7f"),
         Column("width", "width %", ".2f", scale=100),
         Column("rigor"),
-        Column("n_elements_lower", "elements below", ".0f"),
-        Column("n_elements", "elements above", ".0f"),
+        Column("n_elements_lower", "elements, lower", ".0f"),
+        Column("n_elements", "elements, upper", ".0f"),
         Column("outer_iterations", "solves", ".0f"),
-        Column("solve_time", "solve s", ".2f"),
+        Column("solve_time", "solve time, s", ".2f"),
     )
-    return Table(columns, with_certificates(results), anchor=RUN, caption="Proven from both sides")
+    return Table(columns, with_certificates(results), anchor=RUN, caption="Lower and upper bounds")
 
 
 def stored_shares(outcome: Outcome) -> tuple[Shares, Shares]:
@@ -76,7 +76,7 @@ def mesh_of(shares: Shares) -> MeshTri | MeshTet:
 
 
 def widths(outcome: Outcome) -> pd.DataFrame:
-    """Width and mean number of elements of both meshes, a row a solve, from when there are both."""
+    """Return the width and the mean number of elements, a row per solve, once both bounds exist."""
     rows, last = [], {"lower": 0, "upper": 0}
     for step in outcome.evidence.history:
         last[step["bound"]] = step["elements"]
@@ -88,7 +88,7 @@ def widths(outcome: Outcome) -> pd.DataFrame:
 
 
 def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
-    """Width against elements, with its order where there are enough narrow ones."""
+    """Draw the width against elements, with its order where enough brackets are narrow."""
     found = [o for o in outcomes if o.row.coupling == BRACKET and o.evidence.history]
     frames, fits = [], []
     for outcome in {one.run.variant.name: one for one in found}.values():
@@ -109,6 +109,7 @@ def widths_chart(outcomes: Sequence[Outcome]) -> Drawing | None:
     chart = fitted(pd.concat(frames), pd.DataFrame(fits), ELEMENTS, _WIDTH, by="line")
     return Drawing(
         f"{found[0].run.case.id}-widths",
-        "Width of the bracket against elements, mean of both meshes (uniform refinement: −0.5)",
+        "Width of the bracket against the mean number of elements of both meshes (slope under"
+        " uniform refinement: −0.5)",
         chart,
     )

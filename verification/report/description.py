@@ -1,4 +1,4 @@
-"""What is said of a case: explanation, calculation by hand, references, allowed errors."""
+"""The description of a case: explanation, hand calculation, references, tolerances."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -7,7 +7,7 @@ from verification.report.blocks import Block, Columns, Heading, Preformatted, Te
 
 
 def lead(case: Case) -> str:
-    """One line on a case."""
+    """Describe a case in one line."""
     return f"{case.id} · {', '.join(case.tags)} · load factor in {case.unit}"
 
 
@@ -17,32 +17,32 @@ def counted(number: int, noun: str) -> str:
 
 
 def description(case: Case, variants: Sequence[Variant], elements: Mapping[str, int]) -> Columns:
-    """Explanation beside calculation by hand, references, and what error is allowed.
+    """Put the explanation next to the hand calculation, the references and the tolerances.
 
     Args:
-        case: what is described.
-        variants: those of it that are.
-        elements: by name of the variant the size of the mesh whose band is explained.
+        case: Case to describe.
+        variants: Its variants to describe.
+        elements: Number of elements of the mesh whose tolerance is explained, by variant.
     """
-    right: list[Block] = [Heading("By hand"), Preformatted(case.hand_calculation)]
+    right: list[Block] = [Heading("Hand calculation"), Preformatted(case.hand_calculation)]
     right += [Heading("Reference"), *_references(case, variants), *_unfit(variants)]
     reasons = list(_reasons(case, variants, elements))
     if reasons:
-        right += [Heading("Allowed error"), *reasons]
+        right += [Heading("Tolerance"), *reasons]
     return Columns(list(_explanation(case)), right)
 
 
 def _explanation(case: Case) -> Iterator[Block]:
-    """Paragraphs; indented ones are a sketch."""
+    """Yield paragraphs; indented ones are a sketch."""
     for block in case.explanation.strip("\n").split("\n\n"):
         if all(line.startswith("  ") for line in block.splitlines()):
-            yield Preformatted(block, sketch=f"sketch of {case.title}")
+            yield Preformatted(block, sketch=f"Sketch of {case.title}")
         else:
             yield Text(block)
 
 
 def _references(case: Case, variants: Sequence[Variant]) -> Iterator[Text]:
-    """Formula and source once, above it the values of the variants that have it."""
+    """Yield each formula with its source once, under the values of the variants that have it."""
     values: dict[str, list[str]] = {}
     for variant in variants:
         reference = case.reference_of(variant)
@@ -59,13 +59,13 @@ def _references(case: Case, variants: Sequence[Variant]) -> Iterator[Text]:
 def _unfit(variants: Sequence[Variant]) -> Iterator[Text]:
     for variant in variants:
         for name, why in variant.unfit.items():
-            yield Text(why, lead=f"{variant.name} without {name}")
+            yield Text(why, lead=f"{variant.name}: not applicable, {name}")
 
 
 def _reasons(
     case: Case, variants: Sequence[Variant], elements: Mapping[str, int]
 ) -> Iterator[Text]:
-    """Why bands are what they are, each reason once."""
+    """Yield the reasons for the tolerances, each once."""
     names: dict[str, list[str]] = {}
     for variant in variants:
         if variant.name in elements:

@@ -1,4 +1,4 @@
-"""Pictures of outcomes: which ones a report shows, drawn in processes of their own."""
+"""The pictures of a report: which ones it shows; they are drawn in separate processes."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
@@ -29,7 +29,7 @@ from verification.runs.outcome import Outcome
 from verification.verdicts.words import FAIL
 
 MOST = 4
-"""Mechanisms of a case, and brackets, that a report of a few cases shows."""
+"""Number of mechanisms, and of brackets, of each case in a report of a few cases."""
 _FEW = 48  # pictures: half a minute of one core
 _TOGETHER = 4  # pictures that are drawn here: another process takes as long to start
 _LIMIT = 120.0  # s, of a picture
@@ -91,7 +91,7 @@ def mechanisms(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
     return [
         Subject(
             f"{slug(outcome.run.case.id)}-{slug(name)}",
-            f"Mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}",
+            f"Collapse mechanism of {name}: {outcome.row.mesh} mesh, {outcome.row.backend}",
             outcome.run.case,
             partial(_mechanism, outcome),
         )
@@ -105,7 +105,7 @@ def brackets(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
     return [
         Subject(
             f"{slug(outcome.run.case.id)}-{slug(outcome.run.variant.name)}-bracket",
-            f"Bracket of {outcome.run.variant.name}: elements that contribute to the gap",
+            f"Bracket of {outcome.run.variant.name}: contributions of the elements to the gap",
             outcome.run.case,
             partial(_bracket, outcome),
         )
@@ -123,7 +123,7 @@ def sketch(case: Case, outcomes: Sequence[Outcome] = ()) -> Subject:
     paths = [one for one in outcomes if one.row.ending and one.evidence.arrays]
     return Subject(
         f"{slug(case.id)}-sketch",
-        f"Problem of {variant.name}, drawn from the model",
+        f"Problem of {variant.name}: supports, contact, loads",
         case,
         partial(_sketch, case, variant, next(iter(paths), None)),
     )
@@ -176,15 +176,15 @@ def painted(subject: Subject) -> Picture | Text:
 
 
 def _failed(subject: Subject, error: Exception) -> Text:
-    return Text(said(error), lead=f"{subject.caption}: cannot be drawn from what is stored")
+    return Text(said(error), lead=f"{subject.caption}: cannot be drawn from the stored results")
 
 
 def draw(
     subjects: Sequence[Subject], jobs: int, on_done: Callable[[str], None] = lambda _: None
 ) -> dict[str, Picture | Text]:
-    """Pictures of subjects, by `jobs` processes; `on_done` is told the caption of each.
+    """Draw subjects in `jobs` processes, and call `on_done` with the caption of each.
 
-    A few are drawn here, but for those of cases that others wrote: these may end the process.
+    A few are drawn in this process, except those of user-defined cases, which could end it.
     """
     found: dict[str, Picture | Text] = {}
     least = 0 if all(is_of_lacore(subject.case) for subject in subjects) else 1

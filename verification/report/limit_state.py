@@ -1,4 +1,4 @@
-"""Limit states on a page: each run with its load factor beside the reference."""
+"""Limit states on a page: each run with its load factor and the reference."""
 
 import pandas as pd
 
@@ -16,7 +16,7 @@ from verification.report.tables import (
 
 
 def results_table(results: pd.DataFrame) -> Table:
-    """Every run; its load factor links to its certificate, where it has one."""
+    """Return all runs; load factors link to their certificates."""
     solved = results["status"] == la.Status.SOLVED.label
     outcome = results["rigor"].where(solved, results["status"])
     columns = (
@@ -28,18 +28,18 @@ def results_table(results: pd.DataFrame) -> Table:
         *HOW,
         Column("n_elements", "elements", ".0f"),
         *varied(results),
-        Column("energy", "C", ".2g"),
-        Column("outcome", "rigor, status"),
+        Column("energy", "energy C", ".2g"),
+        Column("outcome", "rigour, status"),
         *_standing(results),
-        Column("outer_iterations", "solves", ".0f"),
-        Column("build_time", "build s", ".2f"),
-        Column("solve_time", "solve s", ".2f"),
+        Column("outer_iterations", "inner solves", ".0f"),
+        Column("build_time", "build time, s", ".2f"),
+        Column("solve_time", "solve time, s", ".2f"),
     )
     return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
 
 
 def _standing(results: pd.DataFrame) -> tuple[Column, ...]:
-    """Whether structures stand under their dead loads, where that was asked."""
+    """Return the columns of stability under dead loads, if it was requested."""
     if "standing" not in results or not results["standing"].fillna("").ne("").any():
         return ()
-    return Column("standing", "dead loads"), Column("side", "holds")
+    return Column("standing", "dead loads"), Column("side", "loads carried")

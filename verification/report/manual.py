@@ -1,6 +1,6 @@
 """The verification manual: a page for each case, and one that leads to them.
 
-A page holds what is needed to check a case with pencil and paper, and what lacore found.
+A page contains what is needed to check a case with pencil and paper, and the results of lacore.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,7 +36,7 @@ _UP = Page("All cases", INDEX)
 
 
 def subjects(cases: Sequence[Case], outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """What a manual draws: of each case its problem, `most` mechanisms and brackets."""
+    """List what a manual draws: of each case its problem, and `most` mechanisms and brackets."""
     found: list[Subject] = []
     for case in cases:
         own = _of(case, outcomes)
@@ -51,7 +51,7 @@ def manual(
     provenance: Mapping[str, str],
     drawn: Drawn,
 ) -> Report:
-    """The pages of a manual.
+    """Write the pages of a manual.
 
     Args:
         cases: in the order of the manual.
@@ -79,7 +79,7 @@ def _contents(
     files: Mapping[str, str],
     drawn: Drawn,
 ) -> Document:
-    """The page that leads to all others, cases by kind."""
+    """Write the page that links to all others, with the cases by kind."""
     pictures = {}
     for case in cases:
         subjects = [*mechanisms(_of(case, outcomes), 1), sketch(case)]
@@ -95,7 +95,7 @@ def _contents(
     count = tally(outcomes)
     return Document(
         title="Verification manual",
-        lead=f"{counted(len(cases), 'case')} with their references and how these are found by hand;"
+        lead=f"{counted(len(cases), 'case')} with reference values and hand calculations;"
         f" {counted(len(outcomes), 'run')}: {count.text}.",
         sections=[*sections, Section("machine", "Machine and versions", [Facts(provenance)])],
         summary=filters(*lists),
@@ -114,19 +114,19 @@ def page_of(
     provenance: Mapping[str, str],
     drawn: Drawn,
 ) -> Document:
-    """All that is to be said of a case; its outcomes and checks."""
+    """Write the page of a case with its outcomes and checks."""
     sections = [
         Section("problem", "The problem", [_sketch(case, drawn)]),
-        Section("theory", "Why it is so", [explained(case, outcomes)]),
+        Section("theory", "Theory", [explained(case, outcomes)]),
         Section("settings", "Settings", [_variants_table(case), *_meshes(case)]),
     ]
     if len(checks):
-        sections.append(Section("checks", "What was checked", [_checks_table(checks)]))
+        sections.append(Section("checks", "Checks", [_checks_table(checks)]))
     if outcomes:
         blocks = results_of(case, outcomes, results_frame(outcomes), drawn)
-        sections.append(Section("results", "What lacore found", blocks))
+        sections.append(Section("results", "Results", blocks))
     sections += [
-        Section("run", "Run it yourself", [_commands(case)]),
+        Section("run", "Commands", [_commands(case)]),
         Section("machine", "Machine and versions", [Facts(provenance)]),
     ]
     found = [answers(outcomes)] if outcomes else []
@@ -139,13 +139,13 @@ def _checks_table(checks: pd.DataFrame) -> Table:
         *(Column(name) for name in ("check", "variant", "backend", "coupling", "meshes")),
         Column("measured", "measured", ".3g"),
         Column("allowed"),
-        Column("why", long=True),
+        Column("why", "reason", long=True),
     )
     return Table(columns, checks)
 
 
 def _sketch(case: Case, drawn: Drawn) -> Block:
-    """The problem of the first variant; or why it cannot be drawn."""
+    """Return the problem of the first variant, or say why it cannot be drawn."""
     found = drawn[sketch(case).name]
     return Gallery([found]) if isinstance(found, Picture) else found
 
@@ -158,7 +158,7 @@ def _variants_table(case: Case) -> Table:
         | {name: _text(one, name) for name in names}
         for one in case.variants
     ]
-    return Table(columns, pd.DataFrame(rows), caption=f"Reference in {case.unit}")
+    return Table(columns, pd.DataFrame(rows), caption=f"Reference values in {case.unit}")
 
 
 def _text(variant: Variant, name: str) -> str:
@@ -168,7 +168,7 @@ def _text(variant: Variant, name: str) -> str:
 
 def _meshes(case: Case) -> list[Block]:
     if not case.meshed:
-        return [Text("Rigid blocks and frames are exact: there is no mesh.")]
+        return [Text("Rigid blocks and frames need no mesh; their discrete problem is exact.")]
     names = list(dict.fromkeys(name for size in case.meshes.values() for name in size))
     rows = [
         {"mesh": mesh} | {name: f"{size.get(name, '')}" for name in names}
@@ -181,12 +181,12 @@ def _meshes(case: Case) -> list[Block]:
         order = case.order_of(variant)
         if order is not None:
             text = f"error ~ elements^-({order.expected:g} ± {order.tolerance:g}). {order.reason}"
-            blocks.append(Text(text, lead=f"Order under refinement, {variant.name}"))
+            blocks.append(Text(text, lead=f"Order of convergence, {variant.name}"))
     stated = case.bracket
     if stated is not None:
         text = (
-            f"At most {100 * stated.target_width:g} % wide, with at most {stated.max_elements}"
-            f" elements a mesh, from the {case.bracketed_from} one. {stated.reason}"
+            f"Target width {100 * stated.target_width:g} %, at most {stated.max_elements} elements"
+            f" per mesh, starting from the {case.bracketed_from} mesh. {stated.reason}"
         )
         blocks.append(Text(text.rstrip(), lead="Bracket"))
     return blocks

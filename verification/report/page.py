@@ -1,4 +1,4 @@
-"""The report of a comparison: an index with one answer a variant, and a page for each case."""
+"""The report of a comparison: an index with a row per variant, and a page for each case."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -52,12 +52,12 @@ from verification.verdicts.tally import tally
 from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT
 
 _SHOWN = 8
-"""Lines of a list that are seen at once; more are folded away."""
+"""Lines of a list that are shown; the others are in a fold."""
 
 
 @dataclass(frozen=True)
 class Own:
-    """A case with what came out of it."""
+    """A case with its outcomes and results."""
 
     case: Case
     outcomes: Sequence[Outcome]
@@ -65,7 +65,7 @@ class Own:
 
 
 def by_case(outcomes: Sequence[Outcome]) -> list[Own]:
-    """Outcomes by case, in their order."""
+    """Group outcomes by case, in their order."""
     results = results_frame(outcomes)
     places: dict[str, list[int]] = {}
     for index, outcome in enumerate(outcomes):
@@ -77,7 +77,7 @@ def by_case(outcomes: Sequence[Outcome]) -> list[Own]:
 
 
 def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
-    """What a report draws: of each case `most` mechanisms and brackets, else its problem."""
+    """List what a report draws: of each case `most` mechanisms and brackets, or its problem."""
     found: list[Subject] = []
     for own in by_case(outcomes):
         drawn = [*mechanisms(own.outcomes, most), *brackets(own.outcomes, most)]
@@ -89,9 +89,9 @@ def compared(
     outcomes: Sequence[Outcome],
     machine: Mapping[str, str],
     drawn: Drawn,
-    title: str = "Plastic collapse loads compared with references",
+    title: str = "Collapse loads compared with reference values",
 ) -> Report:
-    """The report of outcomes, in their order; `drawn`: pictures of its `subjects`."""
+    """Write the report of outcomes, with the pictures of its `subjects`."""
     own = by_case(outcomes)
     files = case_files(one.case.id for one in own)
     found = studies(results_frame(outcomes))
@@ -117,9 +117,9 @@ _UP = Page("All cases", INDEX)
 def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
     seconds = sum(o.row.solve_time for o in outcomes if isfinite(o.row.solve_time))
     return (
-        f"{counted(len(own), 'case')}, {counted(len(outcomes), 'run')}, {seconds:.0f} s of solving."
-        " Each load factor links to its certificate: residuals recomputed from velocity, stress,"
-        " reactions."
+        f"{counted(len(own), 'case')}, {counted(len(outcomes), 'run')}, {seconds:.0f} s of"
+        " solve time. Each load factor links to its certificate: residuals that are recomputed from"
+        " velocities, stresses and reactions."
     )
 
 
@@ -137,7 +137,9 @@ def _index(
             [
                 *filters(shown),
                 shown,
-                Details("All in one table", [answers(outcomes, Column("case"), sortable=True)]),
+                Details(
+                    "All cases in one table", [answers(outcomes, Column("case"), sortable=True)]
+                ),
             ],
             "Proven bounds or the value of an exact backend; the worst error of exact backends on"
             " their finest mesh beside the error that is allowed there; how many backends agree.",
@@ -158,13 +160,13 @@ def _more(
     return [
         *([Section("studies", "Studies", [Pages(links)])] if links else []),
         Section("couplings", "Couplings and backends", [_couplings_table(outcomes)]),
-        Section("verdicts", "How a verdict is reached", [Details("The rules", [_rules()])]),
+        Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
     ]
 
 
 def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Page]:
-    """The index, and the cases before and after."""
+    """Link the index, and the cases before and after."""
     near = [(number - 1, "\N{LEFTWARDS ARROW} {}"), (number + 1, "{} \N{RIGHTWARDS ARROW}")]
     return [
         _UP,
@@ -177,13 +179,13 @@ def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Pa
 
 
 def results_frame(outcomes: Sequence[Outcome]) -> pd.DataFrame:
-    """Outcomes as the table that a store would give of them."""
+    """Return outcomes as the table that a store would return."""
     return as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
 
 
 def _summary(outcomes: Sequence[Outcome]) -> Iterator[Block]:
     yield _tally(tally(outcomes))
-    for verdict, title in ((FAIL, "What failed"), (NO_RESULT, "What gave no result")):
+    for verdict, title in ((FAIL, "Failures"), (NO_RESULT, "Runs without a result")):
         links = [
             Link(outcome.run.label, RUN.of({"run": outcome.run.key}), outcome.row.why)
             for outcome in outcomes
@@ -211,16 +213,16 @@ def _couplings_table(outcomes: Sequence[Outcome]) -> Table:
         Column("coupling"),
         Column("backend"),
         Column("solved", "certified", ".0f"),
-        Column("cases", "of", ".0f"),
-        Column("median", "median solves", "g"),
-        Column("most", "most solves", "g"),
+        Column("cases", "cases", ".0f"),
+        Column("median", "inner solves, median", "g"),
+        Column("most", "inner solves, maximum", "g"),
         Column("failed", "FAIL", ".0f"),
     )
     return Table(columns, couplings(results_frame(outcomes)))
 
 
 def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
-    """All that came out of one case."""
+    """Write the page of a case."""
     return Document(
         own.case.title,
         lead(own.case),
@@ -234,7 +236,7 @@ def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
 
 
 def explained(case: Case, outcomes: Sequence[Outcome]) -> Block:
-    """What a case is, with the errors allowed on the finest mesh of each variant that was run."""
+    """Describe a case, with the tolerances on the finest mesh of each variant that was run."""
     variants = {outcome.run.variant.name: outcome.run.variant for outcome in outcomes}
     elements: dict[str, int] = {}
     for outcome in outcomes:
@@ -247,7 +249,7 @@ def explained(case: Case, outcomes: Sequence[Outcome]) -> Block:
 def results_of(
     case: Case, outcomes: Sequence[Outcome], results: pd.DataFrame, drawn: Drawn
 ) -> list[Block]:
-    """What came out of one case: runs, reasons, certificates, charts and mechanisms."""
+    """Show the results of a case: mechanisms, charts, runs, reasons and certificates."""
     proven, ranges = results["coupling"] == BRACKET, results["coupling"] == RANGE
     blocks: list[Block] = []
     if proven.any():
@@ -259,16 +261,16 @@ def results_of(
         blocks.append(results_table(results[~(proven | ranges)]))
     if case.path is not None:
         blocks.append(paths_table(results))
-    blocks.append(Details("Why each verdict", [reasons_table(results)]))
+    blocks.append(Details("Reasons for the verdicts", [reasons_table(results)]))
     certificates = certificates_table(results)
     if len(certificates.data):
-        title = "Certificates: residuals recomputed from velocity, stress, reactions and load"
+        title = "Certificates: residuals recomputed from velocities, stresses, reactions and loads"
         blocks.append(Details(title, [certificates]))
     return [*_seen(case, outcomes, drawn), *blocks]
 
 
 def _seen(case: Case, outcomes: Sequence[Outcome], drawn: Drawn) -> Iterator[Block]:
-    """Pictures and charts; then what cannot be drawn, or is not yet."""
+    """Yield pictures and charts, then notes on those that cannot be drawn, or are not yet."""
     every = [*mechanisms(outcomes, len(outcomes)), *brackets(outcomes, len(outcomes))]
     found = [drawn[subject.name] for subject in every if subject.name in drawn]
     pictures = [item for item in found if isinstance(item, Picture)]
@@ -281,8 +283,8 @@ def _not_drawn(left: Sequence[Subject]) -> Iterator[Text]:
     if left:
         names = "; ".join(subject.caption for subject in left)
         yield Text(
-            f"Not drawn yet: {names}. lacore report DIR --pictures {len(left)} draws them, a second"
-            " or so each.",
+            f"Not drawn yet: {names}. The command lacore report DIR --pictures"
+            f" {len(left)} draws them, in about a second each.",
             soft=True,
         )
 

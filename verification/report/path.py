@@ -1,4 +1,4 @@
-"""Charts and tables of paths: loads against the travel, and what else came of them."""
+"""Charts and tables of paths: loads against the travel, and other results."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -20,7 +20,7 @@ _POINTS = 101  # of an exact curve
 
 
 def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
-    """Loads along the paths of a case on the exact ones; None without a path.
+    """Draw computed and exact loads along the paths of a case; return None without a path.
 
     Of each variant the finest mesh of its first backend.
     """
@@ -60,12 +60,12 @@ def path_chart(case: Case, outcomes: Sequence[Outcome]) -> Drawing | None:
         axes.set_xlabel(_travel(case, shown))
         axes.set_ylabel(f"load [{case.unit}]")
         legend(figure, axes)
-    chart = Chart(figure, f"{case.title}: loads along the paths, with the exact ones", tips)
+    chart = Chart(figure, f"{case.title}: computed and exact loads along the paths", tips)
     return Drawing(f"{case.id}-paths", "Load against travel", chart)
 
 
 def paths_table(results: pd.DataFrame) -> Table:
-    """What came of each path."""
+    """Return the results of each path."""
     columns = (
         Column("verdict", moods=VERDICTS, hover="why"),
         Column("variant", link=RUN),
@@ -75,18 +75,18 @@ def paths_table(results: pd.DataFrame) -> Table:
         Column("param_scheme", "scheme"),
         Column("ending"),
         Column("path_error", "largest error %", ".4f", scale=100),
-        Column("volume_change", "volume change of a step", ".1e"),
-        Column("lower", "starts above", ".5f"),
-        Column("start", "starts at", ".5f"),
-        Column("upper", "starts below", ".5f"),
+        Column("volume_change", "volume change per step", ".1e"),
+        Column("lower", "initial lower bound", ".5f"),
+        Column("start", "initial load", ".5f"),
+        Column("upper", "initial upper bound", ".5f"),
         Column("reading", "reading", ".4g"),
-        Column("outer_iterations", "solves", ".0f"),
+        Column("outer_iterations", "inner solves", ".0f"),
     )
     return Table(columns, results, caption="Paths")
 
 
 def _travel(case: Case, shown: Sequence[Outcome]) -> str:
-    """Label of the axis, with the unit that all controls have."""
+    """Return the label of the axis, with the unit if all controls have the same."""
     units = {unit_of(case.following_of(outcome.run.variant).control) for outcome in shown}
     unit = units.pop() if len(units) == 1 else ""
     return f"travel [{unit}]" if unit else "travel"

@@ -1,4 +1,4 @@
-"""Ranges of load factors on a page: what was found, and what others say beside it."""
+"""Ranges of load factors on a page, and their comparison with other values."""
 
 from collections.abc import Iterator, Sequence
 from math import isfinite, nan
@@ -15,28 +15,28 @@ from verification.runs.row import Row
 
 
 def ranges_table(results: pd.DataFrame) -> Table:
-    """The lowest and the highest load factor that are certified, beside what is proven of all."""
+    """Return the lowest and the highest certified load factors, and the bound of all of them."""
     columns = (
         Column("verdict", moods=VERDICTS, hover="why"),
         Column("variant"),
         Column("backend"),
         Column("lowest", "lowest found", ".6f", link=CERTIFICATE),
         Column("highest", "highest found", ".6f"),
-        Column("upper", "none above", ".6f"),
-        Column("gap", "gap at most", ".1e"),
+        Column("upper", "proven upper bound", ".6f"),
+        Column("gap", "largest gap", ".1e"),
         HOW[0],
         Column("n_elements", "elements", ".0f"),
-        Column("outer_iterations", "solves", ".0f"),
-        Column("solve_time", "solve s", ".2f"),
+        Column("outer_iterations", "inner solves", ".0f"),
+        Column("solve_time", "solve time, s", ".2f"),
     )
-    caption = "Found by searches from several starts; that none is lower or higher is not proven"
+    caption = "Found by searches from several starting points; lower or higher ones may exist"
     return Table(columns, with_certificates(results), anchor=RUN, caption=caption)
 
 
 def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
-    """What others say of each variant, with what is certified on one mesh; empty where nothing.
+    """Compare other values of each variant with those certified on one mesh; empty without any.
 
-    Coarse meshes carry more, whatever the flow: what tells is the part of the associated load.
+    Coarse meshes overestimate all load factors, so that shares of the associated one are compared.
     """
     ranges = {o.run.variant.name: o.row for o in outcomes if o.row.coupling == RANGE}
     ran = {outcome.run.variant.name for outcome in outcomes}
@@ -50,23 +50,34 @@ def beside_table(case: Case, outcomes: Sequence[Outcome]) -> list[Block]:
         return []
     columns = (
         Column("variant"),
-        Column("what", "load factor of"),
+        Column("what", "result or source"),
         Column("value", "load factor", ".5g"),
-        Column("share", "of associated %", ".1f", scale=100),
+        Column("share", "share of associated, %", ".1f", scale=100),
         Column("source", long=True),
     )
-    return [Table(columns, pd.DataFrame(rows), caption="Beside what others say", sortable=False)]
+    return [
+        Table(
+            columns,
+            pd.DataFrame(rows),
+            caption="Comparison with other methods and published values",
+            sortable=False,
+        )
+    ]
 
 
 def _of_mesh(row: Row | None) -> Iterator[dict[str, Any]]:
-    """What a range says, on its mesh."""
+    """Yield the results of a range, on its mesh."""
     if row is None or not (isfinite(row.lowest) and isfinite(row.highest)):
         return
     found = (
-        ("the lowest state found", row.lowest, "certified"),
-        ("the highest state found", row.highest, "certified"),
-        ("associated flow, same mesh", row.upper, "no state of this mesh is above (T54)"),
-        ("Davis's strength, same mesh", row.davis, "bounds nothing (T55)"),
+        ("lowest state found", row.lowest, "certified"),
+        ("highest state found", row.highest, "certified"),
+        (
+            "associated flow on the same mesh",
+            row.upper,
+            "upper bound of all states on this mesh (T54)",
+        ),
+        ("Davis's reduced strength on the same mesh", row.davis, "not a bound (T55)"),
     )
     for what, value, worth in found:
         if isfinite(value):

@@ -1,4 +1,4 @@
-"""What tables of runs share, and those that all runs have, from results, one row a run."""
+"""Columns that the tables of runs share, and the tables that all runs have."""
 
 from collections.abc import Mapping
 
@@ -14,19 +14,19 @@ CERTIFICATE = Anchor("certificate", "certificate")
 """Certificate of a run."""
 _RESIDUAL = "residual_"
 WHO = (Column("variant"), Column("backend"))
-"""First, so that the load factor beside them is seen on a telephone."""
+"""First columns; few, so that a telephone shows the load factor next to them."""
 HOW = (Column("mesh", order="n_elements"), Column("coupling"))
 _NAMES = (*WHO, *HOW)
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
-    """Why each verdict is what it is."""
-    columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", long=True))
+    """Return the reason for each verdict."""
+    columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", "reason", long=True))
     return Table(columns, results)
 
 
 def certificates_table(results: pd.DataFrame) -> Table:
-    """Residuals of the runs that have any; each load factor links back to its run."""
+    """Return the residuals of runs that have any; load factors link back to their runs."""
     proven = with_certificates(results)
     proven = proven[proven[CERTIFICATE.column].notna()]
     columns = (
@@ -43,7 +43,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
 
 
 def varied(results: pd.DataFrame) -> list[Column]:
-    """What was set besides the case: sizes of its mesh, settings of the loop, options."""
+    """Return columns of what was set in addition to the case: mesh sizes, settings, options."""
     found = []
     for name in map(str, results.columns):
         kind, _, rest = name.partition("_")
@@ -58,6 +58,6 @@ def _residuals(results: pd.DataFrame) -> list[str]:
 
 
 def with_certificates(results: pd.DataFrame) -> pd.DataFrame:
-    """With a column ``certificate``: the run where it has residuals, else nothing."""
+    """Add a column ``certificate``: the run if it has residuals, otherwise nothing."""
     has = results[_residuals(results)].notna().any(axis=1)
     return results.assign(certificate=results["run"].where(has))

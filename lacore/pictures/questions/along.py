@@ -48,7 +48,7 @@ def plot_worst_position(found: WorstPosition, position: str = "position") -> Fig
         found: the answer.
         position: what the axis is called.
     """
-    heading = f"load factor {found.load_factor:.6g} at {found.position:.6g}: the least found"
+    heading = f"smallest load factor found: {found.load_factor:.6g} at {found.position:.6g}"
     figure, axes = _axes(heading)
     _curve(axes, found.table, found.load_factor, highest=_HIGHEST)
     if np.isfinite(found.load_factor):
@@ -63,8 +63,10 @@ def _heading(found: Critical) -> str:
         return f"{found.status.label}: {found.status.value}"
     crossed = [own.value for own in found.crossings if own.status is Search.FOUND]
     if len(crossed) > 1:
-        return f"it crosses the target at {listed([f'{value:.7g}' for value in crossed])}"
-    return f"{found.value:.7g}: between {found.low:.9g} and {found.high:.9g} it crosses the target"
+        return f"the target is reached at {listed([f'{value:.7g}' for value in crossed])}"
+    return (
+        f"the target is reached at {found.value:.7g} (between {found.low:.9g} and {found.high:.9g})"
+    )
 
 
 def _axes(heading: str) -> tuple[Figure, Axes]:

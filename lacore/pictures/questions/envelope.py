@@ -37,21 +37,21 @@ def plot_envelope(found: Envelope) -> Figure:
 
 
 def _draw(axes: Axes, found: Envelope, pair: Floats) -> None:
-    inner, shadow = found.inner[:, pair], " (shadow)" * (len(found.names) > 2)
+    inner, shadow = found.inner[:, pair], ", projected" * (len(found.names) > 2)
     axes.axhline(0.0, color="black", lw=0.6, zorder=1)
     axes.axvline(0.0, color="black", lw=0.6, zorder=1)
     if not found.convex:
         axes.plot(*inner.T, "o", color=_OUTSIDE, ms=4, label="certified point")
         return
     hull = inner[ConvexHull(inner / np.ptp(inner, axis=0)).vertices]
-    axes.fill(*hull.T, color=_INSIDE, alpha=0.55, lw=0, label=f"carried, proven{shadow}")
+    axes.fill(*hull.T, color=_INSIDE, alpha=0.55, lw=0, label=f"carried (proven){shadow}")
     axes.plot(*hull.T, "o", color="#2b6a99", ms=3)
     outer = found.outer[:, pair]
     if not len(outer):
         return
     border = outer[ConvexHull(outer / np.ptp(outer, axis=0)).vertices]
     border = np.concatenate([border, border[:1]])
-    axes.plot(*border.T, color=_OUTSIDE, lw=1.2, label=f"nothing beyond, proven{shadow}")
+    axes.plot(*border.T, color=_OUTSIDE, lw=1.2, label=f"not carried beyond (proven){shadow}")
     if not found.bounded:
         reach = np.ptp(hull, axis=0)
         axes.set_xlim(hull[:, 0].min() - 0.3 * reach[0], hull[:, 0].max() + 0.3 * reach[0])

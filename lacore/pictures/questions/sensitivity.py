@@ -22,7 +22,7 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
     figure = Figure(figsize=(_WIDTH, _REST + _ROW * max(len(table), 1)), layout="constrained")
     figure.set_facecolor("white")
     methods = " and ".join(dict.fromkeys(found.table["method"]))
-    heading = f"load factor {found.state.load_factor:.6g}: what it depends on, by {methods}"
+    heading = f"load factor {found.state.load_factor:.6g}: sensitivities by {methods}"
     figure.suptitle(heading, fontsize=11, x=0.01, ha="left", wrap=True)
     axes = figure.add_subplot()
     for place, row in enumerate(table.to_dict("records")):
@@ -45,7 +45,7 @@ def plot_sensitivity(found: Sensitivity) -> Figure:
     axes.set_ylim(max(len(table), 1) - 0.4, -0.6)
     axes.axvline(0.0, color="black", lw=0.8)
     axes.margins(x=0.3)
-    axes.set_xlabel("elasticity: per cent of load factor for each per cent", fontsize=9)
+    axes.set_xlabel("elasticity: change of the load factor in % for a change of 1 %", fontsize=9)
     axes.tick_params(axis="x", labelsize=8)
     for kind in dict.fromkeys(table["kind"]):
         axes.bar(np.nan, np.nan, color=_COLOURS[kind], label=kind)

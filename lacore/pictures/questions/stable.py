@@ -22,7 +22,7 @@ def plot_stable(found: Stable, units: Units | None = None) -> Figure:
     standing = found.stability.standing
     heading = cut(f"{standing.label.upper()}: {standing.value}", 95)
     residual = found.stability.residual
-    told = f"{found.state.backend}, largest residual of the proof {residual:.1e}"
+    told = f"{found.state.backend}, largest residual of the certificate {residual:.1e}"
     figure.suptitle(f"{heading}\n{told}", fontsize=11, x=0.01, ha="left", wrap=True)
     figure.draw_without_rendering()
     return figure

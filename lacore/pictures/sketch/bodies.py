@@ -87,7 +87,7 @@ def _frame(frame: Frame, sheet: Sheet, name: str, problem: Problem) -> None:
         inwards = np.where(side == 0, 1.0, -1.0) * pieces.along[:, piece]
         x, y = frame.position[:, pieces.nodes[piece, side]] + 6 * sheet.point * inwards
         sheet.axes.scatter(x, y, s=28, facecolor="white", edgecolor=_OUTLINE, zorder=5)
-        sheet.handles["hinge without moment"] = Line2D(
+        sheet.handles["pinned end"] = Line2D(
             [], [], ls="none", marker="o", mfc="white", mec=_OUTLINE, ms=5.5
         )
     finite = pieces.plastic_moment[(pieces.plastic_moment > 0) & np.isfinite(pieces.plastic_moment)]
@@ -113,7 +113,7 @@ def _blocks(body: BlockAssembly, sheet: Sheet, name: str, problem: Problem) -> N
     sheet.bodies.extend(shapely.Polygon(polygon) for polygon in polygons)
     for fixed, look, text in (
         (False, {"facecolor": _BLOCK, "edgecolor": "#555555"}, "rigid block"),
-        (True, {"facecolor": FIXED, "edgecolor": "#666666", "hatch": "////"}, "held block"),
+        (True, {"facecolor": FIXED, "edgecolor": "#666666", "hatch": "////"}, "fixed block"),
     ):
         if (held == fixed).any():
             sheet.handles[text] = Patch(**look, label=text)  # type: ignore[arg-type]

@@ -168,7 +168,7 @@ def draw_joints(
     laws, joints = joint_laws(body, sheet.units), body.joints
     many = len(colours) > len(set(colours.values()))
     if many:
-        shown = f"joints: {len(set(laws))} laws of friction"
+        shown = f"joints: {len(set(laws))} friction laws"
         sheet.handles[shown] = Line2D([], [], color=_LAWS[0], lw=2.6)
     for text in dict.fromkeys(laws):
         chosen = np.array([law == text for law in laws])

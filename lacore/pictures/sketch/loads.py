@@ -51,7 +51,7 @@ def draw_load(sheet: Sheet, load: Load, body: AnyBody, live: bool, gid: str) -> 
 
 
 def _legend(sheet: Sheet, live: bool) -> None:
-    text = r"live load, times $\alpha$" if live else "dead load"
+    text = r"reference load, times $\alpha$" if live else "dead load"
     colour = LIVE if live else DEAD
     sheet.handles[text] = Line2D([], [], color=colour, lw=1.6, marker=">", ms=5, label=text)
 
@@ -211,7 +211,7 @@ def _footing(
     tail, tip = (start - reach, start) if pushes else (start, start + reach)
     sheet.arrow(tail, tip, colour, gid, width=2.6)
     far = tail if pushes else tip
-    worth = _worth(sheet, load.pressure, "Pa", live) + " in the mean"
+    worth = _worth(sheet, load.pressure, "Pa", live) + " on average"
     sheet.labels.append(Label(worth, far, normal, colour))
 
 

@@ -69,7 +69,7 @@ def _acting(problem: Problem) -> Iterator[tuple[str, str, list[tuple[str, Ints]]
 
     for number, support in enumerate(problem.supports):
         colour = _HELD[number % len(_HELD)]
-        yield f"held: {support.told}", colour, faces(support.body, support.where)
+        yield f"fixed: {support.told}", colour, faces(support.body, support.where)
     for number, (interface, touching) in enumerate(
         zip(problem.interfaces, problem.touching, strict=True)
     ):

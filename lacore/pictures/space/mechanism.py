@@ -128,4 +128,4 @@ def _draw_load(axes: Axes3D, state: LimitState, motion: Motion) -> list[Artist]:
     tip = (motion.blocks.centroid * size).sum(axis=1) / size.sum()
     arrow = _ARROW * motion.blocks.size * total / np.linalg.norm(total)
     axes.quiver(*(tip - arrow), *arrow, color=LOAD, linewidth=2.2, arrow_length_ratio=0.3, zorder=4)
-    return [Line2D([], [], color=LOAD, lw=2, marker=">", label="live load $F_0$, resultant")]
+    return [Line2D([], [], color=LOAD, lw=2, marker=">", label="reference load $F_0$, resultant")]

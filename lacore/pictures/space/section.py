@@ -175,6 +175,6 @@ def _draw_velocity(
         width=0.0025,
         zorder=3,
     )
-    label = f"velocity in the plane, up to {speed.max() / fastest:.2g} of the fastest"
+    label = f"in-plane velocity, up to {speed.max() / fastest:.2g} of the largest"
     line = Line2D([], [], color=_VELOCITY, marker=">", markersize=4, label=label)
     axes.legend(handles=[line], loc="lower left", bbox_to_anchor=(0, 1), frameon=False, fontsize=8)

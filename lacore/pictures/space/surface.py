@@ -23,7 +23,7 @@ from lacore.pictures.space.drawing import explain, eye, page, space
 _STRETCH = 0.1  # of the size of the bodies: the largest displacement that is drawn
 _WIDE = 7.4  # inches, with the scale of colours
 PLAIN = "#ece2cd"
-DISSIPATION = "dissipation per volume, per its largest"
+DISSIPATION = "dissipation density / largest value"
 EDGE = 0.6  # of the colour of faces: that of their edges
 _FEW = 10  # boundaries that have a colour
 _SHADOW = 0.72  # of the colour that is left on sides that the light does not meet

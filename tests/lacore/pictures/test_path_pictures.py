@@ -42,8 +42,8 @@ def test_bodies_and_load(made):
     for shown in (
         f"largest load factor {highest:.6g}",
         "3 steps, status: reached",
-        *("before", "rigid footing", "obstacle", "x [m]", "equivalent strain"),
-        f"means around vertices\n(points: up to {path.history['max_strain'].max():.3g})",
+        *("initial shape", "rigid footing", "obstacle", "x [m]", "equivalent strain"),
+        f"averaged at the vertices\n(maximum at a point: {path.history['max_strain'].max():.3g})",
         *("load factor", "plastic power", "friction", "travel [m]"),
     ):
         assert shown in text, shown

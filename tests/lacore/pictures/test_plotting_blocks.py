@@ -122,7 +122,7 @@ def test_live_loads_are_arrows_that_end_where_they_act(pushed):
     (arrows,) = (item for item in axes.collections if hasattr(item, "U"))
     assert arrows.get_offsets() == pytest.approx(np.array([[0, 0.5]]))
     assert (arrows.U[0] > 0, arrows.V[0]) == (True, pytest.approx(0))
-    assert "live load" in words(axes.figure)
+    assert "reference load" in words(axes.figure)
 
 
 def test_forces_of_round_off_are_not_drawn():
@@ -233,7 +233,7 @@ def test_large_walls_take_few_artists():
         assert len(axes.collections) + len(axes.lines) + len(axes.patches) < 12
     shown = len(polygons(figure.axes[0], "#ece7dc"))
     assert shown == len(wall.names) - 1
-    assert "live load $F_0$, resultant" in words(figure)
+    assert "reference load $F_0$, resultant" in words(figure)
 
 
 def test_unsolved_blocks_say_so(toppled):

@@ -73,7 +73,7 @@ def test_sketch_of_a_case_shows_all_that_is_stated(case):
     assert set(stated(problem)) <= names(figure)
     assert any(r"\alpha" in text for text in labels(figure))
     held = any(holds_blocks(support, problem) for support in problem.supports)
-    assert ("held block" in legend(figure)) == held
+    assert ("fixed block" in legend(figure)) == held
     figure.savefig(io.BytesIO(), format="svg")
 
 
@@ -267,7 +267,7 @@ def test_frames_with_all_that_they_can_have():
     )
     figure = problem.plot()
     assert set(stated(problem)) <= names(figure)
-    assert "hinge without moment" in legend(figure)
+    assert "pinned end" in legend(figure)
     assert r"member, $M_p = 1 \ldots 2$ N" in legend(figure)
     for line in arrows(figure, "dead-load-0"):
         assert line[:, 0].max() <= 0  # on the side that the wind comes from

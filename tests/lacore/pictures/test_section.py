@@ -145,7 +145,7 @@ def test_the_picture_has_values_of_the_elements_and_arrows(state):
         pytest.approx(-2 * z * arrows.U / x, abs=1e-4 * np.hypot(arrows.U, arrows.V).max())
         == arrows.V
     )
-    assert bar.get_ylabel() == "dissipation per volume, per its largest"
+    assert bar.get_ylabel() == "dissipation density / largest value"
 
 
 def test_arrows_are_seen_where_the_plane_cuts_off_a_corner(state):

@@ -52,11 +52,11 @@ class Axis:
     log: bool = True
 
 
-ELEMENTS = Axis("n_elements", "elements")
+ELEMENTS = Axis("n_elements", "number of elements")
 ERROR = Axis("error", "relative error")
-FACTOR = Axis("factor", "time over that of the fastest")
-SHARE = Axis("share", "problems solved", log=False)
-SOLVE_TIME = Axis("solve_time", "time to solve [s]")
+FACTOR = Axis("factor", "time relative to the fastest solver")
+SHARE = Axis("share", "share of problems solved", log=False)
+SOLVE_TIME = Axis("solve_time", "solve time [s]")
 
 
 def curves(

@@ -62,7 +62,7 @@ def sweep_chart(case: Case, outcomes: Sequence[Outcome]) -> Chart | None:
         axes.plot(points, low, color=INK, lw=1.3, label="reference", zorder=1)
         if low != high:
             axes.plot(points, high, color=INK, lw=1.3, zorder=1)
-            axes.fill_between(points, low, high, color=BAND, label="Coulomb loads", zorder=0)
+            axes.fill_between(points, low, high, color=BAND, label="Coulomb load factors", zorder=0)
         tips = []
         for number, backend in enumerate(sorted({outcome.run.backend for outcome in family})):
             finest = _finest(family, backend)
@@ -86,9 +86,7 @@ def sweep_chart(case: Case, outcomes: Sequence[Outcome]) -> Chart | None:
         axes.set_xlabel(case.sweep)
         axes.set_ylabel(f"load factor [{case.unit}]")
         legend(figure, axes)
-    return Chart(
-        figure, f"{case.title}: load factor against {case.sweep}, with the reference", tips
-    )
+    return Chart(figure, f"{case.title}: load factor and reference against {case.sweep}", tips)
 
 
 def _words(case: Case, outcome: Outcome, place: float) -> str:

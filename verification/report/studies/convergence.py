@@ -43,10 +43,10 @@ _FIT = (
     Column("high", "to", "+.3f"),
 )
 _RANGE = (
-    Column("start", "holds from", ".2g"),
+    Column("start", "valid from", ".2g"),
     Column("stop", "to", ".2g"),
     Column("points", form=".0f"),
-    Column("usable", "of", ".0f"),
+    Column("usable", "usable points", ".0f"),
     Column("floor", form=".1e"),
     Column("reason", long=True),
 )
@@ -69,9 +69,9 @@ def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -
     label = _PARAMETERS.get(parameter, parameter)
     expected = "1 and 2" if parameter == "option_r" else "−1 and −2"
     text = (
-        "α* is the value of the exact program on the same mesh. At frozen reactions"
-        f" P ≤ α_reg ≤ λ ≤ α*, and theory (T19) expects the slopes {expected}. A line is drawn over"
-        " the points that it was fitted to; dotted is the floor, where solver accuracy takes over."
+        "α* is the exact value on the same mesh. For fixed reactions P ≤ α_reg ≤ λ ≤ α*, and the"
+        f" theory (T19) predicts the slopes {expected}. Each line covers the points to which it was"
+        " fitted. The dotted line is the floor below which the accuracy of the solver dominates."
     )
     columns = (
         *_NAMES,
@@ -88,7 +88,7 @@ def regularisation_section(results: pd.DataFrame, parameter: str = "option_r") -
     blocks: list[Block] = [
         Text(text),
         Gallery(list(_against(errors, fits, Axis(parameter, label)))),
-        Details("Slopes, their confidence intervals, and where they hold", [Table(columns, shown)]),
+        Details("Slopes, their confidence intervals and ranges", [Table(columns, shown)]),
     ]
     return Section(f"convergence-{parameter}", f"Error against {label}", blocks)
 
@@ -125,8 +125,8 @@ def refinement_section(results: pd.DataFrame) -> Section | None:
             drawings += _refined(_rows(solved, names), own, _title(names))
     named = with_lines(fits, _solvers(fits, ""), fits)
     text = (
-        "Relative error against the reference, fitted over three or more meshes. The order is that"
-        " in the size of the elements, h = N^(−1/2)."
+        "Relative error with respect to the reference, fitted over three or more meshes. The order"
+        " refers to the element size h = N^(−1/2)."
     )
     blocks: list[Block] = [
         Text(text),
@@ -166,11 +166,11 @@ def steps_section(results: pd.DataFrame) -> Section | None:
             Axis("path_error", "largest relative error of the path"),
             by=LINE,
         )
-        drawings.append(Drawing(f"{title}-steps", f"{title}: error with the steps", chart))
+        drawings.append(Drawing(f"{title}-steps", f"{title}: error against steps", chart))
     text = (
-        "Largest relative error of the loads along each path. Theory (T30) expects order 1 of"
-        " explicit and implicit Euler steps, 2 of leapfrog and the implicit midpoint; a floor is"
-        " that of the mesh."
+        "Largest relative error of the loads along each path. The theory (T30) predicts order 1 for"
+        " explicit and implicit Euler steps, and order 2 for leapfrog and the implicit midpoint"
+        " rule. The floor is the error of the mesh."
     )
     shown = with_lines(fits, lines, fits)
     blocks: list[Block] = [
@@ -178,7 +178,7 @@ def steps_section(results: pd.DataFrame) -> Section | None:
         Gallery(drawings),
         Details("Orders of the schemes", [Table(columns, shown)]),
     ]
-    return Section("steps", "Error of paths with their steps", blocks)
+    return Section("steps", "Error of paths against their steps", blocks)
 
 
 def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawing]:
@@ -189,7 +189,7 @@ def _refined(points: pd.DataFrame, fits: pd.DataFrame, title: str) -> list[Drawi
     cost = axes.cost(lines, by=LINE)
     return [
         Drawing(f"{title}-refinement", f"{title}: error under refinement", error),
-        Drawing(f"{title}-cost", f"{title}: what accuracy costs", cost),
+        Drawing(f"{title}-cost", f"{title}: error against solve time", cost),
     ]
 
 

@@ -1,4 +1,4 @@
-"""What all runs together say, as far as there is something to show."""
+"""Studies of all runs together, if there is anything to show."""
 
 from dataclasses import replace
 
@@ -19,8 +19,8 @@ from verification.verdicts.words import SKIPPED
 
 PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_tangential")
 _COMPARABLE = (
-    "Times: with default options, on the problems that all of them were run on; solvers of fewer"
-    " than half of all problems are left out."
+    "Times refer to default options and to the problems that all listed solvers were run on."
+    " Solvers that were run on fewer than half of all problems are left out."
 )
 _LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
 
@@ -55,12 +55,12 @@ def _extrapolation(results: pd.DataFrame) -> Section | None:
         Column("rule", "rule", long=True),
     )
     blocks: list[Block] = [Details("Limits", [Table(columns, limits)])]
-    lead = "From two solves λ and its tangent have a limit of higher order than either (T19)."
+    lead = "Two solves, with λ and its derivative, give a limit of higher order than either (T19)."
     return Section("extrapolation", "Regularised values extrapolated to r = 0", blocks, lead)
 
 
 def solvers(results: pd.DataFrame) -> Section | None:
-    """Backends with their default options: how often they are right, and how fast."""
+    """Compare backends with default options: how often they are correct, and how fast."""
     plain = _plain(results)
     if plain["backend"].nunique() < 2:
         return None

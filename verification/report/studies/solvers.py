@@ -34,14 +34,14 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
     """
     found = costs(results, "solve_time", solved_by, unsolved)
     filters = (
-        f"A run counts as solved by its {solved_by}, one that was not made does not. Of the"
-        f" {len(found.cost)} problems shown, those that nobody solved"
+        f"Whether a run counts as solved is decided by its {solved_by}; a missing run does not."
+        f" Of the {len(found.cost)} problems shown, those that no solver solved"
         f" ({found.nobody} in all) are {'kept' if unsolved == 'keep' else 'left out'}."
     )
     if not np.isfinite(found.cost.to_numpy(dtype=float)).any():  # charts would be empty
-        return Section("solvers", _TITLE, [Text("None of the runs is solved.")])
+        return Section("solvers", _TITLE, [Text("No run is solved.")])
     chart = axes.profile(performance_profile(found), axes.FACTOR)
-    caption = "Share of problems solved within a factor of the fastest solver"
+    caption = "Share of problems solved within a multiple of the time of the fastest solver"
     means = _means_table(shifted_geometric_means(found, SHIFT, limit))
     profile = Drawing("profile", caption, chart, filters)
     return Section("solvers", _TITLE, [Columns([means], [profile])])
@@ -49,7 +49,7 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
 
 def effort_section(results: pd.DataFrame) -> Section:
     """What accuracy costs on each problem, and how much work it was."""
-    title = "What accuracy costs, problem by problem"
+    title = "Cost of accuracy, by problem"
     blocks = [_accuracy_table(results), _efforts_table(efforts(results))]
     return Section("effort", title, blocks)
 
@@ -57,13 +57,15 @@ def effort_section(results: pd.DataFrame) -> Section:
 def _means_table(means: pd.DataFrame) -> Table:
     columns = (
         Column("solver"),
-        Column("mean", "mean s", ".3g"),
-        Column("ratio", "of the best", ".2f"),
+        Column("mean", "mean, s", ".3g"),
+        Column("ratio", "relative to the fastest", ".2f"),
         Column("solved", form=".0f"),
-        Column("shift", "shift s", "g"),
-        Column("limit", "unsolved count s", "g"),
+        Column("shift", "shift, s", "g"),
+        Column("limit", "unsolved counts as, s", "g"),
     )
-    return Table(columns, means, "Time to solve: shifted geometric means, problems of the profile")
+    return Table(
+        columns, means, "Solve time: shifted geometric means over the problems of the profile"
+    )
 
 
 def rates_table(results: pd.DataFrame) -> Table:
@@ -76,7 +78,7 @@ def rates_table(results: pd.DataFrame) -> Table:
         Column("correctness_rate", "correct %", ".1f", scale=100),
         Column("wrong_claims", form=".0f"),
     )
-    return Table(columns, rates(results), "Success that solvers claim, beside what was proven")
+    return Table(columns, rates(results), "Claimed and proven success of the solvers")
 
 
 def _accuracy_table(results: pd.DataFrame) -> Table:
@@ -91,8 +93,8 @@ def _accuracy_table(results: pd.DataFrame) -> Table:
         own = found[found["level"] == level].rename(columns={"cost": cost, "run": run})
         shown = shown.merge(own[[*names, cost, run]], on=names)
         columns.append(Column(cost, form=".3g", link=Anchor(RUN.prefix, run)))
-    columns.append(Column("closest", "closest %", ".2g", scale=100))
-    caption = "Seconds to solve on the cheapest mesh with an error of at most, and the least error"
+    columns.append(Column("closest", "smallest error, %", ".2g", scale=100))
+    caption = "Solve time (s) of the fastest mesh whose error is at most the given value"
     return Table(columns, shown, caption)
 
 
@@ -102,13 +104,13 @@ def _efforts_table(found: pd.DataFrame) -> Table:
         Column("variant"),
         *_SOLVER,
         Column("certified", form=".0f"),
-        Column("runs", "of", ".0f"),
-        Column("inner_solves", "solves", "g"),
-        Column("most_inner_solves", "most", "g"),
-        Column("iterations_per_solve", "iterations a solve", ".1f"),
+        Column("runs", "runs", ".0f"),
+        Column("inner_solves", "inner solves", "g"),
+        Column("most_inner_solves", "maximum", "g"),
+        Column("iterations_per_solve", "iterations per solve", ".1f"),
         Column("contraction", form=".3f"),
-        Column("worst_contraction", "worst", ".3f"),
-        Column("time_per_solve", "s a solve", ".3g"),
+        Column("worst_contraction", "worst contraction", ".3f"),
+        Column("time_per_solve", "time per solve, s", ".3g"),
     )
     return Table(
         columns, found, "Inner solves, iterations and contraction: medians of certified runs"
