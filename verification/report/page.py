@@ -228,11 +228,18 @@ def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
         lead(own.case),
         [
             Section("results", "Results", results_of(own.case, own.outcomes, own.results, drawn)),
-            Section("case", "The case", [explained(own.case, own.outcomes)]),
+            Section("case", "The case", [*_sketch(own, drawn), explained(own.case, own.outcomes)]),
         ],
         [answers(own.outcomes)],
         trail,
     )
+
+
+def _sketch(own: Own, drawn: Drawn) -> Iterator[Gallery]:
+    """Yield the sketch of the problem, if it was drawn in place of a mechanism."""
+    found = drawn.get(sketch(own.case).name)
+    if isinstance(found, Picture):
+        yield Gallery([found])
 
 
 def explained(case: Case, outcomes: Sequence[Outcome]) -> Block:

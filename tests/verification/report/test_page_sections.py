@@ -85,7 +85,7 @@ def test_what_is_exact_on_every_mesh_has_no_refinement_chart():
 
 def test_least_times_link_to_their_runs():
     results = refined()
-    (table,) = [t for t in effort_section(results).blocks if "cheapest" in t.caption]
+    (table,) = [t for t in effort_section(results).blocks if "fastest mesh" in t.caption]
     text = rendered(Document("", "", [Section("one", "", [table, results_table(results)])]))
     assert '<a href="#run-fine-fast">1</a>' in text
     assert table.plain["1 %"].tolist() == ["20", "1"]

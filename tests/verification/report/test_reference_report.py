@@ -80,10 +80,12 @@ def painted(subjects):
     """The pictures that are kept: pixels may differ from processor to processor."""
     kept = REPORT / "pictures"
     files = file_names(subject.name for subject in subjects)
-    return {
-        one.name: Picture(one.name, one.caption, (kept / f"{file}.png").read_bytes())
-        for one, file in zip(subjects, files, strict=True)
-    }
+    found = {}
+    for one, file in zip(subjects, files, strict=True):
+        data, small = ((kept / f"{file}{end}.png").read_bytes() for end in ("", "-thumbnail"))
+        thumbnail = Picture(f"{one.name}-thumbnail", one.caption, small, shown_at=0.5)
+        found[one.name] = Picture(one.name, one.caption, data, thumbnail)
+    return found
 
 
 def names(folder):

@@ -23,7 +23,7 @@ from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.evidence.bracket import packed_shares, unpacked_shares
 from verification.perform.irregular import irregular
 from verification.perform.one_run import run_here
-from verification.report.bracket import drawn_bracket, widths, widths_chart
+from verification.report.bracket import stored_shares, widths, widths_chart
 from verification.report.drawing import brackets, painted
 from verification.store.results import load_results
 from verification.verdicts.bracket import between
@@ -356,8 +356,8 @@ def test_a_comparison_and_its_report_show_the_bracket_beside_the_reference(tmp_p
     assert re.search(r"1\.9\d+ <= load factor <= 2\.\d+, [0-4]\.\d+ % wide", result.stdout)
     assert "bracket              " not in result.stdout.partition("couplings, where")[2]
     page = (tmp_path / "cases" / "opposed-punches.html").read_text(encoding="utf-8")
-    assert "Proven from both sides" in page
-    assert "Bracket of h-1: where the rest of the gap is" in page
+    assert "Lower and upper bounds" in page
+    assert "Bracket of h-1: contributions of the elements to the gap" in page
     assert "cannot be drawn" not in page
     assert "% at N = 32." in page  # the allowed error is that of the solve, not of the bracket
     table = load_results(tmp_path).set_index("coupling")
@@ -368,9 +368,9 @@ def test_a_comparison_and_its_report_show_the_bracket_beside_the_reference(tmp_p
 def test_what_is_stored_but_no_bracket_is_said_on_the_page(strip):
     (outcome,) = with_arrays(strip, b"nonsense").outcomes.values()
     with pytest.raises(ValueError, match="no bracket"):
-        drawn_bracket(outcome)
+        stored_shares(outcome)
     (subject,) = brackets([outcome], 1)
-    assert "cannot be drawn from what is stored" in painted(subject).lead
+    assert "cannot be drawn from the stored results" in painted(subject).lead
     assert widths_chart([outcome]) is not None  # the history is another part of what is stored
 
 
