@@ -187,13 +187,7 @@ class Gallery:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph.
-
-    Attributes:
-        text: of it.
-        lead: bold, on a line before it.
-        soft: whether it is an aside.
-    """
+    """A paragraph; its `lead` stands in bold on a line before it, `soft` marks an aside."""
 
     text: str
     lead: str = ""
@@ -264,14 +258,10 @@ class Card:
     """The entry of another page in a list.
 
     Attributes:
-        page: The other page.
-        picture: Its thumbnail; None for none.
-        table: Its results.
+        page, picture, table: The other page, its thumbnail and its results.
         mood: As in `Section`.
         name: Name that rows of tables use for the card.
-        tags: Tags by which `Filters` choose it.
-        verdicts: Verdicts by which they choose it.
-        seconds: Solve time by which they order it.
+        tags, verdicts, seconds: Tags, verdicts and solve time for `Filters`.
     """
 
     page: Page
@@ -296,8 +286,7 @@ class Filters:
     """Controls that search, filter and order the cards of a page; its address keeps their state.
 
     Attributes:
-        tags: Tags to choose from.
-        verdicts: Verdicts to choose from.
+        tags, verdicts: Values to choose from.
         order: Name of the order in which the cards are listed.
     """
 

@@ -111,7 +111,7 @@ def test_of_many_forces_those_are_drawn_that_bear_the_load():
     shown = len(item.get_segments()) // 2  # into either block
     assert shown < size.size
     assert size[:shown].sum() >= 0.9 * size.sum() > size[: shown - 1].sum()
-    assert f"those above {size[shown - 1]:.2g}" in words(figure)
+    assert f"shown above {size[shown - 1]:.2g}" in words(figure)
     shades = item.get_colors()[:shown, :3].sum(axis=1)
     assert np.all(np.diff(shades) <= 1e-12)  # the darkest is the largest, and on top
     assert to_hex(item.get_colors()[shown - 1]) == THRUST

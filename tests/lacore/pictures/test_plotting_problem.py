@@ -281,7 +281,7 @@ def test_many_laws_are_counted():
         supports=[la.Fix("stack", "0")],
         reference_loads=[la.BodyForce("stack", (1, 0))],
     )
-    assert "joints: 8 laws of friction" in legend(problem.plot())
+    assert "joints: 8 friction laws" in legend(problem.plot())
 
 
 def test_bodies_of_one_material_have_colours_of_their_own():

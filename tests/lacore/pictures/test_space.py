@@ -137,7 +137,7 @@ def test_a_scene_is_a_page_or_says_what_is_missing(sliding, tmp_path):
     try:
         import trame_pyvista  # noqa: F401  an extra
     except ImportError:
-        with pytest.raises(la.InputError, match=r"lacore\[scene\]"):
+        with pytest.raises(la.InputError, match=r"lacore-limit-analysis\[scene\]"):
             sliding.to_html(page)
         return
     sliding.to_html(page)

@@ -51,9 +51,9 @@ def test_tables_have_columns_for_it():
     results = results_frame(outcomes())
     titles = [column.title for column in results_table(results).columns]
     assert "dead loads" in titles
-    assert "holds" in titles
+    assert "loads carried" in titles
     without = as_table({**outcome.record(), "standing": "", "run": "x"} for outcome in outcomes())
-    assert "holds" not in [column.title for column in results_table(without).columns]
+    assert "loads carried" not in [column.title for column in results_table(without).columns]
 
 
 def test_the_terminal_names_what_does_not_stand():

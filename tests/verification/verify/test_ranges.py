@@ -119,8 +119,8 @@ def test_what_others_say_stands_beside_it(searched):
     (outcome,) = searched[1].outcomes.values()
     (table,) = beside_table(FOOTING, [outcome])
     rows = {record["what"]: record for record in table.records}
-    assert rows["the lowest state found"]["value"] == outcome.row.lowest
-    assert rows["associated flow, same mesh"]["share"] == 1
+    assert rows["lowest state found"]["value"] == outcome.row.lowest
+    assert rows["associated flow on the same mesh"]["share"] == 1
     # REFERENCES: the fit at psi = 20, Davis's strength, and Prandtl's load
     assert rows["Loukidis and Salgado 2009"]["value"] == pytest.approx(29.89, abs=0.005)
     assert rows["Davis's strength"]["value"] == pytest.approx(28.537, abs=5e-4)
