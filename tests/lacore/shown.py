@@ -207,7 +207,7 @@ def answers():
         la.worst_position(lambda mu: wall(mu), (0.5, 0.7), scan=3, tolerance=0.3),
         *(la.stable(own) for own in (stone, unsafe())),
     ]
-    found += [la.sensitivity(la.solve(own)) for own in (portal(), mixed())]
+    found += [la.sensitivity(la.solve(own)) for own in (portal(), wall())]
     sway = {"H": [la.PointForce("portal", "B", (1, 0))]}
     sway["V"] = [la.PointForce("portal", (2, 3), (0, -1))]
     found.append(la.envelope(portal(), sway, n=6))
@@ -233,13 +233,13 @@ def results():
         la.soil_range(sheared(0.0, cells=1), shares=(0.3,)),
     ]
     made += [gap, la.bracket(punch(2, 2), 0.2), la.bracket(locked(), 0.2)]
-    made += [la.bracket(punch(2, 2), 0.01, max_elements=200, meshes="separate")]
-    made += [la.bracket(deformable_block(0.3), 0.2, max_elements=100)]
+    made += [la.bracket(punch(2, 2), 0.01, max_elements=130, meshes="separate")]
+    made += [la.bracket(deformable_block(0.3), 0.5, max_elements=100)]
     made += [la.coulomb_range(wall(), restarts=0), la.coulomb_range(unsafe(), restarts=0)]
     made.append(la.crushing_bracket(weak_pier(), rounds=1))
     made += [la.coulomb_range(deformable_block(0.3, b=1.0), restarts=0)]
     made += answers()
-    made += [pressed(steps=2), pressed(steps=2, billet=quad_billet)]
+    made += [pressed(steps=1), pressed(steps=1, billet=quad_billet)]
     path, spread = made[-2], next(own for own in made if isinstance(own, la.CoulombRange))
     bracket = next(own for own in reversed(made) if isinstance(own, la.Bracket))
     other += [replace(bracket, status=ending, failure=LONG) for ending in BracketEnding]

@@ -28,6 +28,7 @@ CRITERIA = {
     "shear": la.MaximumShear(0.7),
     "cone": la.DruckerPrager(1.0, 20, "extension"),
 }
+DRAWN = 15  # points, each of which takes a linear program
 
 
 def surfaces(criterion, kinematics, points):
@@ -57,9 +58,9 @@ def least(own, length, volume):
 @pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
 def test_the_dissipation_is_the_least_cost_of_multipliers(criterion, kinematics):
     rng = np.random.default_rng(1)
-    own = surfaces(criterion, kinematics, 60)
-    some = rng.exponential(size=(60, own.count)) * rng.integers(0, 2, (60, own.count))
-    length = some @ own.normed * rng.uniform(size=60)
+    own = surfaces(criterion, kinematics, DRAWN)
+    some = rng.exponential(size=(DRAWN, own.count)) * rng.integers(0, 2, (DRAWN, own.count))
+    length = some @ own.normed * rng.uniform(size=DRAWN)
     volume = np.einsum("mk,mkl->ml", some, own.slope)
     seen = own.dissipation(length, volume.ravel())
     wanted = [least(own, one, rate) for one, rate in zip(length, volume, strict=True)]
@@ -71,8 +72,8 @@ def test_the_dissipation_is_the_least_cost_of_multipliers(criterion, kinematics)
 @pytest.mark.parametrize(("criterion", "kinematics"), [*known()])
 def test_flow_is_possible_where_there_are_multipliers(criterion, kinematics):
     rng = np.random.default_rng(2)
-    own = surfaces(criterion, kinematics, 60)
-    length, volume = rng.exponential(size=60), rng.normal(size=(60, own.volumes))
+    own = surfaces(criterion, kinematics, DRAWN)
+    length, volume = rng.exponential(size=DRAWN), rng.normal(size=(DRAWN, own.volumes))
     wanted = [least(own, one, rate) < np.inf for one, rate in zip(length, volume, strict=True)]
     assert ((own.impossible(length, volume.ravel()) <= 0) == wanted).all()
 

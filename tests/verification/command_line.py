@@ -4,6 +4,7 @@ To start another one takes longer than most runs. What processes are for is test
 lost (test_broken_backends, test_sweep_kills), and a command as users start it in test_hidden.
 """
 
+import struct
 from contextlib import contextmanager
 
 import pytest
@@ -11,21 +12,33 @@ from click.testing import CliRunner
 
 from verification.commands import cli
 from verification.perform.one_run import run_here
+from verification.report.blocks import Picture
 
 
-def lacore(*words):
-    """The result of a command."""
-    with one_interpreter():
+def lacore(*words, rendered=True):
+    """The result of a command.
+
+    Without pictures of the problem, the mechanism and the bracket, a page of `lacore solve` takes a
+    tenth of the time.
+    """
+    with one_interpreter(rendered):
         return CliRunner().invoke(cli.main, list(map(str, words)))
 
 
 @contextmanager
-def one_interpreter():
+def one_interpreter(rendered=True):
     """Nothing below starts a process of ours; backends that need one of their own have it."""
     with pytest.MonkeyPatch.context() as patch:
+        if not rendered:
+            patch.setattr("verification.problems.page._picture", empty_picture)
         patch.setattr("verification.perform.processes.run_in_processes", run_in_order)
         patch.setattr("verification.report.drawing._TOGETHER", 1000)
         yield
+
+
+def empty_picture(name, caption, _thing, _units):
+    """A picture of the size 1 by 1 in place of one of a thing."""
+    return Picture(name, caption, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + struct.pack(">II", 1, 1))
 
 
 def run_in_order(runs, jobs=1, *, time_limit, on_start):

@@ -104,7 +104,7 @@ def test_punch_from_a_fan_by_hand():
 
 @pytest.mark.parametrize("meshes", one_in(2, ["separate", "shared"]))
 def test_cut(meshes):
-    found = proven(la.bracket(cut(), 0.02, meshes=meshes))
+    found = proven(la.bracket(cut(), 0.05, meshes=meshes))
     assert found.status is la.Ending.REACHED
     assert found.lower < CUT[1]
     assert found.upper > CUT[0]

@@ -92,7 +92,7 @@ def test_meshes_are_told_apart_as_they_were_joined():
 
 
 def test_a_bracket_says_which_side_stopped_and_why():
-    found = la.bracket(cut_flat(), 1e-3, max_elements=200)
+    found = la.bracket(cut_flat(), 1e-3, max_elements=130)
     assert found.status is la.Ending.MAX_ELEMENTS
     assert "lower and upper bounds stopped at" in found.message
     assert "max elements" in found.message

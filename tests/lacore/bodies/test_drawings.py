@@ -85,7 +85,7 @@ def test_a_facade_of_a_cad_program_in_fifteen_lines(tmp_path):
     assert wall.weight("wall")[1].vector == pytest.approx((0, -1800 * GRAVITY))
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), noise=st.sampled_from([0.0, 1e-9, 1e-6, 5e-6]))
 def test_noise_order_and_format_change_nothing(tmp_path_factory, seed, noise):
     folder = tmp_path_factory.mktemp("drawings")
@@ -109,7 +109,7 @@ def test_noise_order_and_format_change_nothing(tmp_path_factory, seed, noise):
         assert load_factor(read) == pytest.approx(alpha, rel=allowed)
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_reading_depends_on_no_order_and_no_direction(tmp_path_factory, seed):
     """Of the same noise: only sums are added up in another order."""

@@ -23,7 +23,7 @@ def cut(weight, criterion, cells=4):
 @pytest.mark.parametrize("criterion", [la.VonMises(2.0), la.MohrCoulomb(2.0, 0)], ids=["k", "c"])
 def test_without_friction_it_is_the_load_factor(criterion):
     """Strengths and loads then are in proportion: F is alpha, end by end."""
-    problem = cut(1.0, criterion)
+    problem = cut(1.0, criterion, cells=2)
     found = la.safety_factor(problem, tolerance=1e-3)
     lower, upper = la.lower_bound(problem).load_factor, la.upper_bound(problem).load_factor
     assert lower * (1 - 1e-3) <= found.lower <= lower
@@ -89,7 +89,7 @@ def test_no_bound_no_end(monkeypatch, end):
     bound = getattr(safety, f"{end}_bound")
     lost = {"rigor": la.Rigor.NOT_CERTIFIED, "load_factor": nan}
     monkeypatch.setattr(safety, f"{end}_bound", lambda *given: replace(bound(*given), **lost))
-    found = la.safety_factor(problem, tolerance=0.05)
+    found = la.safety_factor(problem, tolerance=0.2)
     assert isnan(getattr(found, end))
     assert not isnan(found.lower if end == "upper" else found.upper)
 

@@ -53,7 +53,8 @@ def answer(tmp_path_factory):
     """Asked for in the file."""
     folder = tmp_path_factory.mktemp("more")
     (folder / "portal.toml").write_text(PORTAL + PLACES, encoding="utf-8")
-    return folder, lacore("solve", folder / "portal.toml", "--out", folder / "out", "--json")
+    file, out = folder / "portal.toml", folder / "out"
+    return folder, lacore("solve", file, "--out", out, "--json", rendered=False)
 
 
 def test_each_answer_is_that_of_the_function(answer):
@@ -119,7 +120,8 @@ def test_what_has_no_load_factor_has_no_sensitivity_and_is_still_a_page(tmp_path
     file = tmp_path / "portal.toml"
     # No factor of floor and wind together holds up what is five times the load of the beam.
     file.write_text(PORTAL.replace("-1 kN", "-100 kN", 1), encoding="utf-8")
-    result = lacore("solve", file, "--sensitivity", "--stable", "--out", tmp_path / "out")
+    out = tmp_path / "out"
+    result = lacore("solve", file, "--sensitivity", "--stable", "--out", out, rendered=False)
     assert result.exit_code == 1
     assert "stable           falls" in result.stdout
     assert "sensitivity      no result: state = 'unsafe'" in result.stdout

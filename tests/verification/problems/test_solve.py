@@ -54,7 +54,7 @@ def test_a_bracket_is_what_the_answer_begins_with(tmp_path):
     """One solve of the mesh of the file may lie outside of it, as here."""
     file = tmp_path / "footing.toml"
     file.write_text(lacore("new", "footing").stdout, encoding="utf-8")
-    result = lacore("solve", file, "--out", tmp_path, "--bracket", "0.1", "--json")
+    result = lacore("solve", file, "--out", tmp_path, "--bracket", "0.1", "--json", rendered=False)
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
     lower, upper = document["bracket"]["lower"], document["bracket"]["upper"]
@@ -102,7 +102,7 @@ def test_a_page_is_in_one_choice_of_units(name, tmp_path):
     """That of the file, on the terminal, in pictures' legends, facts and tables."""
     file = tmp_path / f"{name}.toml"
     file.write_text(lacore("new", name).stdout, encoding="utf-8")
-    result = lacore("solve", file, "--out", tmp_path / "out")
+    result = lacore("solve", file, "--out", tmp_path / "out", rendered=False)
     page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     shown = page.partition('id="file"')[0]  # before the text of the file
     for text in (result.stdout, shown):
@@ -121,7 +121,7 @@ def test_the_script_finds_the_same_number(solved):
 
 def test_json_is_one_document(solved, tmp_path):
     file, _, _ = solved
-    result = lacore("solve", file, "--out", tmp_path, "--json")
+    result = lacore("solve", file, "--out", tmp_path, "--json", rendered=False)
     found = json.loads(result.stdout)
     assert found["rigor"] == "upper"
     assert found["load_factor"] == pytest.approx(la.solve(footing.problem()).load_factor)
@@ -203,7 +203,7 @@ def test_an_answer_that_cannot_be_written_is_told(tmp_path, monkeypatch):
     assert not re.search("^  report", result.stdout, re.MULTILINE)
     assert "cannot be written; free space" in result.stderr
     assert not (out / "state.vtu").exists()
-    document = json.loads(lacore("solve", file, "--out", out, "--json").stdout)
+    document = json.loads(lacore("solve", file, "--out", out, "--json", rendered=False).stdout)
     assert document["page"] is None
     assert document["load_factor"] > 0
 
@@ -214,7 +214,7 @@ def test_what_moves_without_flowing_is_not_said_to_rest(tmp_path):
     text = footing.TEXT
     held = text[text.index("[[supports]]") : text.index("[[reference_loads]]")]
     file.write_text(text.replace(held, ""), encoding="utf-8")
-    result = lacore("solve", file, "--out", tmp_path)
+    result = lacore("solve", file, "--out", tmp_path, rendered=False)
     assert result.exit_code == 1
     assert re.search(r"mechanism +clay moves without dissipation", result.stdout)
 

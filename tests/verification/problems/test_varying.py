@@ -72,7 +72,8 @@ def asked(folder, text, *options):
     """The document, its folder, and what was said."""
     file = folder / "my.toml"
     file.write_text(text, encoding="utf-8")
-    result = lacore("solve", file, "--out", folder / "out", "--json", *options)
+    out = folder / "out"
+    result = lacore("solve", file, "--out", out, "--json", *options, rendered=False)
     assert result.exit_code == 0, result.output
     return json.loads(result.stdout)
 
