@@ -264,3 +264,16 @@ def test_help_says_what_a_command_does(command):
     result = run(command, "--help")
     assert result.exit_code == 0
     assert "--json" in result.stdout
+
+
+def test_reports_manuals_and_exports_are_json_too(compared, tmp_path):
+    _, results = compared
+    made = strict_json(run("report", results, "--out", tmp_path / "report", "--json").stdout)
+    assert made["report"] == str(tmp_path / "report" / "index.html")
+    assert made["summary"]["passed"] == len(PLANNED)
+    options = ("wall-1", "--results", results, "--out", tmp_path / "manual", "--json")
+    made = strict_json(run("manual", *options).stdout)
+    assert (tmp_path / "manual" / "index.html").samefile(made["manual"])
+    made = strict_json(run("export", "wall-1", "--out", tmp_path / "files", "--json").stdout)
+    assert (tmp_path / "files" / "index.csv").samefile(made["index"])
+    assert all((tmp_path / "files" / row["file"]).is_file() for row in made["rows"])
