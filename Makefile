@@ -17,11 +17,12 @@ FRAGILE := $(addprefix tests/backends/test_, interior_point.py scipy.py regulari
 	paths/test_sequential.py paths/test_path_states.py paths/test_path_drift.py) \
 	$(addprefix tests/verification/, conformance/test_conformance.py cases/test_path_cases.py report/test_reference_report.py)
 
-.PHONY: help compare verify fuzz test test-all test-kernels test-browser test-site test-wheel lint bench bench-all bench-page readme architecture reference docs results clean
+.PHONY: help compare verify fuzz test test-slice test-all test-kernels test-browser test-site test-wheel lint bench bench-all bench-page readme architecture reference docs results clean
 
 help:
 	@echo "make compare   compare all applicable backends on every case, and write reports/compare/index.html"
 	@echo "make test      run the tests"
+	@echo "make test-slice  run the slow tests of today, at most 12 minutes of them"
 	@echo "make test-all  run the slow tests too"
 	@echo "make verify    check every case: values, bounds, residuals, orders of convergence, brackets"
 	@echo "make fuzz      check 1 000 random problems independently of the solver"
@@ -72,6 +73,9 @@ fuzz: $(RUNTIME)
 
 test: $(READY)
 	$(PARALLEL) $(PYTEST_ARGS)
+
+test-slice: $(READY)
+	$(PARALLEL) -m slow --slice today $(PYTEST_ARGS)
 
 test-all: $(READY)
 	$(PARALLEL) -m "slow or not slow"

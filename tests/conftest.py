@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.slices import BUDGET, SLICES, Budget, slice_of, slice_of_today
+
 for name, examples in {"fast": 5, "all": 40}.items():
     settings.register_profile(
         name,
@@ -23,10 +25,14 @@ for name, examples in {"fast": 5, "all": 40}.items():
     )
 
 
+BUDGET_OF_SLICE = pytest.StashKey[Budget]()
+
+
 def pytest_configure(config):
     """Fewer examples of each property in the fast tests; those that say how many have as many."""
     every = "slow or not slow" in config.option.markexpr
     settings.load_profile("all" if every else "fast")
+    config.stash[BUDGET_OF_SLICE] = Budget()
 
 
 ROOT = Path(__file__).parents[1]
@@ -37,14 +43,33 @@ SLOW = frozenset((Path(__file__).parent / "slow.txt").read_text(encoding="utf-8"
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Those of the list are slow, like those that are marked."""
+def pytest_collection_modifyitems(config, items):
+    """Those of the list are slow, like those that are marked; a slice may be chosen."""
     for item in items:
         if not SLOW.isdisjoint((item.nodeid, item.nodeid.partition("::")[0])):
             item.add_marker(pytest.mark.slow)
+    if config.option.slice is not None:
+        others = [item for item in items if slice_of(item.nodeid) != config.option.slice]
+        config.hook.pytest_deselected(items=others)
+        items[:] = [item for item in items if slice_of(item.nodeid) == config.option.slice]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """A slice starts no test after its time."""
+    if item.config.option.slice is not None and item.config.stash[BUDGET_OF_SLICE].spent:
+        pytest.skip("the time of this slice is over; its other tests run with the next one")
 
 
 def pytest_addoption(parser):
+    parser.addoption(
+        "--slice",
+        type=lambda text: slice_of_today() if text == "today" else int(text),
+        default=None,
+        metavar="N",
+        help=f"run only the tests of slice N, 0 to {SLICES - 1} or today, and start none after"
+        f" {BUDGET:g} s; with -m slow: the slow tests of a day",
+    )
     parser.addoption(
         "--require-browser",
         action="store_true",
