@@ -50,7 +50,7 @@ def overview(
     return [
         run
         for case in sorted(cases, key=_kind)
-        for variant in shown_first(case)
+        for variant in variants(case)
         for run in _runs(case, variant, backends, meshes)
     ]
 
@@ -74,10 +74,19 @@ def everything(
 
 
 def shown_first(case: Case) -> list[Variant]:
+    """Return the first variant of a case, and the first of each other status that it ends with."""
+    return _one_of_each_status(case, case.variants)
+
+
+def variants(case: Case) -> list[Variant]:
     """Return the variant of the first comparison, and the first of each other status."""
     named = [variant for variant in case.variants if variant.name == case.first.variant]
+    return _one_of_each_status(case, (*named, *case.variants))
+
+
+def _one_of_each_status(case: Case, among: Sequence[Variant]) -> list[Variant]:
     by_status: dict[la.Status, Variant] = {}
-    for variant in (*named, *case.variants):
+    for variant in among:
         by_status.setdefault(case.reference_of(variant).status, variant)
     return [*by_status.values()]
 
@@ -89,7 +98,7 @@ def _kind(case: Case) -> int:
 def _runs(
     case: Case, variant: Variant, backends: Sequence[str], meshes: Sequence[str]
 ) -> Iterator[Run]:
-    main = variant is shown_first(case)[0]
+    main = variant is variants(case)[0]
     levels = _levels(case, variant, meshes, main)
     if backends and not levels:  # of a case that is shown by its bracket alone
         levels = case.levels(variant)[:1]

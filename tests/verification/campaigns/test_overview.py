@@ -12,7 +12,7 @@ import lacore as la
 from verification import progress
 from verification.analysis.summary import summaries
 from verification.campaigns.comparison import capabilities, is_regularised, plan
-from verification.campaigns.overview import LARGE, everything, overview, shown_first
+from verification.campaigns.overview import LARGE, everything, overview, variants
 from verification.case import BRACKET, CLOSE
 from verification.catalogue.catalogue import catalogue
 from verification.commands import screen
@@ -55,7 +55,7 @@ def test_all_continues_from_it():
 
 def test_a_case_runs_the_variant_meshes_and_bracket_that_it_names():
     for case in DEFAULT:
-        variant = shown_first(case)[0]
+        variant = variants(case)[0]
         own = [run for run in FIRST if run.case is case and run.variant is variant]
         assert variant.name == (case.first.variant or case.variants[0].name)
         meshes = {run.mesh for run in own if run.coupling != BRACKET}
@@ -69,8 +69,8 @@ def test_a_case_runs_the_variant_meshes_and_bracket_that_it_names():
 def test_one_exact_backend_runs_what_is_expensive():
     """Further meshes, brackets, paths, other statuses, and large cases."""
     for case in DEFAULT:
-        main, *others = shown_first(case)
-        for variant in shown_first(case):
+        main, *others = variants(case)
+        for variant in variants(case):
             own = [run for run in FIRST if run.case is case and run.variant is variant]
             if variant in others or case.path is not None or LARGE in case.tags:
                 assert len({run.backend for run in own}) == 1
