@@ -64,7 +64,7 @@ class Auto:
     """`interior_point` where it is faster, `clarabel` elsewhere, the other where one fails."""
 
     name: ClassVar[str] = "auto"
-    title: ClassVar[str] = "interior_point where it is faster, else clarabel"
+    title: ClassVar[str] = "interior_point or clarabel, whichever is expected to be faster"
     source: ClassVar[str] = "those of interior_point and clarabel"
     capabilities: ClassVar[Capabilities] = Capabilities(
         regularised=False,

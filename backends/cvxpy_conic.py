@@ -71,7 +71,7 @@ class Cvxpy:
     @property
     def title(self) -> str:
         """A line for tables."""
-        return f"cvxpy with {self.solver}, the exact program word for word"
+        return f"cvxpy with {self.solver}, exact program"
 
     @property
     def known(self) -> Solver:

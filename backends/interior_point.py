@@ -84,7 +84,7 @@ class InteriorPoint:
     """The exact program by a method that knows what it solves."""
 
     name: ClassVar[str] = "interior_point"
-    title: ClassVar[str] = "Interior point of its own, exact program, factorised on velocities"
+    title: ClassVar[str] = "Interior-point method, exact program, factorised on velocities"
     source: ClassVar[str] = "Andersen, Roos & Terlaky, Math. Program. 95, 2003"
     capabilities: ClassVar[Capabilities] = Capabilities(
         regularised=False,

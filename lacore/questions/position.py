@@ -63,8 +63,8 @@ class WorstPosition(Shown):
         if np.isnan(self.load_factor):
             return "no position has a certified load factor"
         said = (
-            f"the least of {len(self.table)} positions, certified; that none between those asked,"
-            f" {self.spacing:.3g} apart and less near minima, is lower is not proven"
+            f"the lowest of {len(self.table)} positions, certified; lower load factors between the"
+            f" positions, which are at most {self.spacing:.3g} apart, are not excluded"
         )
         if self.failed:
             places = listed([f"{place:.6g}" for place in self.failed])

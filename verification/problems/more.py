@@ -16,7 +16,7 @@ from verification.problems.varying import VARYING
 
 
 def _stands(found: la.Stable) -> str:
-    return f"{found.stability.standing.label}: {found.stability.standing.value}"
+    return found.stability.standing.value
 
 
 def _fallen(found: la.Stable) -> str:

@@ -1,6 +1,7 @@
 """The result of `lacore solve` in a few lines: load factor, proof and collapse mechanism."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import isinf
 from typing import Any
 
@@ -73,7 +74,8 @@ def lines(answer: Answer, units: Units) -> dict[str, str]:
     if state.point is not None:
         told["mechanism"] = mechanism(state, units)
     if answer.stability is not None:
-        told["dead loads"] = _in_words(str(answer.stability), units)
+        proven = replace(answer.stability, why="") if "stable" in answer.more else answer.stability
+        told["dead loads"] = _in_words(str(proven).partition(": ")[2], units)
     if state.certificate is not None:
         told["residual"] = f"{state.certificate.summary}; the tolerance is {state.tolerance:g}"
     loop = f", {state.coupling} coupling loop" if state.outer_iterations > 1 else ""

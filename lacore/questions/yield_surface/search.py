@@ -29,8 +29,8 @@ _AT_A_TIME = 2  # directions that are chosen at a time, whoever solves them
 _OPEN = "what is proven so far encloses no volume (see the table)"
 _NOTHING = f"in {_TRIES} directions nothing was proven (see the table)"
 _CORNERS = (
-    "all corners of the outer side lie along directions that were asked: what is left is between"
-    " the bounds of each, and takes narrower ones"
+    "all corners of the outer hull lie on directions that were solved; only narrower bounds for"
+    " each direction can reduce the distance further"
 )
 
 
