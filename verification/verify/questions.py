@@ -124,7 +124,7 @@ def left_out(
 ) -> list[Run]:
     """Runs that are dear and tell least, and are not asked for where nothing is named.
 
-    Of variants that a first look does not show (`shown_first`): dense backends, those that soils
+    Of variants that are not among the first (`shown_first`): dense backends, those that soils
     slow down, and further exact ones on meshes, brackets, and regularised ones along paths. These
     answer for the first variant, and the first exact one for all.
     """
