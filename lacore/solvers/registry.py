@@ -15,7 +15,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from lacore.errors import CapabilityError, InputError, require_known
+from lacore.errors import CapabilityError, InputError, require_known, typed
 from lacore.solvers.contract import Backend, Family
 from lacore.solvers.isolation import ISOLATE, IsolatedBackend, SolverProcess, Source
 from lacore_start import hidden
@@ -102,6 +102,7 @@ def _file(entry: EntryPoint) -> str:
     return str(Path(str(place)) / f"{entry.dist.name} {entry.dist.version}")
 
 
+@typed()
 def find_backend(name: str, process: SolverProcess | None = None) -> Backend:
     """Return the backend registered under a name, or ``name:variant`` of a family (``cvxpy:SCS``).
 
