@@ -347,7 +347,7 @@ def test_its_picture_says_so_and_shows_what_drives_it():
         [figure.get_suptitle()]
         + [entry.get_text() for axes in figure.axes for entry in axes.get_legend().get_texts()]
     )
-    assert "falls under the dead loads alone" in text
+    assert "under the dead loads alone" in text
     assert "dead load" in text
     assert "live load" not in text
 

@@ -448,7 +448,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, monkeypatch):
     monkeypatch.setattr("verification.campaigns.run_all.run_all", stopped)
     result = run("shear-patch", "--out", tmp_path)
     assert result.exit_code == 130
-    assert "give the same command again" in result.stderr
+    assert "repeat the command to continue" in result.stderr
 
 
 def test_nothing_verified_is_exit_code_1(tmp_path):
