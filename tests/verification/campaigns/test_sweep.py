@@ -181,7 +181,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path, monkeypatch):
     words = [BLOCK, "--vary", "mu=0.1:0.9:5", "--backends", "clarabel", "--meshes", "coarse"]
     result = command(*words, "--out", str(tmp_path))
     assert result.exit_code == 130
-    assert "give the same command again" in result.output
+    assert "repeat the command to continue" in result.output
     kept = load_results(tmp_path)
     assert len(kept) == 2
     assert lacore("sweep", *words, "--out", tmp_path).exit_code == 0

@@ -179,7 +179,7 @@ def test_ctrl_c(tmp_path, uninterrupted, more):
         code, errors = finished(process)
         assert code == 130, errors
         assert "Traceback" not in errors
-        assert "give the same command again" in errors
+        assert "repeat the command to continue" in errors
         wait_for(lambda: not alive(mark))
         before = rows(tmp_path)
         assert 3 < len(before) < RUNS

@@ -174,7 +174,7 @@ def test_ctrl_c_stops_at_once_and_keeps_the_finished_rows(started):
         out, err = process.communicate(timeout=60)
         assert process.returncode == 130
         assert not alive(mark)
-    assert "give the same command again to go on" in err
+    assert "repeat the command to continue" in err
     assert "Traceback" not in out + err
     row = load_results(results).squeeze()
     assert (row["backend"], row["verdict"]) == ("clarabel", PASS)
