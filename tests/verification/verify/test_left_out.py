@@ -50,4 +50,4 @@ def test_all_and_a_case_are_one_too_many():
     done = lacore("verify", "wall-1", "--all")
     assert done.exit_code == 2
     assert "--all" in done.stderr
-    assert "leave out one of them" in done.stderr
+    assert "omit one of them" in done.stderr
