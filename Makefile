@@ -90,8 +90,8 @@ test-browser: $(READY)
 	$(BIN)/python -m pytest tests/verification/report/test_page_browser.py --require-browser
 
 test-site: $(READY)
-	$(BIN)/python -m pytest tests/test_site.py -m "slow or not slow" $(PYTEST_ARGS) \
-		"tests/test_guide.py::test_quick_code_runs_as_printed[claims]"
+	$(PARALLEL) -m "slow or not slow" $(PYTEST_ARGS) tests/test_site.py \
+		tests/test_guide.py::test_quick_code_runs_as_printed tests/verification/report/test_page_browser.py
 
 test-wheel: $(READY)
 	$(BIN)/python -m pytest tests/test_wheel.py -m "slow or not slow" -rs

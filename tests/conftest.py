@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.slices import BUDGET, SLICES, Budget, slice_of, slice_of_today
+from tests.slices import BUDGET, LATE, SLICES, Budget, slice_of, slice_of_today
 
 for name, examples in {"fast": 5, "all": 40}.items():
     settings.register_profile(
@@ -30,7 +30,7 @@ BUDGET_OF_SLICE = pytest.StashKey[Budget]()
 
 def pytest_configure(config):
     """Fewer examples of each property in the fast tests; those that say how many have as many."""
-    every = "slow or not slow" in config.option.markexpr
+    every = config.option.markexpr in ("slow or not slow", "slow")
     settings.load_profile("all" if every else "fast")
     config.stash[BUDGET_OF_SLICE] = Budget()
 
@@ -58,7 +58,14 @@ def pytest_collection_modifyitems(config, items):
 def pytest_runtest_setup(item):
     """A slice starts no test after its time."""
     if item.config.option.slice is not None and item.config.stash[BUDGET_OF_SLICE].spent:
-        pytest.skip("the time of this slice is over; its other tests run with the next one")
+        pytest.skip(LATE)
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Report how many tests of a slice were not started."""
+    skipped = terminalreporter.getreports("skipped")
+    if late := sum(LATE in str(report.longrepr) for report in skipped):
+        terminalreporter.write_line(f"{late} tests of this slice were not started in {BUDGET:g} s")
 
 
 def pytest_addoption(parser):

@@ -12,6 +12,8 @@ SLICES = 30
 slices each takes 4 to 8 minutes."""
 BUDGET = 600.0
 """s, from which no test of a slice is started any more: the last ones may take two minutes."""
+LATE = "the time of this slice is over; its other tests run with the next one"
+"""Why a test of a slice is skipped."""
 
 
 def slice_of(name: str) -> int:

@@ -2,9 +2,6 @@
 
 import pytest
 
-nbformat = pytest.importorskip("nbformat")
-nbclient = pytest.importorskip("nbclient")
-
 CELLS = (
     "import lacore as la\nfrom tests.lacore.models import punch\nproblem = punch(2, 2)\nproblem",
     "state = la.solve(problem)\nstate",
@@ -18,6 +15,7 @@ CELLS = (
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the client, of its own parts
 def test_objects_are_shown_with_their_pictures():
+    nbformat, nbclient = map(pytest.importorskip, ("nbformat", "nbclient"))
     cells = [nbformat.v4.new_code_cell(source) for source in CELLS]
     notebook = nbformat.v4.new_notebook(cells=cells)
     nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()

@@ -17,7 +17,6 @@ from scipy.sparse import diags_array
 
 import lacore as la
 from lacore.numerics.quantities import Units
-from lacore.pictures.sketch.conditions import joint_laws, law_text
 from lacore.state import ProgramState
 from lacore.status import Status
 from tests.lacore.models import obstacle, square
@@ -351,6 +350,9 @@ def test_mortar_of_single_joints():
     state = la.solve(problem, throw=True)
     assert state.load_factor == pytest.approx(0.9, rel=BAR)
     assert np.sort(state.reactions["t_n"]) == pytest.approx([-1.8, -1.8, -0.9, -0.9], rel=1e-5)
+    # Here: matplotlib takes half a second to load.
+    from lacore.pictures.sketch.conditions import joint_laws, law_text
+
     shown = joint_laws(hung, Units())
     assert "$c_a = 0.6$ Pa" in shown[1]
     assert r"$t_n \geq -0.9$ Pa" in shown[1]

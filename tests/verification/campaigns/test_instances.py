@@ -2,8 +2,6 @@
 
 import hashlib
 
-import cvxpy as cp
-import highspy
 import numpy as np
 import pandas as pd
 import pytest
@@ -32,6 +30,8 @@ def written(tmp_path_factory):
 
 def least(columns, cost, rows, offset, cones):
     """The least value of ``cost.x`` with ``offset + rows x`` in cones, by another modelling."""
+    import cvxpy as cp  # here: it takes a second to load
+
     x = cp.Variable(columns)
     given, first = [], 0
     for kind, size in cones:
@@ -86,6 +86,8 @@ def of_cbf(file):
 
 
 def of_mps(file):
+    import highspy
+
     model = highspy.Highs()
     model.setOptionValue("output_flag", False)
     model.readModel(str(file))

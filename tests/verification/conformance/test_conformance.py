@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import lacore as la
+from backends._cvxpy_solvers import SOLVERS
 from lacore.backend import load_backend
 from lacore.certificate import certify
 from lacore.state import ProgramState, contact_force, internal_force
@@ -17,9 +18,6 @@ from verification.commands import doctor
 from verification.conformance.judge import AMPLIFIED
 from verification.conformance.programs import WORKED
 
-READY = [name for name, _, missing in doctor.all_backends() if not missing and ":" not in name]
-VARIANTS = [name for name, _, missing in doctor.all_backends() if not missing and ":" in name]
-
 
 @pytest.fixture(scope="module")
 def process():
@@ -27,10 +25,13 @@ def process():
         yield process
 
 
-def examined(backend, program, process=None):
-    isolated = load_backend(backend).capabilities.isolated
+def examined(name, programs, process):
+    backend = load_backend(name)
+    if reason := backend.unavailable():
+        pytest.skip(reason)
+    isolated = backend.capabilities.isolated
     return conformance.run(
-        backend, programs=[program], on_start=print, process=process if isolated else None
+        name, programs=programs, on_start=print, process=process if isolated else None
     )
 
 
@@ -40,25 +41,38 @@ DEAR = {
     *(("trust-constr", name) for name in ("friction down the slope", "badly scaled")),
     ("slsqp", "one cone"),
 }
-CONFORMS = [
-    pytest.param(name, program, marks=[pytest.mark.slow] if (name, program) in DEAR else [])
-    for name in READY
-    for program in conformance.EXERCISES
-]
 
 
-@pytest.mark.parametrize(("backend", "program"), CONFORMS)
-def test_conforms(backend, program, process):
-    findings = examined(backend, program, process)
-    if set(findings.verdict) == {conformance.SKIPPED}:
-        pytest.skip(findings.message[0])
+@pytest.mark.parametrize("backend", la.backend_names())
+def test_conforms(backend, process):
+    quick = [program for program in conformance.EXERCISES if (backend, program) not in DEAR]
+    findings = examined(backend, quick, process)
+    assert set(findings.verdict) != {conformance.SKIPPED}
     assert not conformance.failures(findings)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", VARIANTS)
-def test_variants_conform(backend):
-    assert not conformance.failures(conformance.run(backend))
+@pytest.mark.parametrize(("backend", "program"), sorted(DEAR))
+def test_conforms_on_programs_that_take_long(backend, program, process):
+    assert not conformance.failures(examined(backend, [program], process))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_variants_conform(solver):
+    backend = load_backend(f"cvxpy:{solver}")
+    if reason := backend.unavailable():
+        pytest.skip(reason)
+    assert not conformance.failures(conformance.run(backend.name))
+
+
+@pytest.mark.slow
+def test_variants_of_solvers_that_are_not_known_here_conform():
+    """What cvxpy finds installed, with the defaults of each."""
+    ready = [name for name, _, missing in doctor.all_backends() if not missing and ":" in name]
+    others = [name for name in ready if name.partition(":")[2] not in SOLVERS]
+    failed = {name: conformance.failures(conformance.run(name)) for name in others}
+    assert not any(failed.values()), failed
 
 
 # The numbers by hand, proven without any solver.

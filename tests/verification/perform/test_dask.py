@@ -1,12 +1,14 @@
 """Sweeps on a real Dask cluster of two workers on this machine."""
 
 import gc
+import importlib
 import json
 import os
 import signal
 import sys
 import time
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import pandas as pd
@@ -23,12 +25,10 @@ from verification.campaigns.sweep import plan
 from verification.store.results import load_results
 from verification.store.store import NAME
 
-pytest.importorskip("distributed")
-dask_execution = pytest.importorskip("verification.perform.dask")
-
 # Its event loop leaves sockets of the other side to the garbage collector when a worker is killed.
 pytestmark = [
     pytest.mark.filterwarnings("ignore:unclosed:ResourceWarning"),
+    pytest.mark.skipif(find_spec("distributed") is None, reason="distributed is not installed"),
     pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc"),
 ]
 BLOCK = ["deformable-block", "--vary", "mu=0.1:0.9:3", "--meshes", "coarse"]
@@ -45,6 +45,12 @@ def collected():
     """What the event loop leaves is collected here, not in a test of another file."""
     yield
     gc.collect()
+
+
+@pytest.fixture
+def dask_execution():
+    """The module under test; Dask takes half a second to load, so not when tests are collected."""
+    return importlib.import_module("verification.perform.dask")
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +106,7 @@ def children(cluster):
 
 
 @pytest.mark.slow
-def test_progress_knows_what_is_running(cluster):
+def test_progress_knows_what_is_running(cluster, dask_execution):
     runs = plan(["deformable-block"], ["mu=0.2,0.4"], ["clarabel"], ["coarse"])
     begun = []
     outcomes = list(dask_execution.run_on_cluster(runs, client=cluster, on_start=begun.append))
@@ -110,7 +116,9 @@ def test_progress_knows_what_is_running(cluster):
 
 
 @pytest.mark.slow
-def test_time_limit_holds_and_bad_rows_cost_themselves_only(cluster, tmp_path, monkeypatch):
+def test_time_limit_holds_and_bad_rows_cost_themselves_only(
+    cluster, tmp_path, monkeypatch, dask_execution
+):
     plant(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     runs = plan(
@@ -140,7 +148,7 @@ def test_cases_of_users_reach_the_workers(cluster, tmp_path):
     assert [row["status"] for row in rows] == ["solved"] * 2
 
 
-def test_a_folder_that_workers_do_not_have(cluster, tmp_path):
+def test_a_folder_that_workers_do_not_have(cluster, tmp_path, dask_execution):
     address = cluster.scheduler.address
     with (
         pytest.raises(InputError, match="not there on every worker"),
@@ -150,7 +158,7 @@ def test_a_folder_that_workers_do_not_have(cluster, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path):
+def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path, dask_execution):
     """Killed with its process amid a run: the other one, or its successor, does the work."""
     runs = plan(["prandtl-punch:smooth"], ["r=1e-1:1e-4:24:log"], ["newton"], ["coarse"])
     killed = []
@@ -173,7 +181,7 @@ def test_a_worker_that_dies_loses_and_doubles_nothing(cluster, tmp_path):
 
 
 @pytest.mark.slow
-def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch):
+def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch, dask_execution):
     plant(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     runs = plan(["shear-patch:sliding"], ["p0=0.3:0.4:6"], ["Sleeps"], ["coarse"])
@@ -184,7 +192,7 @@ def test_stopping_early_stops_the_workers(cluster, tmp_path, monkeypatch):
     wait_for(lambda: not children(cluster))
 
 
-def test_other_code_on_the_workers_is_refused(cluster, tmp_path, monkeypatch):
+def test_other_code_on_the_workers_is_refused(cluster, tmp_path, monkeypatch, dask_execution):
     monkeypatch.setattr(dask_execution, "code_version", lambda *_: "other")
     result = command(
         *BLOCK, "--out", str(tmp_path / "out"), "--scheduler", cluster.scheduler.address
@@ -205,7 +213,7 @@ def test_a_scheduler_that_does_not_answer(tmp_path, address):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_cluster_of_nobody(tmp_path, monkeypatch):
+def test_a_cluster_of_nobody(tmp_path, monkeypatch, dask_execution):
     from distributed import LocalCluster
 
     monkeypatch.setattr(dask_execution, "_PATIENCE", 1)
@@ -218,8 +226,8 @@ def test_a_cluster_of_nobody(tmp_path, monkeypatch):
 
 
 def test_a_missing_package(tmp_path, monkeypatch):
-    monkeypatch.delitem(sys.modules, "verification.perform.dask")
-    monkeypatch.delattr("verification.perform.dask")
+    monkeypatch.delitem(sys.modules, "verification.perform.dask", raising=False)
+    monkeypatch.delattr("verification.perform.dask", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     result = command(*BLOCK, "--out", str(tmp_path / "out"), "--dask")
     assert result.exit_code == 2

@@ -12,7 +12,6 @@ from lacore.errors import InputError
 from lacore.files.problem.layout import toml
 from lacore.files.problem.reading import read
 from lacore.files.problem.source import Source, written
-from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from tests.verification.problems import others
 from verification.problems import starters
@@ -120,6 +119,8 @@ def value(data, path):
 
 def test_ranges_are_taken_or_refused_with_a_mend(tmp_path):
     """Numbers of starters and ranges: what is taken makes a problem, or says why."""
+    from lacore.files.problem.varied import read_varied  # here: pydantic takes a while to load
+
     others.draw(tmp_path)
     refused = {}
     for number in range(40):

@@ -11,7 +11,6 @@ import jsonschema
 import pytest
 
 import lacore as la
-from docs import problem_schema
 from lacore.limit.solve import solve
 from lacore.numerics.quantities import Units
 from tests.conftest import ROOT
@@ -266,6 +265,8 @@ def test_starters_are_what_the_schema_says(name, schema):
 
 def test_the_schema_is_that_of_the_code():
     """Written anew by docs/problem_schema.py."""
+    from docs import problem_schema  # here: pydantic takes a while to load
+
     file = ROOT / "lacore" / "files" / "problem" / "schema.json"
     assert file.read_text(encoding="utf-8") == problem_schema.schema()
 

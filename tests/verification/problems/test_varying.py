@@ -9,7 +9,6 @@ from math import radians, tan
 import pytest
 
 from lacore.files.problem.source import Source
-from lacore.files.problem.varied import read_varied
 from tests.verification.command_line import lacore
 from verification.problems import starters
 
@@ -89,6 +88,8 @@ def asked(folder, text, *options):
 def test_the_ends_of_a_range_have_units(tmp_path, range_, ends):
     file = tmp_path / "my.toml"
     file.write_text(BEAM, encoding="utf-8")
+    from lacore.files.problem.varied import read_varied  # here: pydantic takes a while to load
+
     found = read_varied(Source.of(file), range_, "--vary")
     assert (found.low, found.high) == pytest.approx(ends, rel=1e-12)
     assert found.problem(2.5).reference_loads[0].point == pytest.approx((2.5, 0.0), rel=1e-12)
