@@ -106,10 +106,10 @@ def places() -> list[dict[str, str]]:
     """Where Python finds each of our packages, and what hides it: here, or from scripts here."""
     records = []
     for name in PACKAGES:
-        own, beside = place(name), place(name, [str(Path.cwd())])
+        own, here = place(name), place(name, [str(Path.cwd())])
         mend = own.mend
-        if own.ours and not beside.ours:
-            mend = f"for scripts in this folder {beside.mend}"
+        if own.ours and not here.ours:
+            mend = f"for scripts in this folder {here.mend}"
         records.append({"package": name, "loaded_from": own.path, "remedy": mend})
     return records
 
@@ -157,7 +157,7 @@ def _self_test(backend: Backend) -> tuple[str, str]:
             programs=[program],
             on_start=lambda _: None,
         )
-        for wrong in conformance.failures(findings):  # one that hangs is not asked twice
+        for wrong in conformance.failures(findings):  # only the first: a backend may hang
             return "FAIL", f"{wrong} (all checks: lacore conformance {backend.name})"
     return "pass", ""
 

@@ -1,4 +1,4 @@
-"""What `lacore verify` shows: a line a case, or every variant with every backend."""
+"""Tables of `lacore verify`: a line for each case, or for each variant and backend."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -17,13 +17,13 @@ _ORDERS = ("order", "steps")
 
 
 def show_cases(console: Console, findings: Sequence[Finding]) -> None:
-    """A line a case with the worst of its checks, values of exact backends; then what fell short.
+    """Print a line for each case with the largest error of exact backends; then the failures.
 
-    Of paths the error is the largest on the way, and the order that of their steps.
+    For loading paths, the error is the largest along the path, and the order that of the steps.
     """
     line = "{:24} {:>8} {:>9} {:>9} {:22} {:>9} {:>5} {:>7} {:>6} {}".format
     head = (
-        *("case", "variants", "pass", "worst by", "allowed", "residuals", "order"),
+        *("case", "variants", "pass", "error", "tolerance", "residuals", "order"),
         *("width %", "gap", "verdict"),
     )
     print_line(console, line(*head), "bold")
@@ -78,9 +78,9 @@ def _measured(found: Finding | None, how: str, scale: float = 1.0) -> str:
 
 
 def show_findings(console: Console, findings: Sequence[Finding]) -> None:
-    """A line a variant, backend and coupling, all its checks in it; then what failed, and why.
+    """Print a line for each variant, backend and coupling; then the failed checks, and why.
 
-    Of a path the value is the largest error on the way, and the order that of its steps.
+    For a loading path, the value is its largest error, and the order that of the steps.
     """
     line = "  {:20} {:12} {:22} {:>12} {:>9} {:>9} {:>6} {:>7} {:>7}  {}".format
     head = (
