@@ -35,23 +35,22 @@ from verification.defaults import RAW
     "--all",
     "everything",
     is_flag=True,
-    help="Run every combination of variant, mesh level and backend. Results that are already in"
-    " the folder are used again.",
+    help="Run every combination of variant, mesh level and backend.",
 )
 @click.option("--full", is_flag=True, help="Print one line for every run.")
 @backends_option
 @names_option(
     "--meshes",
-    "Comma-separated mesh levels: coarse, medium, fine. Default: the levels of each variant. Cases"
-    " of rigid bodies have no mesh.",
+    "Comma-separated mesh levels: coarse, medium, fine. Default: all levels of the given cases, or,"
+    " without CASE, the levels of the selection. Cases of rigid bodies have no mesh.",
 )
 @names_option(
     "--couplings",
-    "Comma-separated iteration methods for Coulomb friction, of which a table compares the"
-    f" success: {', '.join(COUPLINGS)}; or, without damping and acceleration,"
-    f" {', '.join(RAW)}. In addition, {BRACKET!r} computes a lower and an upper bound, and"
-    f" {RANGE!r} the lowest and the highest load factor of soil with non-associated flow."
-    " Default: the method of each backend.",
+    "Comma-separated iteration methods for Coulomb friction; a table compares how often each"
+    f" succeeds. Methods: {', '.join(COUPLINGS)}; without damping and acceleration:"
+    f" {', '.join(RAW)}. Two further values are accepted: {BRACKET!r} computes a lower and an upper"
+    f" bound, and {RANGE!r} the lowest and the highest load factor of soil with non-associated"
+    " flow. Default: the method of each backend.",
 )
 @out_option("reports/compare", "Folder for the results and the report, index.html.")
 @time_limit_option
@@ -82,10 +81,10 @@ def compare(
     and `lacore backends` list them.
 
     CASE is the name of a case, or NAME:VARIANT for one variant of it. Without CASE, a selection of
-    variants from all cases runs, on meshes that are quick to solve and within 5 % of the reference.
+    variants from all cases runs, on meshes that are solved quickly and with small errors.
 
-    Each run solves one variant on one mesh with one backend, and is compared with the reference
-    value. A table on the terminal summarises the errors. The folder DIR contains the report,
+    Each run solves one variant on one mesh with one backend. It passes if its load factor
+    agrees with the reference value within the tolerance of the case. A table on the terminal summarises the errors. The folder DIR contains the report,
     index.html, with a page for each case, and all runs in results.csv. Results are stored as soon
     as they are computed, and a repeated command only computes what is missing.
 

@@ -30,8 +30,8 @@ def names_option(name: str, text: str) -> Callable[[_Command], _Command]:
 
 backends_option = names_option(
     "--backends",
-    "Comma-separated names of backends (solvers), or 'all'. Default: the backends that `lacore"
-    " backends` lists as run by default or on rigid bodies.",
+    "Comma-separated names of backends (solvers), or 'all'. Default: those that `lacore backends`"
+    " marks 'by default' or, for rigid bodies, 'on rigid bodies'.",
 )
 
 
@@ -98,7 +98,7 @@ cases_option = click.option(
     metavar="FOLDER",
     callback=_gathered,
     is_eager=True,  # names of cases are looked up in it
-    help="Folder with your own cases: each file NAME.py in it defines CASE or CASES. Can be given"
+    help="Folder with your own cases: each Python file in it defines a variable CASE or CASES. Can be given"
     " several times. Cases of installed packages (entry-point group lacore.cases) are always"
     " included.",
 )

@@ -41,8 +41,8 @@ _SECTIONS = {
 @click.option(
     "--safety",
     is_flag=True,
-    help="Compute the factor of safety: the structure collapses under the given loads if the"
-    " strength of all materials is divided by it.",
+    help="Compute the factor of safety: the structure collapses under the loads in the file"
+    " (load factor 1) if the strength of all materials is divided by it.",
 )
 @click.option(
     "--interfaces",
@@ -74,7 +74,7 @@ _SECTIONS = {
 @click.option(
     "--vary",
     metavar="NAME=LOW:HIGH",
-    help="Vary a number of the file between two values, such as 'arch.thickness=5 cm:20 cm'. Needs"
+    help="Vary a number in the file between two values, such as 'arch.thickness=5 cm:20 cm'. Needs"
     " --critical, --limit or --worst.",
 )
 @click.option(
@@ -136,16 +136,17 @@ def solve(
     collapse; the dead loads remain constant.
 
     The load factor is printed with the collapse mechanism and with a statement of what is proven.
-    The folder DIR then contains a report with pictures (index.html), tables, the velocities and
-    stresses for ParaView (state.vtu), and the same problem as a Python script (problem.py).
+    The report folder (see --out) then contains a report with pictures (index.html), tables, the
+    velocities and stresses for ParaView (state.vtu), and the same problem as a Python script
+    (problem.py).
 
-    NAME in --vary is the name that error messages use for a number of the file, such as
-    bodies.arch.thickness or reference_loads[0].at[0]. The end of a name is sufficient if it is
-    unique, such as thickness.
+    In --vary NAME=LOW:HIGH, NAME is the path of a number in the file, such as bodies.arch.thickness
+    or reference_loads[0].at[0]. The last part, such as thickness, is enough if it is unique.
 
     Exit code: 0 if the load factor and all results of the given options are certified, 1 if one of
     them is missing or not certified, 2 for invalid input. A result is certified if it passes the
-    checks of equilibrium, strength and friction, and if a bracket is as narrow as WIDTH.
+    checks of equilibrium, strength and friction. With --bracket, the bounds must also be close
+    enough to each other.
 
     \b
     Examples:
