@@ -67,5 +67,11 @@ def test_long_steps_are_announced(clone):
 
 
 def test_help_begins_with_compare_and_test():
-    done = subprocess.run(["make", "--no-print-directory", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["make", "--no-print-directory", "help"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert [line.split()[1] for line in done.stdout.splitlines()[:2]] == ["compare", "test"]

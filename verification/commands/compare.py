@@ -47,10 +47,10 @@ from verification.defaults import RAW
 @names_option(
     "--couplings",
     "Comma-separated iteration methods for Coulomb friction; a table compares how often each"
-    f" succeeds. Methods: {', '.join(COUPLINGS)}; without damping and acceleration:"
-    f" {', '.join(RAW)}. Two further values are accepted: {BRACKET!r} computes a lower and an upper"
-    f" bound, and {RANGE!r} the lowest and the highest load factor of soil with non-associated"
-    " flow. Default: the method of each backend.",
+    f" succeeds. Methods: {', '.join(COUPLINGS)}. The methods {', '.join(RAW)} use no damping or"
+    f" acceleration. Two further values are not iteration methods: {BRACKET!r} computes a lower and"
+    f" an upper bound, and {RANGE!r} the lowest and the highest load factor of soil with"
+    " non-associated flow. Default: the method of each backend.",
 )
 @out_option("reports/compare", "Folder for the results and the report, index.html.")
 @time_limit_option
@@ -83,10 +83,11 @@ def compare(
     CASE is the name of a case, or NAME:VARIANT for one variant of it. Without CASE, a selection of
     variants from all cases runs, on meshes that are solved quickly and with small errors.
 
-    Each run solves one variant on one mesh with one backend. It passes if its load factor
-    agrees with the reference value within the tolerance of the case. A table on the terminal summarises the errors. The folder DIR contains the report,
-    index.html, with a page for each case, and all runs in results.csv. Results are stored as soon
-    as they are computed, and a repeated command only computes what is missing.
+    Each run solves one variant on one mesh with one backend. It passes if its load factor agrees
+    with the reference value within the tolerance of the case. A table on the terminal summarises
+    the errors. The folder DIR contains the report, index.html, with a page for each case, and all
+    runs in results.csv. Results are stored as soon as they are computed, and a repeated command
+    only computes what is missing.
 
     Exit code: 0 if at least one run passed and none failed, 1 otherwise, 2 for invalid input.
 

@@ -98,9 +98,9 @@ cases_option = click.option(
     metavar="FOLDER",
     callback=_gathered,
     is_eager=True,  # names of cases are looked up in it
-    help="Folder with your own cases: each Python file in it defines a variable CASE or CASES. Can be given"
-    " several times. Cases of installed packages (entry-point group lacore.cases) are always"
-    " included.",
+    help="Folder with your own cases: each Python file in it defines a variable CASE or CASES. Can"
+    " be given several times. Cases of installed packages (entry-point group lacore.cases) are"
+    " always included.",
 )
 """Gives a command the `Catalogue` as its argument `known`."""
 

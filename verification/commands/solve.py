@@ -141,7 +141,8 @@ def solve(
     (problem.py).
 
     In --vary NAME=LOW:HIGH, NAME is the path of a number in the file, such as bodies.arch.thickness
-    or reference_loads[0].at[0]. The last part, such as thickness, is enough if it is unique.
+    or reference_loads[0].at[0]. The end of the path, such as arch.thickness or thickness, is
+    enough if it is unique.
 
     Exit code: 0 if the load factor and all results of the given options are certified, 1 if one of
     them is missing or not certified, 2 for invalid input. A result is certified if it passes the
