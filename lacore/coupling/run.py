@@ -120,6 +120,7 @@ class Iterate(Compact):
             "native_status": self.inner.native_status,
             "inner_iterations": self.inner.iterations,
             "solve_time": self.inner.solve_time,
+            "reported_time": self.inner.reported_time,
             "peak_memory": self.inner.peak_memory,
         }
 

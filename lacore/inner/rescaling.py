@@ -179,6 +179,7 @@ def of_both(answer: InnerSolution, one: InnerSolution, other: InnerSolution) -> 
         answer,
         iterations=one.iterations + other.iterations,
         solve_time=one.solve_time + other.solve_time,
+        reported_time=one.reported_time + other.reported_time,
     )
 
 

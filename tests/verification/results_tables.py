@@ -1,6 +1,9 @@
 """Tables of results without what differs from one time to the next."""
 
-TRANSIENT = ("build_time", "solve_time", "peak_memory_mb", "session", "finished")
+TRANSIENT = (
+    *("build_time", "solve_time", "compile_time", "solver_time", "reported_time"),
+    *("calibration_before", "calibration_after", "peak_memory_mb", "session", "finished"),
+)
 
 
 def lasting(table):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import lacore as la
+from lacore.coupling.run import PATH
 from lacore.inner.preparing import JUDGE
 from lacore.limit.solve import solve
 from verification.case import Band, Reference
@@ -108,7 +109,18 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
         contraction=state.contraction,
         iterations=float(state.history["inner_iterations"].sum()),
         claimed=_claimed(state),
+        **_times(state),
     )
+
+
+def _times(state: la.LimitState) -> dict[str, Any]:
+    """Times of the inner solves of the backend: by our clock, and as it reports them."""
+    own = state.history[state.history["kind"] != PATH]
+    reported = own["reported_time"].fillna(own["solve_time"])  # in our process they are the same
+    return {
+        "solver_time": float(own["solve_time"].sum()),
+        "reported_time": float(reported.sum()),
+    }
 
 
 def _claimed(state: la.LimitState) -> bool:

@@ -125,6 +125,7 @@ def _names(run: Run) -> dict[str, Any]:
         "backend": run.backend,
         "coupling": run.coupling or "",
         "mesh": run.mesh,
+        "options": run.options_text,
     }
 
 

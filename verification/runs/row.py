@@ -42,7 +42,15 @@ class Row:
             where it is that of the case.
         outer_iterations: inner solves of the coupling loop.
         gap: of the certificate.
-        build_time, solve_time: s.
+        build_time, solve_time: s. The second is the whole of the solve, without `compile_time`.
+        compile_time: s, that the backend took to warm up in its process, before its first solve
+            there (`warm_up`); the same for all runs of a process. NaN of a backend without it.
+        solver_time: s, of the inner solves, as lacore measures them; part of `solve_time`.
+        reported_time: s, of the same inner solves, as the backend reports them.
+        calibration_before, calibration_after: s, of a short program that is always the same, solved
+            in the process of the run before and after it; NaN where it was not repeated. Their
+            scatter is the noise of the machine.
+        options: of the backend, as far as they differ from its defaults: ``tolerance=1e-06``.
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
         verdict: ``pass``, ``FAIL``, ``skipped``, ``bound only`` of another model whose own load
@@ -104,6 +112,12 @@ class Row:
     highest: float = nan
     davis: float = nan
     model: str = ""
+    options: str = ""
+    compile_time: float = nan
+    solver_time: float = nan
+    reported_time: float = nan
+    calibration_before: float = nan
+    calibration_after: float = nan
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -43,15 +43,21 @@ class Run:
     @property
     def label(self) -> str:
         """For progress."""
-        varied = {**self.size, **self.settings, **self.options}
+        varied = {**self.size, **self.settings}
         names = (
             f"{self.case.id}:{self.variant.name}",
             self.mesh,
             self.backend,
             self.coupling,
-            *(f"{name}={_short(value)}" for name, value in varied.items()),
+            *_assigned(varied),
+            self.options_text,
         )
         return " ".join(name for name in names if name)
+
+    @property
+    def options_text(self) -> str:
+        """The options of the backend, as ``tolerance=1e-06 max_iterations=50``; empty without."""
+        return " ".join(_assigned(self.options))
 
     def problem(self) -> "la.Problem":  # not evaluated: it would load the whole core
         """The problem; two runs of one `problem_key` have the same."""
@@ -103,6 +109,10 @@ def _of_numpy(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"{type(value).__name__} {value!r} is neither text nor a number")
+
+
+def _assigned(values: Mapping[str, Any]) -> list[str]:
+    return [f"{name}={_short(value)}" for name, value in values.items()]
 
 
 def _short(value: Any) -> str:

@@ -45,7 +45,10 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "side": ("", "below", "above", "both"),
 }
 _COUNTS = ("n_elements", "n_elements_lower", "n_dofs", "outer_iterations", "iterations")
-_SIZES = ("build_time", "solve_time", "peak_memory_mb")
+_SIZES = (
+    *("build_time", "solve_time", "peak_memory_mb", "compile_time", "solver_time"),
+    *("calibration_before", "calibration_after"),
+)
 _MOST = 2.0**53  # whole numbers above it are none in double precision
 _YEARS = (2000, 2200)
 _IDENTITY: Mapping[str, type] = {

@@ -163,6 +163,7 @@ def test_history_has_a_row_an_inner_solve():
         "native_status",
         "inner_iterations",
         "solve_time",
+        "reported_time",
     }
     assert history.load_factor.iloc[-1] == pytest.approx(state.load_factor, abs=1e-6)
     assert history.slip.iloc[-1] <= 1e-6 < history.slip.iloc[0]
