@@ -17,6 +17,7 @@ from lacore.backend import (
     Capabilities,
     InnerSolution,
     PreparedSolver,
+    WarmsUp,
     checked_answer,
     find_backend,
 )
@@ -95,6 +96,13 @@ class Auto:
     def version(self) -> str:
         """Those of both."""
         return f"{find_backend(_OWN).version()}, {find_backend(_OTHER).version()}"
+
+    def warm_up(self) -> None:
+        """Let both of them compile what they can."""
+        for name in (_OWN, _OTHER):
+            backend = find_backend(name)
+            if isinstance(backend, WarmsUp):
+                backend.warm_up()
 
     def prepare(self, program: KinematicProgram, options: AutoOptions) -> PreparedSolver:
         """The first is made ready where it is faster, the other when it is needed."""

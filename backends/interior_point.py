@@ -105,6 +105,10 @@ class InteriorPoint:
         """The solver and its version."""
         return f"{symmetric_solver().name}, {best_loops().name}, SciPy {scipy.__version__}"
 
+    def warm_up(self) -> None:
+        """Compile all loops, which is no part of the time of a solve."""
+        _compiled()
+
     def prepare(self, program: KinematicProgram, options: InteriorPointOptions) -> PreparedSolver:
         """What the pattern of the matrix depends on is kept between solves."""
         _compiled()

@@ -18,6 +18,7 @@ import lacore as la
 from lacore.backend import Capabilities, InnerSolution
 
 SLEEP = 3600.0
+COMPILE = 1.5
 
 
 @dataclass(frozen=True)
@@ -217,6 +218,31 @@ class TakesMemory(Works):
     def solve(self, solver, contact):
         np.ones(25_000_000).sum()
         return solver.solve(contact)
+
+
+class CompilesSlowly(Works):
+    compiled = 0
+
+    def warm_up(self):
+        time.sleep(COMPILE)
+        self.compiled += 1
+
+    def version(self):
+        return f"compiled {self.compiled} times"
+
+    def solve(self, solver, contact):
+        assert self.compiled == 1
+        return solver.solve(contact)
+
+
+class CompilesInVain(Works):
+    def warm_up(self):
+        raise ValueError("no compiler")
+
+
+class CompilesForEver(Works):
+    def warm_up(self):
+        time.sleep(SLEEP)
 
 
 BACKENDS = [Works, *Works.__subclasses__()]

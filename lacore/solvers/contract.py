@@ -172,6 +172,14 @@ class Family(Protocol):
         """The backend of one of them."""
 
 
+@runtime_checkable
+class WarmsUp(Protocol):
+    """A backend with something to do once in a process, such as compilation."""
+
+    def warm_up(self) -> None:
+        """Do it. Comparisons call it before the first solve and measure its time separately."""
+
+
 Writer = Callable[[KinematicProgram, FrozenContact, Path], None]
 """Writes the program of a frozen contact to a file."""
 

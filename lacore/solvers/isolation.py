@@ -7,47 +7,26 @@ computed on this side, from a program that the backend has never seen, by code t
 from __future__ import annotations
 
 import threading
-import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from lacore.errors import BackendError, CapabilityError, InputError
 from lacore.program import FrozenContact, KinematicProgram
-from lacore.solvers.child_process import GRACE, LONGEST, START, ChildProcess, LostError
-from lacore.solvers.contract import Backend, Capabilities, InnerSolution, Writer, failed_answer
+from lacore.solvers.child_process import START, LostError
+from lacore.solvers.contract import Backend, Capabilities, Writer
 from lacore.solvers.description import Description, describe, read_description
-from lacore.solvers.plain_answers import read_answer
+from lacore.solvers.isolated_solver import IsolatedSolver
+from lacore.solvers.served_process import ServedProcess, Source
 from lacore.status import Status
 
-_WORKER = "lacore.solvers.solver_worker:SolverWorker"
 MOST_PROCESSES = 12  # that a thread keeps: as many as backends are compared, of some 80 MB each
-ISOLATE = "LACORE_ISOLATE_BACKENDS"
-"""Environment variable of processes in which all backends are isolated, also those of lacore."""
-_CODEC = "lacore.solvers.plain_answers:PlainAnswers"
 
 
-@dataclass(frozen=True)
-class Source:
-    """Where a backend is found.
-
-    Attributes:
-        name: Under which it is registered, with its variant: ``cvxpy:SCS``.
-        target: ``module:attribute`` of its class.
-        variant: Of a family; empty for the backend itself.
-        file: Which registers it, for messages.
-    """
-
-    name: str
-    target: str
-    variant: str = ""
-    file: str = ""
-
-
-class SolverProcess:
+class SolverProcess(ServedProcess):
     """An interpreter in which a backend works; started again when the backend kills it.
 
     It serves one backend at a time: for another one it is started again. A context manager:
@@ -59,13 +38,6 @@ class SolverProcess:
         >>> round(state.load_factor, 3)
         2.0
     """
-
-    def __init__(self) -> None:
-        self._process = ChildProcess(_WORKER, {ISOLATE: ""}, _CODEC)
-        self._source: Source | None = None
-        self._generation = 0
-        self._count = 0
-        self._note = ""
 
     def prepare(self, backend: Backend, program: KinematicProgram, options: Any) -> IsolatedSolver:
         """Put a backend to work on a program in this process.
@@ -88,86 +60,6 @@ class SolverProcess:
         kind, variant = type(backend), backend.name.partition(":")[2]
         source = Source(backend.name, f"{kind.__module__}:{kind.__qualname__}", variant)
         return IsolatedBackend(source, lambda _: backend, self)
-
-    def open(self, source: Source) -> Any:
-        """Start the process with a backend, and return what the backend says of itself.
-
-        Raises:
-            LostError: It hangs or ends while it is imported.
-            BackendError: It raises.
-        """
-        if self._process.running:
-            self.close()
-        self._generation += 1
-        about = self._process.ask(START, "open", source.target, source.variant)
-        self._source = source
-        return about
-
-    def serve(self, source: Source) -> None:
-        """Have the backend at work here, in a process that nothing else uses.
-
-        Raises:
-            LostError, BackendError: See `open`.
-        """
-        if self._source == source and self._process.running and self._was_busy():
-            self.replace_for("it computed while nothing was asked of it")
-        if self._source != source or not self._process.running:
-            self.open(source)
-
-    def _was_busy(self) -> bool:
-        try:
-            return bool(self._process.ask(START, "was_busy"))
-        except LostError:
-            return False  # it is started again anyway
-
-    def new_number(self) -> int:
-        """A number for a program that is prepared here."""
-        self._count += 1
-        return self._count
-
-    @property
-    def generation(self) -> int:
-        """How often the process was started."""
-        return self._generation
-
-    def replace_for(self, why: str) -> None:
-        """Stop the process, and note why; see `take_note`."""
-        self._note = f"the process of the backend was replaced: {why}"
-        self.close()
-
-    def take_note(self) -> str:
-        """Return why the process was last replaced, and forget it; empty if it was not."""
-        note, self._note = self._note, ""
-        return note
-
-    def holds(self, generation: int) -> bool:
-        """Whether it still is the process that was started then."""
-        return self._generation == generation and self._process.running
-
-    @property
-    def processor_time(self) -> float:
-        """What it has used since it was started, s; NaN where it is lost."""
-        if not self._process.running:
-            return 0.0
-        try:
-            return float(self.ask(START, "processor_time"))
-        except LostError:
-            return float("nan")
-
-    def ask(self, limit: float, *request: Any) -> Any:
-        """As `ChildProcess.ask`."""
-        return self._process.ask(limit, *request)
-
-    def close(self) -> None:
-        """Stop the process; the next request starts another."""
-        self._source = None
-        self._process.close()
-
-    def __enter__(self) -> SolverProcess:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
 
 class KeptProcesses(threading.local):
@@ -247,13 +139,13 @@ class IsolatedBackend:
         return self._known
 
     def start(self) -> None:
-        """Start the process of the backend, unless it is at work.
+        """Start the process of the backend and let it compile, unless it is at work.
 
         Raises:
-            CapabilityError: It cannot be imported.
+            CapabilityError: It cannot be imported, or does not compile.
         """
         try:
-            self.process.serve(self._source)
+            self.process.warm_up(self._source)
         except (LostError, BackendError) as error:
             raise CapabilityError(f"backend {self.name!r} cannot be loaded: {error}") from error
 
@@ -336,64 +228,3 @@ class IsolatedBackend:
 
 def _remade(find: Callable[[str], Backend], name: str, values: dict[str, Any]) -> Any:
     return find(name).Options(**values)
-
-
-class IsolatedSolver:
-    """A prepared solver whose work is done by a `SolverProcess`."""
-
-    def __init__(
-        self, process: SolverProcess, source: Source, program: KinematicProgram, options: Any
-    ) -> None:
-        self._process = process
-        self._limit = min(float(options.time_limit) + GRACE, LONGEST)
-        self._lost: InnerSolution | None = None
-        self._number = process.new_number()
-        self._closed = False
-        self._asked(partial(process.serve, source))  # imports are not to be paid from the limit
-        self._generation = process.generation
-        self._asked(
-            partial(process.ask, self._limit, "prepare", self._number, program, asdict(options))
-        )
-
-    def solve(self, contact: FrozenContact) -> InnerSolution:
-        """As the backend does; a process lost is a status, and final.
-
-        Raises:
-            RuntimeError: The process was closed, or given to another backend, in the meantime.
-            BackendError: The backend raised an error.
-        """
-        if self._lost is None and not self._process.holds(self._generation):
-            raise RuntimeError("the process of this solver was closed or given to another backend")
-        begin = time.perf_counter()
-        sent = self._asked(partial(self._process.ask, self._limit, "solve", self._number, contact))
-        if self._lost is not None:
-            return self._lost
-        return _read(sent, time.perf_counter() - begin)
-
-    def _asked(self, ask: Callable[[], Any]) -> Any:
-        if self._lost is not None:
-            return None
-        begin = time.perf_counter()
-        try:
-            return ask()
-        except LostError as lost:
-            spent = time.perf_counter() - begin
-            self._lost = InnerSolution(lost.status, lost.native, 0, spent, None, message=str(lost))
-            return None
-
-    def close(self) -> None:
-        """Drop the solver in the process; a process in which something is left running ends."""
-        if self._closed or self._lost is not None or not self._process.holds(self._generation):
-            return
-        self._closed = True
-        self._asked(partial(self._process.ask, self._limit, "close", self._number))
-        left = self._asked(partial(self._process.ask, START, "rest"))
-        if left:
-            self._process.replace_for(f"it was left with {left}")
-
-
-def _read(sent: Any, seconds: float) -> InnerSolution:
-    try:
-        return read_answer(sent["answer"], seconds, float(sent["memory"]))
-    except (KeyError, TypeError, ValueError) as error:
-        return failed_answer(f"its process sent no answer: {error}", seconds)

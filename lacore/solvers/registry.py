@@ -17,11 +17,14 @@ from pathlib import Path
 
 from lacore.errors import CapabilityError, InputError, require_known, typed
 from lacore.solvers.contract import Backend, Family
-from lacore.solvers.isolation import ISOLATE, IsolatedBackend, SolverProcess, Source
+from lacore.solvers.isolation import IsolatedBackend, SolverProcess
+from lacore.solvers.served_process import ISOLATE, Source
 from lacore_start import hidden
 
 GROUP = "lacore.backends"
 _OWN = "backends"  # the package of ours
+CALIBRATION = "clarabel"
+"""Backend of lacore with which comparisons repeat a short solve, to measure the machine."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +145,17 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
     isolated = isolated if process is None else isolated.within(process)
     assert isolated.about.name == name  # asked now, so that a faulty one is known before it works
     return isolated
+
+
+def own_backend(name: str) -> Backend:
+    """Return a backend of lacore that works in this process, even where all others are isolated.
+
+    Raises:
+        InputError: lacore has no backend of this name.
+    """
+    own = {key: entry for key, entry in _registered(tuple(sys.path))[0].items() if entry.own}
+    require_known("backend", name.partition(":")[0], own)
+    return _here(own[name.partition(":")[0]], name)
 
 
 def _here(entry: Registered, name: str) -> Backend:

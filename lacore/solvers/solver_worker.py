@@ -19,6 +19,7 @@ from lacore.solvers.contract import (
     Family,
     InnerSolution,
     PreparedSolver,
+    WarmsUp,
     Writes,
     failed_answer,
 )
@@ -52,6 +53,17 @@ class SolverWorker:
             backend = backend.variant(variant)
         self._backend = backend
         return describe(backend)
+
+    def warm_up(self) -> bool:
+        """Let the backend compile, see `WarmsUp`; return whether it has anything to compile."""
+        backend = self._own
+        if not isinstance(backend, WarmsUp):
+            return False
+        try:
+            backend.warm_up()
+        except Exception as error:
+            raise RuntimeError(f"warm_up() raised {type(error).__name__}: {error}") from error
+        return True
 
     def check_options(self, values: dict[str, Any]) -> None:
         """Let the backend look at options; it raises `InputError` for values out of range."""

@@ -13,6 +13,7 @@ from lacore.backend import (
     Capabilities,
     InnerSolution,
     PreparedSolver,
+    WarmsUp,
     check_capable,
     checked_answer,
     read_options,
@@ -21,6 +22,7 @@ from lacore.errors import InputError
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.solvers import plain
 from lacore.solvers.description import describe, read_description
+from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.plain_answers import pack_answer, read_answer
 from lacore.state import ProgramState
 from lacore.status import Status
@@ -304,6 +306,31 @@ def separate_process(bench: Bench) -> Iterator[Finding]:
     yield said(name, "answer", same, f"came back as {back!r}")
 
 
+def warm_up(bench: Bench) -> Iterator[Finding]:
+    """`warm_up`, where there is one, may be called before each solve."""
+    name, backend = "warm-up", bench.subject.backend
+    fault = ""
+    try:
+        if isinstance(backend, IsolatedBackend):
+            backend.start()
+            there = np.isfinite(backend.process.compile_time)
+        else:
+            there = isinstance(backend, WarmsUp)
+            if isinstance(backend, WarmsUp):
+                backend.warm_up()
+                backend.warm_up()
+    except Exception as error:
+        there, fault = True, f"{type(error).__name__} was raised: {error}"
+    if not there:
+        raise la.CapabilityError("it has no `warm_up`: what it compiles counts as solve time")
+    yield said(name, "called", not fault, fault)
+    yield from judge(
+        bench.subject,
+        replace(_FRICTION, name=name),
+        bench.answer(_FRICTION.program, _FRICTION.contact),
+    )
+
+
 def _equal(one: ProgramState | None, other: ProgramState | None) -> bool:
     """To the last bit, NaN with NaN."""
     if one is None or other is None:
@@ -330,6 +357,7 @@ EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
     "declaration": declaration,
     "options": options,
     "separate process": separate_process,
+    "warm-up": warm_up,
 }
 
 

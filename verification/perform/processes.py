@@ -5,6 +5,7 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from math import nan
 from queue import SimpleQueue
 from typing import Protocol
 
@@ -18,11 +19,14 @@ from lacore.solvers.child_process import (
     forget_peak_memory,
     peak_memory,
 )
-from lacore.solvers.isolation import ISOLATE, IsolatedBackend, release_processes
+from lacore.solvers.isolation import IsolatedBackend, release_processes
 from lacore.solvers.registry import load_backend
+from lacore.solvers.served_process import ISOLATE, WARM_UP
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
+from verification.perform.calibration import Calibration
 from verification.perform.one_run import Assembled, assemble, lost, outcome_of
+from verification.perform.start_times import StartTimes
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
@@ -51,21 +55,33 @@ class Worker:
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
         self._assembled: Assembled | Exception = RuntimeError("nothing assembled")
+        self._calibration = Calibration()
+        self._calibrated = nan
 
     def open(self, backend: str) -> None:
-        """Start the process of a backend, which imports it; what goes wrong is for `row_of`."""
+        """Start the process of a backend, which imports and compiles it.
+
+        What goes wrong is for `row_of`.
+        """
         with suppress(la.LacoreError):
             found = load_backend(backend)
             if isinstance(found, IsolatedBackend):
                 found.start()
+        self._calibrated = self._calibration.seconds()
 
     def row_of(self, run: Run, time_limit: float) -> tuple[Row, Evidence]:
         """Row and evidence of a run; `time_limit`: s, of each inner solve."""
         forget_peak_memory()
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
+        starts = StartTimes(run.backend)
         outcome = outcome_of(run, self._assembled, time_limit, peak_memory)
-        row, note = outcome.row, _note(run.backend)
+        row, note = starts.apart(outcome.row), _note(run.backend)
+        row = replace(
+            row,
+            calibration_before=self._calibrated,
+            calibration_after=self._calibration.seconds(),
+        )
         if note:
             row = replace(row, message="; ".join(filter(None, (row.message, note))))
         return row, outcome.evidence
@@ -96,7 +112,7 @@ class RunProcess(ChildProcess):
         before, self._case = self._case or run.case, run.case
         if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
             self.close()
-        self.ask(START, "open", run.backend)  # no part of the time limit
+        self.ask(START + WARM_UP, "open", run.backend)  # no part of the time limit
         row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
 

@@ -9,20 +9,25 @@ import sys
 import threading
 import traceback
 from dataclasses import replace
-from math import nan
+from math import isnan, nan
 
 import numpy as np
 import pytest
 
 import lacore as la
 import lacore.solvers.child_process
-import lacore.solvers.isolation
+import lacore.solvers.isolated_solver
+import lacore.solvers.served_process
 from lacore.backend import InnerSolution, checked_answer
 from lacore.errors import BackendError
 from lacore.program import associated_contact, dimensionless
 from lacore.regularization import RegularisedValues
-from lacore.solvers.isolation import IsolatedBackend, Source
+from lacore.solvers.isolation import IsolatedBackend
+from lacore.solvers.served_process import Source
 from tests.broken_backends import (
+    COMPILE,
+    CompilesForEver,
+    CompilesSlowly,
     Exits,
     Options,
     Raises,
@@ -76,6 +81,34 @@ def at_work(process, kind, program, options):
     return isolated(process, kind).prepare(program, options)
 
 
+def test_a_backend_is_compiled_once_in_each_process_that_starts_with_it(block, answer):
+    program, contact = block
+    with la.SolverProcess() as process:
+        backend = isolated(process, CompilesSlowly)
+        assert backend.version() == "compiled 0 times"  # it may be described without
+        assert isnan(process.compile_time)
+        backend.start()
+        backend.start()
+        first = process.compile_time
+        assert COMPILE <= first <= process.start_time
+        process.close()
+        assert same(backend.prepare(program, Options()).solve(contact), answer)
+        assert process.start_time > first + COMPILE
+
+
+def test_compilation_that_does_not_end_costs_its_time_once(block, monkeypatch):
+    monkeypatch.setattr(lacore.solvers.served_process, "WARM_UP", 0.3)
+    program, contact = block
+    with la.SolverProcess() as process:
+        backend = isolated(process, CompilesForEver)
+        with pytest.raises(la.CapabilityError, match=r"in warm_up\(\): .* not come back"):
+            backend.start()
+        found = backend.prepare(program, Options()).solve(contact)
+        assert found.status is la.Status.TIME_LIMIT
+        assert "in warm_up()" in found.message
+        assert found.solve_time < 0.3
+
+
 def same(one, other):
     return np.allclose(one.point.velocity, other.point.velocity, rtol=0, atol=1e-7)
 
@@ -116,7 +149,7 @@ def test_a_process_serves_no_two_backends_at_once(process, block, answer):
 def test_a_lost_process_is_final_for_its_solver_only(
     process, block, answer, monkeypatch, backend, limit, status, native
 ):
-    monkeypatch.setattr(lacore.solvers.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.solvers.isolated_solver, "GRACE", 0.1)
     program, contact = block
     solver = at_work(process, backend, program, Options(time_limit=limit))
     lost = solver.solve(contact)
@@ -128,7 +161,7 @@ def test_a_lost_process_is_final_for_its_solver_only(
 
 
 def test_a_prepare_that_hangs_is_the_answer_of_solve(process, block, monkeypatch):
-    monkeypatch.setattr(lacore.solvers.isolation, "GRACE", 0.1)
+    monkeypatch.setattr(lacore.solvers.isolated_solver, "GRACE", 0.1)
     program, contact = block
     solver = at_work(process, SleepsInPrepare, program, Options(time_limit=0.1))
     assert solver.solve(contact).status is la.Status.TIME_LIMIT

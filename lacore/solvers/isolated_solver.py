@@ -1,0 +1,76 @@
+"""A prepared solver whose work is done in the process of its backend."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.solvers.child_process import GRACE, LONGEST, START, LostError
+from lacore.solvers.contract import InnerSolution, failed_answer
+from lacore.solvers.plain_answers import read_answer
+from lacore.solvers.served_process import ServedProcess, Source
+
+
+class IsolatedSolver:
+    """A prepared solver whose work is done by a `ServedProcess`."""
+
+    def __init__(
+        self, process: ServedProcess, source: Source, program: KinematicProgram, options: Any
+    ) -> None:
+        self._process = process
+        self._limit = min(float(options.time_limit) + GRACE, LONGEST)
+        self._lost: InnerSolution | None = None
+        self._number = process.new_number()
+        self._closed = False
+        self._asked(partial(process.serve, source))  # imports are not to be paid from the limit
+        self._generation = process.generation
+        self._asked(
+            partial(process.ask, self._limit, "prepare", self._number, program, asdict(options))
+        )
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """As the backend does; a process lost is a status, and final.
+
+        Raises:
+            RuntimeError: The process was closed, or given to another backend, in the meantime.
+            BackendError: The backend raised an error.
+        """
+        if self._lost is None and not self._process.holds(self._generation):
+            raise RuntimeError("the process of this solver was closed or given to another backend")
+        begin = time.perf_counter()
+        sent = self._asked(partial(self._process.ask, self._limit, "solve", self._number, contact))
+        if self._lost is not None:
+            return self._lost
+        return _read(sent, time.perf_counter() - begin)
+
+    def _asked(self, ask: Callable[[], Any]) -> Any:
+        if self._lost is not None:
+            return None
+        begin = time.perf_counter()
+        try:
+            return ask()
+        except LostError as lost:
+            spent = time.perf_counter() - begin
+            self._lost = InnerSolution(lost.status, lost.native, 0, spent, None, message=str(lost))
+            return None
+
+    def close(self) -> None:
+        """Drop the solver in the process; a process in which something is left running ends."""
+        if self._closed or self._lost is not None or not self._process.holds(self._generation):
+            return
+        self._closed = True
+        self._asked(partial(self._process.ask, self._limit, "close", self._number))
+        left = self._asked(partial(self._process.ask, START, "rest"))
+        if left:
+            self._process.replace_for(f"it was left with {left}")
+
+
+def _read(sent: Any, seconds: float) -> InnerSolution:
+    try:
+        return read_answer(sent["answer"], seconds, float(sent["memory"]))
+    except (KeyError, TypeError, ValueError) as error:
+        return failed_answer(f"its process sent no answer: {error}", seconds)

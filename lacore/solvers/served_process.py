@@ -1,0 +1,174 @@
+"""The interpreter in which one backend works, and how long it takes to start.
+
+It is started again when the backend kills it, or leaves something running in it.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from math import nan
+from typing import Any, Self
+
+from lacore.solvers.child_process import START, ChildProcess, LostError
+
+_WORKER = "lacore.solvers.solver_worker:SolverWorker"
+_CODEC = "lacore.solvers.plain_answers:PlainAnswers"
+WARM_UP = 120.0  # s, for compilation; that of lacore's own backends takes a fifth of it
+ISOLATE = "LACORE_ISOLATE_BACKENDS"
+"""Environment variable of processes in which all backends are isolated, also those of lacore."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a backend is found.
+
+    Attributes:
+        name: Under which it is registered, with its variant: ``cvxpy:SCS``.
+        target: ``module:attribute`` of its class.
+        variant: Of a family; empty for the backend itself.
+        file: Which registers it, for messages.
+    """
+
+    name: str
+    target: str
+    variant: str = ""
+    file: str = ""
+
+
+class ServedProcess:
+    """A process that serves one backend at a time: for another one it is started again.
+
+    A context manager: leaving it stops the process. For one thread at a time.
+    """
+
+    def __init__(self) -> None:
+        self._process = ChildProcess(_WORKER, {ISOLATE: ""}, _CODEC)
+        self._source: Source | None = None
+        self._generation = 0
+        self._count = 0
+        self._note = ""
+        self._warm = False
+        self._to_warm_up: set[Source] = set()
+        self._lost: dict[Source, LostError] = {}
+        self._compile_time = nan
+        self._start_time = 0.0
+
+    def open(self, source: Source) -> Any:
+        """Start the process with a backend, and return what the backend says of itself.
+
+        Raises:
+            LostError: It hangs or ends while it is imported.
+            BackendError: It raises.
+        """
+        if self._process.running:
+            self.close()
+        self._generation += 1
+        self._warm, self._compile_time = False, nan
+        about, seconds = self._timed(START, "open", source.target, source.variant)
+        self._source, self._start_time = source, self._start_time + seconds
+        return about
+
+    def warm_up(self, source: Source) -> None:
+        """Have the backend at work here, compiled, whenever this process starts with it.
+
+        Raises:
+            LostError: Its `warm_up` hangs, or ends the process; it is not called again.
+            BackendError: Its `warm_up` raises. Also see `open`.
+        """
+        self._to_warm_up.add(source)
+        self.serve(source)
+
+    def serve(self, source: Source) -> None:
+        """Have the backend at work here, in a process that nothing else uses.
+
+        Raises:
+            LostError, BackendError: See `open` and `warm_up`.
+        """
+        if source in self._lost:  # a warm-up that hangs costs its time once
+            raise self._lost[source]
+        if self._source == source and self._process.running and self._was_busy():
+            self.replace_for("it computed while nothing was asked of it")
+        if self._source != source or not self._process.running:
+            self.open(source)
+        if source in self._to_warm_up and not self._warm:
+            self._compile(source)
+
+    def _compile(self, source: Source) -> None:
+        try:
+            compiles, seconds = self._timed(WARM_UP, "warm_up")
+        except LostError as lost:
+            self._lost[source] = LostError(lost.status, lost.native, f"in warm_up(): {lost}")
+            raise self._lost[source] from lost
+        self._warm, self._start_time = True, self._start_time + seconds
+        self._compile_time = seconds if compiles else nan
+
+    def _timed(self, limit: float, *request: Any) -> tuple[Any, float]:
+        begin = time.perf_counter()
+        answer = self._process.ask(limit, *request)
+        return answer, time.perf_counter() - begin
+
+    @property
+    def compile_time(self) -> float:
+        """What `warm_up` took in the process that is running, s; NaN where there is none."""
+        return self._compile_time
+
+    @property
+    def start_time(self) -> float:
+        """What all starts have taken, imports and compilation, s: no part of any solve."""
+        return self._start_time
+
+    def _was_busy(self) -> bool:
+        try:
+            return bool(self._process.ask(START, "was_busy"))
+        except LostError:
+            return False  # it is started again anyway
+
+    def new_number(self) -> int:
+        """A number for a program that is prepared here."""
+        self._count += 1
+        return self._count
+
+    @property
+    def generation(self) -> int:
+        """How often the process was started."""
+        return self._generation
+
+    def replace_for(self, why: str) -> None:
+        """Stop the process, and note why; see `take_note`."""
+        self._note = f"the process of the backend was replaced: {why}"
+        self.close()
+
+    def take_note(self) -> str:
+        """Return why the process was last replaced, and forget it; empty if it was not."""
+        note, self._note = self._note, ""
+        return note
+
+    def holds(self, generation: int) -> bool:
+        """Whether it still is the process that was started then."""
+        return self._generation == generation and self._process.running
+
+    @property
+    def processor_time(self) -> float:
+        """What it has used since it was started, s; NaN where it is lost."""
+        if not self._process.running:
+            return 0.0
+        try:
+            return float(self.ask(START, "processor_time"))
+        except LostError:
+            return float("nan")
+
+    def ask(self, limit: float, *request: Any) -> Any:
+        """As `ChildProcess.ask`."""
+        return self._process.ask(limit, *request)
+
+    def close(self) -> None:
+        """Stop the process; the next request starts another."""
+        self._source = None
+        self._process.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
