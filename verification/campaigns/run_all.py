@@ -9,6 +9,7 @@ from verification.perform.processes import Executor, run_in_processes
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import code_of, describe, solvers_of
+from verification.store.repeating import Repeat
 from verification.store.store import Store
 
 
@@ -19,20 +20,24 @@ def run_all(
     on_finish: Callable[[Outcome], None] = lambda _: None,
     executor: Executor = run_in_processes,
     time_limit: float = TIME_LIMIT,
-    fresh: bool = False,
+    repeat: Repeat = Repeat.NOTHING,
+    on_found: Callable[[Sequence[Outcome]], None] = lambda _: None,
 ) -> list[Outcome]:
     """Outcomes of runs, in their order; each is in the store at `path` as soon as it is finished.
 
-    Those that are there already, by the same code, are not run again, unless all is to be `fresh`.
-    `executor` runs them; `time_limit`: s, of a run; one that takes longer, or whose process dies,
-    costs its own row.
+    Those that are stored already, computed by the same code, are not run again, whether they
+    succeeded or failed, except for those that `repeat` includes; `on_found` is called with them.
+    `executor` runs the others; `time_limit`: s, of a run; one that takes longer, or whose process
+    dies, costs its own row.
 
     Raises:
         InputError: the store cannot be used.
     """
     codes = {run.key: code_of(run) for run in runs}
     with Store(path, describe(name for run in runs for name in solvers_of(run))) as store:
-        found = {} if fresh else store.settled((run, codes[run.key]) for run in runs)
+        stored = store.finished((run, codes[run.key]) for run in runs)
+        found = {key: own for key, own in stored.items() if not repeat.includes(own)}
+        on_found(list(found.values()))
         for outcome in found.values():
             on_finish(outcome)
         due = list({run.key: run for run in runs if run.key not in found}.values())

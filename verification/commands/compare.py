@@ -5,6 +5,7 @@ from __future__ import annotations  # not evaluated: what they name is not loade
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -16,17 +17,22 @@ from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
     cases_option,
-    fresh_option,
     jobs_option_with,
     json_option,
     named_cases,
     names_option,
     out_option,
     print_json,
+    repeat_options,
     resumable,
+    show_stored_failures,
     time_limit_option,
 )
 from verification.defaults import RAW
+
+if TYPE_CHECKING:
+    from verification.runs.outcome import Outcome
+    from verification.store.repeating import Repeat
 
 
 @click.command(short_help="Compare solvers with reference collapse loads.")
@@ -56,7 +62,7 @@ from verification.defaults import RAW
 @time_limit_option
 @cases_option
 @jobs_option_with(" To compare solution times, use --jobs 1 --fresh.")
-@fresh_option
+@repeat_options
 @json_option
 @click.pass_context
 def compare(
@@ -71,7 +77,7 @@ def compare(
     time_limit: float,
     known: Catalogue,
     jobs: int,
-    fresh: bool,
+    repeat: Repeat,
     as_json: bool,
 ) -> None:
     """Compare solvers with each other and with reference collapse loads.
@@ -87,7 +93,9 @@ def compare(
     with the reference value within the tolerance of the case. A table on the terminal summarises
     the errors. The folder DIR contains the report, index.html, with a page for each case, and all
     runs in results.csv. Results are stored as soon as they are computed, and a repeated command
-    only computes what is missing.
+    only computes what is missing. Failures and runs that exceed their time limit are results,
+    too; --retry failed repeats them. If Ctrl-C or SIGTERM stops the command, it writes the report
+    of the runs that have finished.
 
     Exit code: 0 if at least one run passed and none failed, 1 otherwise, 2 for invalid input.
 
@@ -105,7 +113,7 @@ def compare(
     from verification.campaigns.run_all import run_all
     from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
-    from verification.report.reporting import write_report
+    from verification.report.reporting import TABLE, GrowingReport, write_report
     from verification.store.provenance import describe
     from verification.store.results import as_table, export
     from verification.store.store import NAME
@@ -120,20 +128,28 @@ def compare(
         runs = overview.everything(backends, meshes, known)
     else:
         runs = comparison.plan(cases, backends, meshes, couplings, known)
-    with resumable(out / NAME), progress.watching(len(runs)) as watch:
-        outcomes = run_all(
-            runs,
-            out / NAME,
-            watch.start,
-            watch.finish,
-            partial(run_in_processes, jobs=jobs),
-            time_limit,
-            fresh,
-        )
-    results = as_table(outcome.record() for outcome in outcomes)
-    export(results, out / "results.csv")
-    about = describe(run.backend for run in runs)
-    page = write_report(outcomes, about, out)
+    growing = GrowingReport(runs, out)
+    with resumable(out / NAME, growing.write):
+        with progress.watching(len(runs)) as watch:
+
+            def finish(outcome: Outcome) -> None:
+                watch.finish(outcome)
+                growing.add(outcome)
+
+            outcomes = run_all(
+                runs,
+                out / NAME,
+                watch.start,
+                finish,
+                partial(run_in_processes, jobs=jobs),
+                time_limit,
+                repeat,
+                show_stored_failures,
+            )
+        results = as_table(outcome.record() for outcome in outcomes)
+        export(results, out / TABLE)
+        about = describe(run.backend for run in runs)
+        page = write_report(outcomes, about, out)
     count = tally(outcomes)
     if as_json:
         rows = [outcome.row.record() for outcome in outcomes]
@@ -147,7 +163,7 @@ def compare(
         }
         print_json(document)
     else:
-        places = {"Report": page, "Results": out / "results.csv"}
+        places = {"Report": page, "Results": out / TABLE}
         after = f"{_after(cases, first_look)}{'' if full else '; --full prints every run'}"
         console = tables.table_console()
         if full:

@@ -12,13 +12,14 @@ import click
 from lacore.errors import require_known
 from verification.commands.options import (
     drawn_options,
-    fresh_option,
     jobs_option,
     json_option,
     names_option,
     out_option,
     print_json,
+    repeat_options,
     resumable,
+    show_stored_failures,
     time_limit_option,
 )
 from verification.fuzz.drawn.cases import kind_of, known_kinds, runs_of
@@ -28,6 +29,7 @@ from verification.verdicts.words import FAIL
 if TYPE_CHECKING:
     from verification.campaigns.fuzzing import Tally
     from verification.runs.outcome import Outcome
+    from verification.store.repeating import Repeat
 
 _MOST_SHOWN = 12
 
@@ -39,7 +41,7 @@ _MOST_SHOWN = 12
 @dask_options
 @time_limit_option
 @out_option("reports/fuzz", "Folder for the results and for problems with wrong results.")
-@fresh_option
+@repeat_options
 @json_option
 @click.pass_context
 def fuzz(
@@ -52,7 +54,7 @@ def fuzz(
     scheduler: str | None,
     time_limit: float,
     out: Path,
-    fresh: bool,
+    repeat: Repeat,
     as_json: bool,
 ) -> None:
     """Solve small random problems, and check the results without the code of the solver.
@@ -91,7 +93,16 @@ def fuzz(
         executor_of(jobs, on_dask, scheduler) as executor,
         progress.watching(len(runs)) as watch,
     ):
-        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
+        outcomes = run_all(
+            runs,
+            out / NAME,
+            watch.start,
+            watch.finish,
+            executor,
+            time_limit,
+            repeat,
+            show_stored_failures,
+        )
         files = keep_wrong(outcomes, out / "wrong", executor, time_limit, watch.start)
     export(load_results(out), out / "results.csv")
     tallies = tallied(outcomes)

@@ -1,20 +1,31 @@
 """Options that several commands share, and how commands print."""
 
+from __future__ import annotations  # not evaluated: what they name is not loaded
+
 import json
-from collections.abc import Callable, Iterator
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import wraps
 from math import isfinite
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
+from lacore.errors import InputError
 from verification.catalogue.catalogue import Catalogue, find
 from verification.catalogue.plugins import gather
 from verification.defaults import TIME_LIMIT, cores
 from verification.usage import folder, positive, whole
 
+if TYPE_CHECKING:
+    from verification.runs.outcome import Outcome
+    from verification.store.repeating import Repeat
+
 _STOPPED = 130  # as shells say of Ctrl-C
+_TERMINATED = 128 + signal.SIGTERM
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
@@ -74,9 +85,43 @@ time_limit_option = click.option(
     help="Stop any run that takes longer than this.",
 )
 
-fresh_option = click.option(
-    "--fresh", is_flag=True, help="Repeat runs whose results are already in the folder."
-)
+
+def repeat_options(command: _Command) -> _Command:
+    """Give a command the argument `repeat`: which stored runs are repeated."""
+
+    @click.option(
+        "--fresh", is_flag=True, help="Repeat all runs whose results are already in the folder."
+    )
+    @click.option(
+        "--retry",
+        type=click.Choice(["failed"]),
+        help="Repeat the runs in the folder that failed, were stopped by their time limit, or ended"
+        " with an error. Without this option, their stored results are used.",
+    )
+    @wraps(command)
+    def chosen(*args: Any, fresh: bool, retry: str | None, **others: Any) -> Any:
+        return command(*args, repeat=_repeat(fresh, retry), **others)
+
+    return chosen  # type: ignore[return-value]  # it takes other arguments by keyword
+
+
+def _repeat(fresh: bool, retry: str | None) -> Repeat:
+    from verification.store.repeating import Repeat
+
+    if fresh and retry:
+        raise InputError("--retry", retry, "--fresh repeats all runs anyway", "omit one of them")
+    if fresh:
+        return Repeat.EVERYTHING
+    return Repeat.FAILURES if retry else Repeat.NOTHING
+
+
+def show_stored_failures(stored: Sequence[Outcome]) -> None:
+    """Print how many failures are among the stored runs that are used, and how to repeat them."""
+    from verification.store.repeating import describe_failures
+
+    if text := describe_failures(stored):
+        click.echo(text, err=True)
+
 
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON document, and nothing else, on stdout."
@@ -149,14 +194,43 @@ def strict(value: Any) -> Any:
     return value
 
 
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM; like Ctrl-C, nothing but the end of a command catches it."""
+
+
 @contextmanager
-def resumable(store: Path) -> Iterator[None]:
-    """On Ctrl-C, explain how to continue, and exit with code 130."""
+def resumable(store: Path, save: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """On Ctrl-C or SIGTERM, save what exists, explain how to continue, and exit.
+
+    Args:
+        store: The file in which finished runs are.
+        save: Writes what can be written without the missing runs.
+    """
     try:
-        yield
-    except KeyboardInterrupt:
+        with _sigterm_raised():
+            yield
+    except KeyboardInterrupt as stop:
+        save()
         click.echo(
             f"stopped: finished runs are kept in {store}; repeat the command to continue",
             err=True,
         )
-        click.get_current_context().exit(_STOPPED)
+        code = _TERMINATED if isinstance(stop, _Terminated) else _STOPPED
+        click.get_current_context().exit(code)
+
+
+@contextmanager
+def _sigterm_raised() -> Iterator[None]:
+    """Raise `_Terminated` on SIGTERM; only the main thread can do so."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(number: int, frame: object) -> NoReturn:
+        raise _Terminated
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

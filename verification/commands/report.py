@@ -52,11 +52,12 @@ def report(
     index.html shows for each case a picture, the reference value, the proven bounds, the largest
     error next to the allowed error, and a comparison of the backends. The page of a case, in
     cases/, lists every run with its certificate and explains why it passes. The pages load
-    nothing from the internet. The folder tables/ contains the tables as CSV and Markdown.
+    nothing from the internet. The folder tables/ contains the tables as CSV and Markdown, and
+    results.csv contains all runs.
     """
     from verification.commands import screen, tables
-    from verification.report.reporting import write_report
-    from verification.store.results import load_outcomes
+    from verification.report.reporting import TABLE, write_report
+    from verification.store.results import as_table, export, load_outcomes
     from verification.store.store import file_of, sessions
     from verification.verdicts.tally import tally
 
@@ -69,7 +70,9 @@ def report(
         why = "contains no finished run"
         raise la.InputError("DIR", str(results), why, "run `lacore compare` or `lacore verify`")
     about = list(sessions(file_of(results)).values())[-1]
-    page = write_report(outcomes, about, out or results, most)
+    folder = out or (results.parent if results.is_file() else results)
+    export(as_table(outcome.record() for outcome in outcomes), folder / TABLE)
+    page = write_report(outcomes, about, folder, most)
     if as_json:
         print_json({"summary": vars(tally(outcomes)), "report": str(page)})
         return

@@ -14,14 +14,15 @@ from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
     cases_option,
-    fresh_option,
     jobs_option,
     json_option,
     named_cases,
     names_option,
     out_option,
     print_json,
+    repeat_options,
     resumable,
+    show_stored_failures,
     time_limit_option,
 )
 from verification.defaults import RAW
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from verification.runs.outcome import Outcome
+    from verification.store.repeating import Repeat
 
 PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 """Options whose errors have a theory (T19)."""
@@ -61,7 +63,7 @@ PENALTIES = ("r", "eta", "bulk", "normal", "tangential")
 @dask_options
 @time_limit_option
 @out_option("reports/sweep", "Folder for the results.")
-@fresh_option
+@repeat_options
 @cases_option
 @json_option
 @click.pass_context
@@ -77,7 +79,7 @@ def sweep(
     scheduler: str | None,
     time_limit: float,
     out: Path,
-    fresh: bool,
+    repeat: Repeat,
     known: Catalogue,
     as_json: bool,
 ) -> None:
@@ -126,7 +128,16 @@ def sweep(
         executor_of(jobs, on_dask, scheduler, _folders(known)) as executor,
         progress.watching(len(runs)) as watch,
     ):
-        outcomes = run_all(runs, out / NAME, watch.start, watch.finish, executor, time_limit, fresh)
+        outcomes = run_all(
+            runs,
+            out / NAME,
+            watch.start,
+            watch.finish,
+            executor,
+            time_limit,
+            repeat,
+            show_stored_failures,
+        )
     export(load_results(out), out / "results.csv")
     slopes, orders = _slopes(out, outcomes), _orders(out, outcomes)
     if as_json:

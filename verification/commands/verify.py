@@ -4,6 +4,7 @@ from __future__ import annotations  # not evaluated: what they name is not loade
 
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,16 +13,20 @@ from verification.catalogue.catalogue import Catalogue
 from verification.commands.options import (
     backends_option,
     cases_option,
-    fresh_option,
     jobs_option,
     json_option,
     named_cases,
     names_option,
     out_option,
     print_json,
+    repeat_options,
     resumable,
+    show_stored_failures,
     time_limit_option,
 )
+
+if TYPE_CHECKING:
+    from verification.store.repeating import Repeat
 
 
 @click.command(short_help="Check the results of all cases.")
@@ -44,7 +49,7 @@ from verification.commands.options import (
 @jobs_option
 @out_option("reports/verify", "Folder for the results and the table of checks, checks.csv.")
 @time_limit_option
-@fresh_option
+@repeat_options
 @cases_option
 @click.option("--full", is_flag=True, help="Print one line for every variant and backend.")
 @json_option
@@ -58,7 +63,7 @@ def verify(
     jobs: int,
     out: Path,
     time_limit: float,
-    fresh: bool,
+    repeat: Repeat,
     known: Catalogue,
     full: bool,
     as_json: bool,
@@ -116,7 +121,8 @@ def verify(
             watch.finish,
             partial(run_in_processes, jobs=jobs),
             time_limit,
-            fresh,
+            repeat,
+            show_stored_failures,
         )
     with progress.status("recomputing residuals"):
         finished = finish(questions, outcomes)

@@ -3,16 +3,20 @@
 Its lines are those of ``sha256sum``: what somebody has changed since is theirs, and stays.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
+
+from verification.store.whole_files import whole_file
 
 MANIFEST = "report.sha256"
 
 
 def replace_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files, and remove those that an earlier report wrote here and this one does not.
+
+    A process that is killed meanwhile leaves each file either as it was or as it is to be.
 
     Args:
         folder: made where it is not there.
@@ -23,24 +27,35 @@ def replace_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     listed = folder / MANIFEST
-    for file, digest in _listed(listed).items():
+    earlier = _listed(listed)
+    own = {(sha256(data).hexdigest(), file): None for file, data in files.items()}
+    _write(folder, MANIFEST, _lines(earlier | own))  # of a report that is killed here, either
+    for file, data in files.items():
+        _write(folder, file, data)
+    for digest, file in earlier:
         if file not in files:
             _remove(folder, file, digest)
-    lines = [f"{sha256(data).hexdigest()}  {file}\n" for file, data in files.items()]
-    listed.write_text("".join(lines), encoding="utf-8")
-    for file, data in files.items():
-        path = folder / file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
+    _write(folder, MANIFEST, _lines(own))
 
 
-def _listed(file: Path) -> dict[str, str]:
-    """Digests by path; what is no line of a manifest is passed over."""
+def _write(folder: Path, file: str, data: bytes) -> None:
+    path = folder / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path, folder) as unfinished:
+        unfinished.write_bytes(data)
+
+
+def _lines(listed: Iterable[tuple[str, str]]) -> bytes:
+    return "".join(f"{digest}  {file}\n" for digest, file in listed).encode()
+
+
+def _listed(file: Path) -> dict[tuple[str, str], None]:
+    """Digests and paths; what is no line of a manifest is passed over."""
     if not file.is_file():
         return {}
     lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
-    pairs = [line.split("  ", 1) for line in lines if "  " in line]
-    return {name: digest for digest, name in pairs}
+    pairs = (line.split("  ", 1) for line in lines if "  " in line)
+    return dict.fromkeys((digest, name) for digest, name in pairs)
 
 
 def _remove(folder: Path, file: str, digest: str) -> None:

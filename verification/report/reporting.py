@@ -1,5 +1,6 @@
 """Reports and manuals, drawn and written with progress on the terminal."""
 
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -11,8 +12,59 @@ from verification.report.blocks import Report
 from verification.report.drawing import Drawn, Subject, draw, most_for
 from verification.report.files import write
 from verification.runs.outcome import Outcome
+from verification.runs.run import Run
+from verification.store.provenance import describe
+from verification.store.results import as_table, export
 from verification.store.store import file_of, sessions
 from verification.verify import load_checks
+
+FIRST = 10.0
+"""Seconds after which a comparison writes its first pages, if it has not ended before."""
+SHARE = 0.01
+"""Share of its time that a comparison spends on pages before it has ended, at most."""
+TABLE = "results.csv"
+"""The table of all runs of a comparison."""
+
+
+class GrowingReport:
+    """The table and the pages of a comparison that has not ended; no mechanisms are drawn.
+
+    They are written again whenever that takes a small share of the time since the last time, so
+    that a comparison that is killed leaves pages with most of its rows.
+
+    Args:
+        runs: Of the comparison, in its order.
+        folder: To write into.
+    """
+
+    def __init__(self, runs: Sequence[Run], folder: Path) -> None:
+        self._runs, self._folder = runs, folder
+        self._found: dict[str, Outcome] = {}
+        self._due = time.monotonic() + FIRST
+
+    def add(self, outcome: Outcome) -> None:
+        """Add a row, and write what exists if it is time to."""
+        self._found[outcome.run.key] = outcome
+        begin = time.monotonic()
+        if begin >= self._due and len(self._found) < len(self._runs):
+            self.write()
+            end = time.monotonic()
+            self._due = end + (end - begin) / SHARE
+
+    def write(self) -> None:
+        """Write the table and the pages of the runs that have ended; nothing if there are none.
+
+        Raises:
+            InputError: The folder cannot be written.
+        """
+        outcomes = [self._found[run.key] for run in self._runs if run.key in self._found]
+        if not outcomes:
+            return
+        export(as_table(outcome.record() for outcome in outcomes), self._folder / TABLE)
+        count = f"{len(outcomes)} of {len(self._runs)} runs finished"
+        about = {**describe(run.backend for run in self._runs), "progress": count}
+        title = f"Collapse loads compared with reference values, {count}"
+        write(page.compared(outcomes, about, {}, title), self._folder)
 
 
 def write_report(

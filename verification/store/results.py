@@ -15,6 +15,7 @@ from verification.runs.row import TYPES
 from verification.runs.run import Run, canonical
 from verification.store.spreadsheets import quoted
 from verification.store.store import Entry, entries, file_of
+from verification.store.whole_files import whole_file
 
 FORMATS = ("csv", "parquet")
 
@@ -112,6 +113,8 @@ def as_table(records: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 def export(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, text as text to spreadsheets, or Parquet, by the ending of the path.
 
+    A process that is killed meanwhile leaves the file as it was before.
+
     Raises:
         InputError: another ending, a package that is missing, or the file cannot be written.
     """
@@ -119,10 +122,11 @@ def export(frame: pd.DataFrame, path: Path) -> None:
     require_known("ending of the file", kind, FORMATS)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        if kind == "csv":
-            quoted(frame).to_csv(path, index=False)
-        else:
-            frame.to_parquet(path, index=False)
+        with whole_file(path) as unfinished:
+            if kind == "csv":
+                quoted(frame).to_csv(unfinished, index=False)
+            else:
+                frame.to_parquet(unfinished, index=False)
     except ImportError as error:
         raise InputError(
             "export", str(path), "Parquet needs pyarrow", "pip install pyarrow"

@@ -46,8 +46,6 @@ _OF_THE_DISK = (
 )
 """Errors that say nothing against the file itself."""
 _PATIENCE = 60.0  # s: a reader of a large store may be at work while a run ends
-_UNSETTLED = ("time limit", "failed")
-"""Statuses of runs that a resumed sweep tries again."""
 
 
 class Store:
@@ -104,20 +102,15 @@ class Store:
                 (*texts, _checksum(texts)),
             )
 
-    def settled(self, runs: Iterable[tuple[Run, str]]) -> dict[str, Outcome]:
-        """Outcomes that are there already, by key, of runs and their codes.
-
-        Runs that were stopped or lost are not among them: they are to be tried again.
-        """
+    def finished(self, runs: Iterable[tuple[Run, str]]) -> dict[str, Outcome]:
+        """Outcomes that are stored already, by key, of runs and their codes; also failures."""
         found = {}
         for run, code in runs:
             query = f"SELECT {', '.join(_COLUMNS)} FROM runs WHERE run = ? AND code = ?"
             with _said(self._path):
                 record = self._database.execute(query, (run.key, code)).fetchone()
             if record is not None:
-                outcome = _entry(record, self._path).outcome(run)
-                if outcome.row.status not in _UNSETTLED:
-                    found[run.key] = outcome
+                found[run.key] = _entry(record, self._path).outcome(run)
         return found
 
     def close(self) -> None:

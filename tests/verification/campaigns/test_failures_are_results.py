@@ -1,0 +1,157 @@
+"""Failures are stored like other results; interrupted comparisons leave a page and a table."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+import lacore as la
+from tests.verification.command_line import lacore, run_in_order
+from verification.campaigns.comparison import plan
+from verification.campaigns.run_all import run_all
+from verification.perform.one_run import lost, run_here
+from verification.report import reporting
+from verification.report.reporting import GrowingReport
+from verification.store.repeating import Repeat, describe_failures, is_failure
+from verification.store.store import NAME
+from verification.store.whole_files import whole_file
+from verification.verdicts.words import FAIL, PASS
+
+BACKENDS = ["clarabel", "highs"]
+
+
+@pytest.fixture
+def runs():
+    return plan(["wall-1"], BACKENDS)[:2]
+
+
+def ending(status):
+    """An executor whose second run ends without an answer."""
+
+    def execute(runs, *, time_limit, on_start):
+        for place, run in enumerate(runs):
+            on_start(run)
+            if place == 1:
+                yield lost(run, status, "planted")
+            else:
+                yield from run_here([run])
+
+    return execute
+
+
+class Recorder:
+    """An executor that records its runs."""
+
+    def __init__(self):
+        self.runs = []
+
+    def __call__(self, runs, **more):
+        self.runs += runs
+        yield from run_in_order(runs, **more)
+
+
+@pytest.mark.parametrize("status", [la.Status.TIME_LIMIT, la.Status.FAILED])
+def test_what_hung_or_crashed_is_repeated_on_request_only(tmp_path, runs, status):
+    path, found = tmp_path / NAME, []
+    first = run_all(runs, path, executor=ending(status))
+    assert [is_failure(outcome) for outcome in first] == [False, True]
+    nothing, retried = Recorder(), Recorder()
+    again = run_all(runs, path, executor=nothing, on_found=found.extend)
+    assert nothing.runs == []
+    assert [outcome.row.status for outcome in again] == ["solved", status.label]
+    assert describe_failures(found) == (
+        f"1 stored failure is used (1 {status.label}); --retry failed repeats it"
+    )
+    last = run_all(runs, path, executor=retried, repeat=Repeat.FAILURES)
+    assert retried.runs == runs[1:]
+    assert [outcome.row.verdict for outcome in last] == [PASS, PASS]
+    found.clear()
+    run_all(runs, path, executor=nothing, on_found=found.extend)
+    assert (nothing.runs, describe_failures(found)) == ([], "")
+
+
+def test_a_wrong_result_is_a_failure(runs):
+    (outcome,) = run_here(runs[:1])
+    wrong = replace(outcome, row=replace(outcome.row, verdict=FAIL))
+    assert not is_failure(outcome)
+    assert is_failure(wrong)
+    assert describe_failures([wrong, wrong]) == (
+        "2 stored failures are used (2 solved); --retry failed repeats them"
+    )
+
+
+def test_retry_and_fresh_exclude_each_other(tmp_path):
+    found = lacore("compare", "wall-1", "--fresh", "--retry", "failed", "--out", tmp_path)
+    assert found.exit_code == 2
+    assert "--retry = 'failed': --fresh repeats all runs anyway; omit one of them" in found.stderr
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch):
+    """A comparison that Ctrl-C stops after its first run."""
+
+    def execute(runs, *, time_limit, on_start):
+        yield from run_here(runs[:1])
+        raise KeyboardInterrupt
+
+    words = ("compare", "wall-1", "--backends", ",".join(BACKENDS), "--out", tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(reporting, "_drawn", lambda subjects: {})
+        patch.setattr(
+            "tests.verification.command_line.run_in_order",
+            lambda runs, jobs, **more: execute(runs, **more),
+        )
+        return lacore(*words), words
+
+
+def test_an_interrupted_comparison_writes_what_it_has(interrupted, tmp_path):
+    found, words = interrupted
+    assert found.exit_code == 130
+    assert "repeat the command to continue" in found.stderr
+    assert len(pd.read_csv(tmp_path / "results.csv")) == 1
+    total = len(plan(["wall-1"], BACKENDS))
+    assert f"1 of {total} runs finished" in (tmp_path / "index.html").read_text("utf-8")
+    assert lacore(*words).exit_code == 0
+    assert len(pd.read_csv(tmp_path / "results.csv")) == total
+    assert "runs finished" not in (tmp_path / "index.html").read_text("utf-8")
+
+
+def test_a_report_completes_the_table_of_a_killed_comparison(tmp_path, runs, monkeypatch):
+    monkeypatch.setattr(reporting, "_drawn", lambda subjects: {})
+    run_all(runs, tmp_path / NAME, executor=run_in_order)  # killed before it wrote anything else
+    assert lacore("report", tmp_path).exit_code == 0
+    assert len(pd.read_csv(tmp_path / "results.csv")) == len(runs)
+    assert (tmp_path / "index.html").is_file()
+
+
+def test_pages_grow_at_small_cost(tmp_path, runs, monkeypatch):
+    """They are written a certain time after the start, and then after 100 times what that takes."""
+    now, written = [0.0], []
+    monkeypatch.setattr(reporting.time, "monotonic", lambda: now[0])
+
+    def write(growing):
+        written.append(now[0])
+        now[0] += 0.5
+
+    monkeypatch.setattr(GrowingReport, "write", write)
+    growing = GrowingReport([*runs, replace(runs[0], mesh="other")], tmp_path)
+    outcomes = [lost(run, la.Status.FAILED, "planted") for run in runs]
+    while now[0] < 130:
+        growing.add(outcomes[0])
+        now[0] += 1.0
+    assert written == [10.0, 60.5, 111.0]
+
+
+def test_a_killed_writer_leaves_whole_files(tmp_path):
+    path = tmp_path / "results.csv"
+    path.write_text("before")
+
+    def write():
+        with whole_file(path) as unfinished:
+            unfinished.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert [file.name for file in tmp_path.iterdir()] == ["results.csv"]
+    assert path.read_text() == "before"
