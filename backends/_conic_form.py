@@ -26,7 +26,7 @@ from scipy.sparse import csc_matrix, csr_matrix, diags_array, identity, triu, vs
 
 from backends._surface_rows import Leads, Volumes, point_units, stress_besides
 from lacore.arrays import Bools, Floats, Ints, Sparse
-from lacore.program import FrozenContact, KinematicProgram, interleaved
+from lacore.program import POWER, FrozenContact, KinematicProgram, interleaved
 from lacore.regularization import Penalties
 from lacore.state import ProgramState
 
@@ -135,6 +135,8 @@ class ConicForm:
         cornered: whether somewhere several surfaces bound it.
         even: whether every surface has some strength without pressure, and velocities are those of
             a body; they are in units then in which rows of points are as large as stresses.
+        speed: velocities of the form for 1 of the program. The least value is as many times as
+            large; `offset` is divided by it where a program is to be written as it is.
         order: of the columns as a solver is to see them. Multipliers of several surfaces come
             before velocities: an ordering by least degree breaks its ties well then.
     """
@@ -155,7 +157,7 @@ class ConicForm:
         simple = not (self.hardens or self.gentle or self.cornered)
         tied = program.n <= _TIED * sum(group.weights.size for group in program.groups)
         self.even = bool(pressed) and strong and simple and tied and penalty is None
-        self._speed = _SPEED if self.even else 1.0
+        self.speed = _SPEED if self.even else 1.0
         points, dim = program.contact, program.contact.tangent_dim
         stiff = penalty or Penalties(np.inf, np.inf, np.inf, np.inf)
         self._dilatant = contact.dilatancy > 0
@@ -278,7 +280,7 @@ class ConicForm:
         """b: ``F0.U = 1``, dilations, and the shifts of the contact rows."""
         shift = self._program.contact.weights * contact.shift
         b = np.zeros(self.matrix.shape[0])
-        b[0] = 1.0
+        b[0] = POWER
         volumes = np.split(b, self._ends)[1:]
         for group, own, part in zip(self._program.groups, self._volumes, volumes, strict=False):
             if group.surfaces is not None:
@@ -286,12 +288,12 @@ class ConicForm:
         free, dilatant = np.split(b, self._ends)[len(self._program.groups) + 2 :][:2]
         free[: shift.size - int(self._dilatant.sum())] = shift[~self._dilatant]
         dilatant[:] = self._norms[0].offset(shift[self._dilatant])
-        return b * self._speed
+        return b * self.speed
 
     def point(self, x: Floats, z: Floats, contact: FrozenContact) -> ProgramState:
         """Velocity and duals in the signs of `ProgramState` (T35)."""
         program, pattern, dilatant = self._program, self._pattern, self._dilatant
-        velocity = x[: program.n] / self._speed
+        velocity = x[: program.n] / self.speed
         load, *duals = np.split(z, self._ends[:-1])
         count, dim = len(program.groups), program.contact.tangent_dim
         means, (stick, plain), rest = duals[:count], duals[count : count + 2], duals[count + 2 :]

@@ -1,7 +1,7 @@
 """Cone programs as files for other solvers: npz and CBF. Not a backend.
 
-``minimise x.P x/2 + q.x  subject to  b - A x in cones``, as `backends._conic_form` has it: with all
-its scaling, so that who solves the file solves what the backend does.
+``minimise x.P x/2 + q.x  subject to  b - A x in cones``, as `backends._conic_form` has it, at the
+``F0.U = POWER`` of the program, so that all formats have the same least value.
 """
 
 from pathlib import Path
@@ -14,7 +14,7 @@ from scipy.sparse import csc_matrix
 from backends._conic_form import ConicForm, Pattern
 from lacore.arrays import Floats
 from lacore.errors import InputError
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import POWER, FrozenContact, KinematicProgram
 
 _ZERO, _NONNEGATIVE, _SECOND_ORDER = "zero", "nonnegative", "second-order"
 _KINDS = {
@@ -26,21 +26,19 @@ _IN_CBF = {_ZERO: "L=", _NONNEGATIVE: "L+", _SECOND_ORDER: "Q"}
 
 
 def write_npz(program: KinematicProgram, contact: FrozenContact, path: Path) -> None:
-    """Arrays of numpy: ``P_data, P_indices, P_indptr`` by columns, ``A_...`` alike, ``q``, ``b``.
-
-    ``cones`` are their kinds and ``sizes`` their rows, in the order of the rows of A; ``n`` is the
-    number of velocities, which come first in x. P is its upper triangle.
-    """
+    """Arrays of NumPy, as docs/guide/programs-as-files.md lists them."""
     form = _form(program, contact)
     kinds = np.array([_KINDS[type(cone)] for cone in form.cones])
     arrays = {
         **_by_columns("P", form.quadratic),
         **_by_columns("A", form.matrix),
         "q": form.cost(contact),
-        "b": form.offset(contact),
+        "b": form.offset(contact) / form.speed,
         "cones": kinds,
         "sizes": np.array([cone.dim for cone in form.cones]),
         "n": np.array(program.n),
+        "power": np.array(POWER),
+        "load_factor_unit": np.array(program.scales.load_factor),
     }
     np.savez_compressed(path, **arrays)
 
@@ -57,15 +55,27 @@ def write_cbf(program: KinematicProgram, contact: FrozenContact, path: Path) -> 
         raise InputError("path", str(path), why, "write .npz")
     rows, columns = form.matrix.shape
     cones = [f"{_IN_CBF[_KINDS[type(cone)]]} {cone.dim}" for cone in form.cones]
-    cost, offset = form.cost(contact), form.offset(contact)
+    cost, offset = form.cost(contact), form.offset(contact) / form.speed
     matrix = csc_matrix(-form.matrix).tocoo()
     with path.open("w", encoding="ascii") as file:
+        file.write(heading("#", program))
         file.write("VER\n3\n\nOBJSENSE\nMIN\n\n")
         file.write(f"VAR\n{columns} 1\nF {columns}\n\n")
         file.write("\n".join([f"CON\n{rows} {len(cones)}", *cones, "", ""]))
         _entries(file, "OBJACOORD", [np.flatnonzero(cost)], cost[cost != 0])
         _entries(file, "ACOORD", [matrix.row, matrix.col], matrix.data)
         _entries(file, "BCOORD", [np.flatnonzero(offset)], offset[offset != 0])
+
+
+def heading(mark: str, program: KinematicProgram) -> str:
+    """Comment lines that state what a text file holds, each after a mark."""
+    lines = (
+        "Limit analysis: minimise the dissipation of a collapse mechanism.",
+        f"Columns: {program.n} velocities U come first.",
+        f"Row 1: F0.U = {POWER:g}, where F0 is the reference load.",
+        f"Load factor = minimum value times {program.scales.load_factor!r}.",
+    )
+    return "".join(f"{mark} {line}\n" for line in lines)
 
 
 def _form(program: KinematicProgram, contact: FrozenContact) -> ConicForm:
@@ -75,8 +85,8 @@ def _form(program: KinematicProgram, contact: FrozenContact) -> ConicForm:
 def _by_columns(name: str, matrix: Any) -> dict[str, Any]:
     ordered = csc_matrix(matrix)
     ordered.sort_indices()
-    parts = ("data", "indices", "indptr")
-    return {f"{name}_{part}": getattr(ordered, part) for part in parts}
+    parts = ("data", "indices", "indptr", "shape")
+    return {f"{name}_{part}": np.asarray(getattr(ordered, part)) for part in parts}
 
 
 def _entries(file: TextIO, keyword: str, places: list[Any], values: Floats) -> None:

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
 
 from lacore.arrays import Floats
-from lacore.program import FrozenContact, KinematicProgram
+from lacore.program import POWER, FrozenContact, KinematicProgram
 from lacore.state import ProgramState
 
 
@@ -90,7 +90,7 @@ class LinearForm:
         shift = -self._program.contact.weights * contact.shift
         opening = np.concatenate([shift[self.split], shift[~self.split], shift[~self.split]])
         equal = np.zeros(self.rows - opening.size)
-        equal[0] = 1.0
+        equal[0] = POWER
         upper = np.full(opening.size, np.inf)
         return np.concatenate([equal, opening]), np.concatenate([equal, upper])
 

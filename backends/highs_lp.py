@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import highspy
 import numpy as np
 
+from backends._instances import heading
 from backends._linear_form import LinearForm
 from lacore.backend import Capabilities, InnerSolution, Writer
 from lacore.errors import InputError, require_count, require_known, require_positive
@@ -83,6 +84,7 @@ def write_mps(program: KinematicProgram, contact: FrozenContact, path: Path) -> 
     model.passModel(lp)
     if model.writeModel(str(path)) == highspy.HighsStatus.kError:
         raise OSError(f"{path}: HiGHS could not write it")
+    path.write_text(heading("*", program) + path.read_text(encoding="ascii"), encoding="ascii")
 
 
 class Highs:

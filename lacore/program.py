@@ -3,8 +3,7 @@
 minimise   sum_g w_g (c_g ||D_g U|| + h_g ||D_g U||^2/2) + sum_j w_j g_j ||T_j U|| - Fd.U
 subject to F0.U = 1,  theta_g U = 0,  N_j U + s_j >= d_j ||T_j U||
 
-with g_j, d_j, s_j frozen by the coupling loop for one inner solve (`FrozenContact`). The h_g are
-zero except in a step of a path (T29).
+with g_j, d_j, s_j frozen for one inner solve (`FrozenContact`), and h_g = 0 outside a path (T29).
 """
 
 from dataclasses import dataclass, replace
@@ -49,6 +48,7 @@ class Scales(Compact):
 
 
 SI = Scales()  # nothing is scaled
+POWER = 1.0  # F0.U of every program, so that its least value is the load factor (T6)
 
 
 @dataclass(frozen=True, repr=False)

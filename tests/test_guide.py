@@ -103,6 +103,9 @@ SLOW = [page for page in QUICK if python(page, slow=True) != python(page, slow=F
 
 @pytest.mark.parametrize("page", QUICK)
 def test_quick_code_runs_as_printed(page, somewhere):
+    if page == "programs-as-files":
+        (export,) = [line for line in shell(page) if line.endswith("--out instances")]
+        assert CliRunner().invoke(cli.main, shlex.split(export)[1:]).exit_code == 0
     names = dict(NAMES)
     for text in python(page, slow=False):
         run(text, names)

@@ -181,7 +181,11 @@ class WarmsUp(Protocol):
 
 
 Writer = Callable[[KinematicProgram, FrozenContact, Path], None]
-"""Writes the program of a frozen contact to a file."""
+"""Writes the program of a frozen contact to a file.
+
+Whatever units the backend solves in, the file has the units of the program: ``F0.U = POWER`` (see
+`lacore.program`), so that its least value is the load factor in units of the program.
+"""
 
 
 @runtime_checkable

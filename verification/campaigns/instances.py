@@ -11,7 +11,7 @@ import pandas as pd
 import lacore as la
 from lacore.backend import Writes, check_capable
 from lacore.errors import CapabilityError, require_known
-from lacore.program import associated_contact, dimensionless
+from lacore.program import POWER, associated_contact, dimensionless
 from verification.campaigns.comparison import check_names, pick
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue
@@ -30,9 +30,14 @@ class Instance:
         status: of the associated problem, as solved by `backend`: `SOLVED`, `LOCKED` (the program
             is infeasible), `UNSAFE` (it is unbounded).
         value: the least value of the program as written, in its units; NaN where it is not solved.
+        power: `F0.U` of the program as written.
         load_factor: the same in units of the case.
+        load_factor_unit: by which a value is multiplied, at a power of 1.
+        length_unit, stress_unit, velocity_unit: m, Pa and m/s for 1 of the program.
         residual: the largest of its certificate.
         backend: that knows the value.
+        solver: the native status of its solve; of `auto` each solver that was asked, the one that
+            answered last.
         sha256: of the file.
         left_out: why it was not written.
     """
@@ -44,9 +49,15 @@ class Instance:
     unknowns: int
     status: str
     value: float
+    power: float
     load_factor: float
+    load_factor_unit: float
+    length_unit: float
+    stress_unit: float
+    velocity_unit: float
     residual: float
     backend: str
+    solver: str
     sha256: str
     left_out: str
 
@@ -102,11 +113,11 @@ def _written(
     case: Case, variant: Variant, mesh: str, by: Mapping[str, Writes], out: Path
 ) -> list[Instance]:
     problem = case.problem(variant, mesh)
-    stated = la.discretise(problem)
+    state = la.solve(problem, coupling="associated")
+    stated = state.discretisation  # with nodes at the hinges that the solve has found in members
     program = dimensionless(stated.program, stated.natural).associated()
     contact = associated_contact(program.contact)
-    state = la.solve(problem, coupling="associated")
-    proof = state.certificate
+    proof, scales = state.certificate, program.scales
     solved = state.status is la.Status.SOLVED and proof is not None
     about = Instance(
         file="",
@@ -115,10 +126,16 @@ def _written(
         mesh=mesh,
         unknowns=program.n,
         status=state.status.name,
-        value=state.load_factor / program.scales.load_factor if solved else float("nan"),
+        value=POWER * state.load_factor / scales.load_factor if solved else float("nan"),
+        power=POWER,
         load_factor=state.load_factor,
+        load_factor_unit=scales.load_factor,
+        length_unit=scales.length,
+        stress_unit=scales.stress,
+        velocity_unit=scales.velocity,
         residual=proof.worst[1] if proof is not None else float("nan"),
         backend=state.backend,
+        solver=str(state.history["native_status"].iloc[-1]),
         sha256="",
         left_out="",
     )
