@@ -104,6 +104,7 @@ class IsolatedBackend:
     ) -> None:
         self._source, self._find, self._given = source, find, process
         self._known: Description | None = None
+        self._fault = ""
 
     @property
     def process(self) -> SolverProcess:
@@ -113,7 +114,7 @@ class IsolatedBackend:
     def within(self, process: SolverProcess) -> IsolatedBackend:
         """Return the same backend, at work in another process."""
         found = IsolatedBackend(self._source, self._find, process)
-        found._known = self._known
+        found._known, found._fault = self._known, self._fault
         return found
 
     def knowing(self, backend: Backend) -> IsolatedBackend:
@@ -123,20 +124,29 @@ class IsolatedBackend:
 
     @property
     def about(self) -> Description:
-        """What the backend says of itself; asked once.
+        """What the backend says of itself; asked once, also if it cannot answer.
 
         Raises:
             CapabilityError: It cannot be imported, or describes itself wrongly.
         """
         if self._known is not None:
             return self._known
+        if self._fault:
+            raise CapabilityError(self._fault)
+        try:
+            self._known = self._asked()
+        except CapabilityError as error:
+            self._fault = str(error)
+            raise
+        return self._known
+
+    def _asked(self) -> Description:
         name, file = self._source.name, self._source.file
         try:
             data = self.process.open(self._source)
         except (LostError, BackendError) as error:
             raise CapabilityError(f"backend {name!r} cannot be loaded: {error} ({file})") from error
-        self._known = read_description(data, name, file)
-        return self._known
+        return read_description(data, name, file)
 
     def start(self) -> None:
         """Start the process of the backend and let it compile, unless it is at work.

@@ -133,7 +133,10 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
     if not isinstance(name, str):
         raise InputError("backend", name, "not a name", f"give one of {', '.join(backend_names())}")
     first, _, variant = name.partition(":")
-    known = _registered(tuple(sys.path))[0]
+    known, rejected = _registered(tuple(sys.path))
+    for own in rejected:
+        if name == own.label:
+            raise CapabilityError(own.conflict)
     require_known("backend", first, known)
     entry = known[first]
     if process is None and entry.own and not os.environ.get(ISOLATE):
@@ -156,6 +159,15 @@ def own_backend(name: str) -> Backend:
     own = {key: entry for key, entry in _registered(tuple(sys.path))[0].items() if entry.own}
     require_known("backend", name.partition(":")[0], own)
     return _here(own[name.partition(":")[0]], name)
+
+
+def fault_of(name: str) -> str:
+    """Return why a registered backend cannot be loaded; empty if it can, even if it cannot run."""
+    try:
+        load_backend(name)
+    except CapabilityError as error:
+        return str(error)
+    return ""
 
 
 def _here(entry: Registered, name: str) -> Backend:

@@ -8,6 +8,7 @@ from lacore.backend import Capabilities, load_backend
 from lacore.coupling.names import COUPLINGS
 from lacore.errors import require_known
 from lacore.limit.engines import coupling_for
+from lacore.solvers.registry import fault_of
 from verification.case import Case, Variant
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
@@ -106,12 +107,14 @@ def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str
 def default_backends(case: Case, variant: Variant) -> list[str]:
     """Backends that a comparison runs when none is named, by what they say of themselves.
 
-    None on demand, none that cannot do the variant; linear programs are those of rigid bodies, and
-    strengths that depend on pressure are for those that take surfaces.
+    None on demand, none that cannot be loaded, none that cannot do the variant; linear programs
+    are those of rigid bodies, and strengths that depend on pressure are for those that take
+    surfaces.
     Paths, tens of solves each, are for those that are quick enough; where the exact loads are not
     known, and of implicit schemes, which take several solves a step, for the exact ones of them.
     """
-    found = {name: capabilities(name) for name in la.backend_names() if not _unfit(variant, name)}
+    usable = (name for name in la.backend_names() if not (fault_of(name) or _unfit(variant, name)))
+    found = {name: capabilities(name) for name in usable}
     names = [name for name, can in found.items() if not can.on_demand]
     if case.meshed:
         names = [name for name in names if not found[name].linear_only]

@@ -111,6 +111,7 @@ def compare(
     from verification.analysis.summary import summaries
     from verification.campaigns import comparison, overview
     from verification.campaigns.run_all import run_all
+    from verification.campaigns.unusable import with_unusable
     from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
     from verification.report.reporting import TABLE, GrowingReport, write_report
@@ -128,6 +129,7 @@ def compare(
         runs = overview.everything(backends, meshes, known)
     else:
         runs = comparison.plan(cases, backends, meshes, couplings, known)
+    runs = with_unusable(runs, backends)
     growing = GrowingReport(runs, out)
     with resumable(out / NAME, growing.write):
         with progress.watching(len(runs)) as watch:

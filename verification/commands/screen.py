@@ -94,7 +94,7 @@ def show_shortfalls(console: Console, shortfalls: Sequence[Shortfall]) -> None:
     lines = []
     for (verdict, backend, why), shorts in grouped.items():
         what = shorts[0].label if len(shorts) == 1 else f"{backend}, {len(shorts)} times"
-        most = 2 if verdict == FAIL else 1
+        most = 1 if verdict == NO_RESULT else 2
         text = " ".join(f"{verdict}: {what}: {why}".split())
         lines += [
             (line, "red" if verdict == FAIL else "dim")

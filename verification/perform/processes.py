@@ -74,6 +74,9 @@ class Worker:
         forget_peak_memory()
         if run.coupling != FUZZ and run.problem_key != self._key:
             self._key, self._assembled = run.problem_key, assemble(run)
+        if run.skip:  # its backend may be one that hangs while it is loaded
+            skipped = outcome_of(run, self._assembled)
+            return skipped.row, skipped.evidence
         starts = StartTimes(run.backend)
         outcome = outcome_of(run, self._assembled, time_limit, peak_memory)
         row, note = starts.apart(outcome.row), _note(run.backend)
@@ -112,7 +115,8 @@ class RunProcess(ChildProcess):
         before, self._case = self._case or run.case, run.case
         if before.id != run.case.id and not all(map(is_of_lacore, (before, run.case))):
             self.close()
-        self.ask(START + WARM_UP, "open", run.backend)  # no part of the time limit
+        if not run.skip:
+            self.ask(START + WARM_UP, "open", run.backend)  # no part of the time limit
         row, evidence = self.ask(limit, "row_of", run, time_limit)
         return row, evidence
 
