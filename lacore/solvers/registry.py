@@ -15,7 +15,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from lacore.errors import CapabilityError, InputError, require_known, typed
+from lacore.errors import CapabilityError, InputError, require_known, suggest, typed
 from lacore.solvers.contract import Backend, Family
 from lacore.solvers.isolation import IsolatedBackend, SolverProcess
 from lacore.solvers.served_process import ISOLATE, Source
@@ -137,7 +137,9 @@ def load_backend(name: str, process: SolverProcess | None = None) -> Backend:
     for own in rejected:
         if name == own.label:
             raise CapabilityError(own.conflict)
-    require_known("backend", first, known)
+    if first not in known:
+        count = f"`lacore backends` lists the {len(known)} that are registered"
+        raise InputError("backend", first, "unknown name", f"{suggest(first, known)} {count}")
     entry = known[first]
     if process is None and entry.own and not os.environ.get(ISOLATE):
         backend = _here(entry, name)

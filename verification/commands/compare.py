@@ -58,6 +58,15 @@ if TYPE_CHECKING:
     f" an upper bound, and {RANGE!r} the lowest and the highest load factor of soil with"
     " non-associated flow. Default: the method of each backend.",
 )
+@click.option(
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME.OPTION=VALUE",
+    help="Change an option of the backend NAME; separate several by commas. Can be given several"
+    " times. An option that is given again begins another setting of the backend, and all settings"
+    " are compared. Brackets ignore it.",
+)
 @out_option("reports/compare", "Folder for the results and the report, index.html.")
 @time_limit_option
 @cases_option
@@ -73,6 +82,7 @@ def compare(
     backends: list[str],
     meshes: list[str],
     couplings: list[str],
+    options: tuple[str, ...],
     out: Path,
     time_limit: float,
     known: Catalogue,
@@ -105,11 +115,15 @@ def compare(
       lacore compare prandtl-punch deformable-block:sliding --backends clarabel
       lacore compare prandtl-punch --meshes coarse,medium,fine --out /tmp/punch
       lacore compare wall-1 wall-3 --backends clarabel --couplings certified,reaction,shift,kappa
+      lacore compare prandtl-punch --option clarabel.tolerance=1e-6 --option clarabel.tolerance=1e-9
       lacore compare --all --jobs 1
     """  # noqa: D301  # click reads the backspace
     from verification import analysis, progress
+    from verification.analysis.noise import noise
+    from verification.analysis.settings import settings
     from verification.analysis.summary import summaries
     from verification.campaigns import comparison, overview
+    from verification.campaigns.backend_options import with_options
     from verification.campaigns.run_all import run_all
     from verification.campaigns.unusable import with_unusable
     from verification.commands import screen, tables
@@ -129,7 +143,9 @@ def compare(
         runs = overview.everything(backends, meshes, known)
     else:
         runs = comparison.plan(cases, backends, meshes, couplings, known)
-    runs = with_unusable(runs, backends)
+    runs = with_unusable(with_options(runs, options), backends)
+    set_options = settings(runs)
+    export(set_options, out / "settings.csv")
     growing = GrowingReport(runs, out)
     with resumable(out / NAME, growing.write):
         with progress.watching(len(runs)) as watch:
@@ -158,6 +174,8 @@ def compare(
         document = {
             "summary": vars(count),
             "cases": [one.record() for one in summaries(outcomes)],
+            "settings": set_options.to_dict("records"),
+            "noise": noise(results).record(),
             "couplings": analysis.couplings(results).to_dict("records"),
             "report": str(page),
             "machine": about,

@@ -33,9 +33,9 @@ class StartTimes:
             return row
         row = replace(row, compile_time=process.compile_time)
         started = process.start_time - self._before
-        if not started or row.coupling == BRACKET:  # whose process may start after its solves
-            return row
-        return replace(row, solve_time=max(row.solve_time - started, 0.0))
+        if not started or row.coupling == BRACKET or not row.solve_time > started:
+            return row  # it was started after the solves, as what follows a bracket may do
+        return replace(row, solve_time=row.solve_time - started)
 
 
 def _process(backend: str) -> ServedProcess | None:

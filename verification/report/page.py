@@ -42,6 +42,7 @@ from verification.report.limit_state import results_table
 from verification.report.overview import answers, cards, filters, first_thumbnail
 from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
+from verification.report.studies.measurement import noise_section, settings_section
 from verification.report.studies.sections import solvers, studies
 from verification.report.tables import RUN, certificates_table, reasons_table
 from verification.runs.outcome import Outcome
@@ -157,9 +158,12 @@ def _more(
     outcomes: Sequence[Outcome], pages: Mapping[str, Section], machine: Mapping[str, str]
 ) -> list[Section]:
     links = [Page(section.title, file) for file, section in pages.items()]
+    results = results_frame(outcomes)
     return [
         *([Section("studies", "Studies", [Pages(links)])] if links else []),
         Section("couplings", "Couplings and backends", [_couplings_table(outcomes)]),
+        settings_section(outcome.run for outcome in outcomes),
+        noise_section(results),
         Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
     ]

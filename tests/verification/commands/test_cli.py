@@ -74,6 +74,19 @@ def test_compare_writes_rows_pictures_and_page(compared):
     assert "Load factor against mu" in (out / "cases" / "deformable-block.html").read_text()
 
 
+def test_a_comparison_states_its_settings_and_the_noise_of_the_machine(compared):
+    _, out = compared
+    settings = (out / "settings.csv").read_text().splitlines()
+    assert settings[0] == "backend,setting,option,value,default,changed"
+    assert settings[1].startswith("clarabel,default,tolerance,1e-10,1e-10,False")
+    index = (out / "index.html").read_text(encoding="utf-8")
+    assert 'id="settings"' in index
+    assert re.search("The short solve was repeated|The noise is unknown", index)
+    head = (out / "results.csv").read_text().partition("\n")[0].split(",")
+    times = {"compile_time", "solver_time", "reported_time", "calibration_before", "options"}
+    assert times <= set(head)
+
+
 def test_pages_have_every_case_that_was_run_and_load_what_is_beside_them(compared):
     _, out = compared
     index = (out / "index.html").read_text(encoding="utf-8")
