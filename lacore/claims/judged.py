@@ -1,12 +1,15 @@
 """LOCKED, UNSAFE and a jam are claims like a load factor: proven here, or not made (T13)."""
 
 from collections.abc import Callable
+from contextlib import closing
 
 import numpy as np
 
-from lacore.backend import PreparedSolver
+from lacore.backend import PreparedSolver, checked_answer, find_backend, read_options
+from lacore.certificate import certify
 from lacore.claims.dead_collapse import DeadCollapse, dead_collapse
 from lacore.claims.locking_ray import LockingRay, locking_ray
+from lacore.inner.preparing import JUDGE, preparing
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.status import Status
 
@@ -51,9 +54,32 @@ def judged_claim(
     ray = locking_ray(program.at_friction(0.0), admitting)
     if ray is not None and ray.proves:
         return status, "", ray
+    if why := _mechanism(program.at_friction(0.0), admitting, tolerance):
+        return Status.NOT_CERTIFIED, why, None
     left = np.nan if ray is None else ray.residual
     why = (
         "the solver calls the load locked, and no reactions carry it alone: the closest leave"
         f" {left:.1e} of the forces"
     )
     return Status.NOT_CERTIFIED, why, None
+
+
+def _mechanism(program: KinematicProgram, contact: FrozenContact, tolerance: float) -> str:
+    """Return how a mechanism refutes that the load is locked; empty if none is found.
+
+    It is asked of lacore's own backend, not of the one that made the claim.
+    """
+    judge = find_backend(JUDGE)
+    with closing(preparing(judge, read_options(judge, {}))(program)) as solver:
+        point = checked_answer(program, False, solver.solve(contact)).point
+    if point is None:
+        return ""
+    found = certify(program, point, contact)
+    sizes = {name: getattr(found, name) for name in ("penetration", "divergence", "normalisation")}
+    if not all(size <= tolerance for size in sizes.values()):
+        return ""
+    shown = ", ".join(f"{name} {size:.1e}" for name, size in sizes.items())
+    return (
+        "the solver calls the load locked, but the program is feasible: backend"
+        f" {JUDGE!r} finds an admissible mechanism with F0.U = 1 ({shown})"
+    )

@@ -140,6 +140,7 @@ class Coupled(Compact):
             found none.
         note: what the message of a status should say besides.
         tolerance: bar that residuals were judged by.
+        refuted: why the claim of a solver is not accepted, in place of the text of the status.
     """
 
     status: Status
@@ -150,6 +151,7 @@ class Coupled(Compact):
     bracket: tuple[float, float] | None = None
     note: str = ""
     tolerance: float = 1e-6
+    refuted: str = ""
 
 
 def answered_by(coupled: Coupled, backend: str) -> str:

@@ -229,7 +229,7 @@ def _solved(
             prepare,
             tolerance,
         )
-        coupled = replace(coupled, status=status, note=why)
+        coupled = replace(coupled, status=status, note="", refuted=why)
     state = limit_state(
         problem,
         program,
@@ -296,7 +296,7 @@ def limit_state(
         load_factor = point.load_factor * scales.load_factor
     history = pd.DataFrame([iterate.row() for iterate in coupled.iterates])
     history["load_factor"] *= scales.load_factor
-    message = f"{coupled.status.label}: {coupled.status.value}"
+    message = f"{coupled.status.label}: {coupled.refuted or coupled.status.value}"
     if coupled.status is Status.SOLVED and inner.status is not Status.SOLVED:
         message += f"; the solver itself says {inner.native_status!r}, the residuals prove more"
     bracket = None

@@ -30,6 +30,8 @@ GRACE = 2.0  # s that work gets beyond its limit to come back by itself
 START = 60.0  # s, for the interpreter and its imports
 LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
 _SERVE = "from lacore.solvers.child_process import serve; serve({!r}, {!r})"
+ENDED = "process ended"
+"""Native status of a solve in which the process of the backend ended."""
 _LENGTH = 8  # bytes, of the number before each message that says how long it is
 
 
@@ -178,7 +180,7 @@ class ChildProcess:
             how = f"signal {-process.returncode}, {signal.strsignal(-process.returncode)}"
         ended = f"its process ended by itself ({how})"
         text = "; ".join(filter(None, (ended, hidden())))  # it looks where this process would
-        return LostError(Status.FAILED, "process ended", text)
+        return LostError(Status.FAILED, ENDED, text)
 
     def kill(self) -> None:
         """Stop for good, from any thread: the one that waits for an answer learns of it."""

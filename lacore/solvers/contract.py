@@ -22,6 +22,13 @@ from lacore.showing import Compact
 from lacore.state import ProgramState, misfit, shapes
 from lacore.status import Status
 
+REPORTED = (
+    *(Status.SOLVED, Status.ALMOST_SOLVED, Status.STALLED, Status.ITERATION_LIMIT),
+    *(Status.TIME_LIMIT, Status.LOCKED, Status.UNSAFE, Status.FAILED),
+)
+"""Statuses of one solve; the others are those of the whole computation."""
+NO_ANSWER = "no answer"
+"""Native status of a solve whose answer cannot be used."""
 _NO_POWER = 1e-12  # of the sum of sizes: what round-off leaves of a power that vanishes
 _LONGEST_MESSAGE = 2000  # characters; a solver's whole log would swamp every table
 
@@ -262,7 +269,18 @@ def checked_answer(program: KinematicProgram, regularised: bool, answer: object)
 
 def failed_answer(message: str, seconds: float) -> InnerSolution:
     """The result of a solve whose answer cannot be used."""
-    return InnerSolution(Status.FAILED, "no answer", 0, seconds, None, message=message)
+    return InnerSolution(Status.FAILED, NO_ANSWER, 0, seconds, None, message=message)
+
+
+def fault_of(program: KinematicProgram, regularised: bool, answer: object) -> str:
+    """Return what breaks the protocol in an answer; empty if nothing does."""
+    if fault := fault_of_kinds(answer):
+        return fault
+    assert isinstance(answer, InnerSolution)
+    if answer.native_status == NO_ANSWER:
+        return answer.message
+    fault = _fault(program, regularised, answer)
+    return fault and f"the backend's answer has {fault}"
 
 
 def fault_of_kinds(answer: object) -> str:
@@ -294,6 +312,9 @@ def fault_of_kinds(answer: object) -> str:
     for name, (right, wanted) in faults.items():
         if not right:
             return _wrong(name, getattr(answer, name), wanted)
+    if answer.status not in REPORTED:
+        names = ", ".join(status.name for status in REPORTED)
+        return _wrong("status", answer.status.name, f"the status of one solve ({names})")
     for name in ("stress", "mean_stress") if point is not None else ():
         if not isinstance(own := getattr(point, name), tuple):
             return _wrong(f"point.{name}", own, "a tuple with one array for each group")

@@ -8,11 +8,16 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
+from lacore.errors import BackendError
 from lacore.program import FrozenContact, KinematicProgram
 from lacore.solvers.child_process import GRACE, LONGEST, START, LostError
 from lacore.solvers.contract import InnerSolution, failed_answer
 from lacore.solvers.plain_answers import read_answer
 from lacore.solvers.served_process import ServedProcess, Source
+
+LEFT_RUNNING = "it was left with"
+"""Begins the reason why a process was replaced in which a backend left something running."""
+_READ_ONLY = ("is read-only", "cannot set WRITEABLE flag")  # texts of NumPy's errors
 
 
 class IsolatedSolver:
@@ -25,6 +30,7 @@ class IsolatedSolver:
         self._limit = min(float(options.time_limit) + GRACE, LONGEST)
         self._lost: InnerSolution | None = None
         self._number = process.new_number()
+        self._name = source.name
         self._closed = False
         self._asked(partial(process.serve, source))  # imports are not to be paid from the limit
         self._generation = process.generation
@@ -57,6 +63,11 @@ class IsolatedSolver:
             spent = time.perf_counter() - begin
             self._lost = InnerSolution(lost.status, lost.native, 0, spent, None, message=str(lost))
             return None
+        except BackendError as error:
+            text = f"backend {self._name!r} raised {error}"
+            if any(words in str(error) for words in _READ_ONLY):
+                text += ": the arrays of a program cannot be changed; copy them before scaling"
+            raise BackendError(text) from error
 
     def close(self) -> None:
         """Drop the solver in the process; a process in which something is left running ends."""
@@ -66,7 +77,7 @@ class IsolatedSolver:
         self._asked(partial(self._process.ask, self._limit, "close", self._number))
         left = self._asked(partial(self._process.ask, START, "rest"))
         if left:
-            self._process.replace_for(f"it was left with {left}")
+            self._process.replace_for(f"{LEFT_RUNNING} {left}")
 
 
 def _read(sent: Any, seconds: float) -> InnerSolution:

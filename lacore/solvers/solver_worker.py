@@ -75,6 +75,12 @@ class SolverWorker:
         make_read_only(program)
         before = digests(program)
         solver = self._own.prepare(program, self._own.Options(**values))
+        for method in ("solve", "close"):
+            if not callable(getattr(solver, method, None)):
+                raise TypeError(
+                    f"prepare() returned {str(solver)[:60]!r}, which has no method {method}:"
+                    " return a prepared solver with the methods solve(contact) and close()"
+                )
         self._solvers[number] = solver, program, before
 
     def solve(self, number: int, contact: FrozenContact) -> dict[str, Any]:

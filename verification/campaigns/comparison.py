@@ -15,6 +15,7 @@ from verification.case.bracketing import BRACKET
 from verification.catalogue.catalogue import Catalogue, catalogue, find
 from verification.defaults import RAW
 from verification.runs.run import Run
+from verification.verdicts.limit_state import ASSOCIATED
 
 
 def plan(
@@ -87,11 +88,8 @@ def pick(names: Sequence[str], known: Catalogue) -> list[tuple[Case, list[Varian
 
 def planned(case: Case, variant: Variant, mesh: str, backend: str, coupling: str | None) -> Run:
     """A run, skipped where it is known that the backend cannot do it."""
-    known = False
-    if coupling == "associated":
-        with suppress(Exception):  # of others, at parameters of others: the row says so
-            known = case.reference_of(variant).associated is not None
-    skip, insist = _unfit(variant, backend), coupling is None or known
+    # One convex program has a solution, or a proof that it has none; other loops may not converge.
+    skip, insist = _unfit(variant, backend), coupling in (None, ASSOCIATED)
     # Penalties and smooth laws may be beyond a solver, which says so: only exact ones must answer.
     with suppress(la.CapabilityError):  # of a missing backend the row says so
         engine = load_backend(backend)

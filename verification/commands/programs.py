@@ -54,9 +54,11 @@ def programs(
     number alone.
 
     A load factor is right if all recomputed residuals are at most 1e-6, and wrong if the backend
-    reports it as solved and they are not. A status without a load factor is right if it is proven
-    or if another backend finds the same, and wrong if another backend finds a right load factor.
-    Give at least two backends to check such programs.
+    reports it as solved and they are not, or as almost solved and one exceeds 1e-3. An answer is
+    also wrong if it breaks the interface of backends, or if the backend raises an error, crashes,
+    changes the program, or leaves threads or processes running. A status without a load factor is
+    right if it is proven or if another backend finds the same, and wrong if another backend finds a
+    right load factor. Give at least two backends to check such programs.
 
     Exit code: 0 if nothing is wrong, 1 otherwise, 2 for invalid input.
 
@@ -111,8 +113,7 @@ def _show(tallies: Sequence[Tally], rows: Sequence[Row]) -> None:
     rest = [row for row in rows if row.verdict not in (RIGHT, REFUSED)]
     for row in rest[:_MOST_SHOWN]:
         text = f"{row.backend}, {row.family} {row.place}, {row.unknowns} unknowns: {row.verdict}"
-        console.print(
-            f"{text}, {row.native}, residual {row.residual:.1e}", markup=False, highlight=False
-        )
+        why = row.message or f"{row.native}, residual {row.residual:.1e}"
+        console.print(f"{text}, {why}", markup=False, highlight=False)
     if len(rest) > _MOST_SHOWN:
         console.print(f"... and {len(rest) - _MOST_SHOWN} more")

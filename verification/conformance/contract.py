@@ -22,6 +22,7 @@ from lacore.errors import InputError
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
 from lacore.solvers import plain
 from lacore.solvers.description import describe, read_description
+from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.solvers.plain_answers import pack_answer, read_answer
 from lacore.state import ProgramState
@@ -342,6 +343,17 @@ def _equal(one: ProgramState | None, other: ProgramState | None) -> bool:
     return True
 
 
+def left_running(bench: Bench) -> Iterator[Finding]:
+    """Neither threads nor processes remain when a solver is closed."""
+    backend = bench.subject.backend
+    if not isinstance(backend, IsolatedBackend):
+        raise la.CapabilityError("it works in the process of the caller, which has its own threads")
+    backend.process.take_note()
+    bench.answer(_FRICTION.program, _FRICTION.contact)
+    note = backend.process.take_note()
+    yield said("left running", "nothing", LEFT_RUNNING not in note, note)
+
+
 _FRICTION = next(worked for worked in WORKED if worked.name == "friction")
 
 EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
@@ -358,6 +370,7 @@ EXERCISES: dict[str, Callable[[Bench], Iterator[Finding]]] = {
     "options": options,
     "separate process": separate_process,
     "warm-up": warm_up,
+    "left running": left_running,
 }
 
 

@@ -135,6 +135,6 @@ def _skipped(run: Run, names: dict[str, Any], why: str) -> Outcome:
 
 
 def _failed(names: dict[str, Any], error: Exception) -> Row:
-    raised = isinstance(error, BackendError)
-    message = f"the backend raised {error}" if raised else f"{type(error).__name__}: {error}"
+    named = isinstance(error, BackendError)
+    message = str(error) if named else f"{type(error).__name__}: {error}"
     return Row(**names, status="failed", message=message, verdict=FAIL, why=message)

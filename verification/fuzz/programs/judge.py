@@ -18,16 +18,21 @@ from lacore.backend import (
     read_options,
 )
 from lacore.claims.judged import judged_claim
-from lacore.errors import CapabilityError
+from lacore.errors import CapabilityError, LacoreError
 from lacore.inner.left_over import left_over
 from lacore.inner.preparing import JUDGE, preparing
 from lacore.inner.rescaling import good_for
+from lacore.program import FrozenContact, KinematicProgram
+from lacore.solvers.child_process import ENDED
+from lacore.solvers.contract import PreparedSolver, failed_answer, fault_of
+from lacore.solvers.isolated_solver import LEFT_RUNNING
 from lacore.solvers.isolation import IsolatedBackend
 from lacore.status import Status
 from verification.fuzz.programs.drawn import Drawn
 
 RIGHT, WRONG, NOTHING, REFUSED = "right", "wrong", "no answer", "refused"
 BAR = 1e-6  # of the residuals of a certificate, and of load factors
+REFUTED = 1e-3  # "almost solved" with a residual above it is a wrong claim
 _NUMBERS = (Status.SOLVED, Status.ALMOST_SOLVED)  # residuals decide whether "almost" is enough
 _WORDS = (Status.LOCKED, Status.UNSAFE)
 
@@ -41,12 +46,15 @@ class Asked:
         answer: None where it does not take such programs.
         residual: the worst, recomputed; NaN without a point.
         seconds: of processor time, set-up included.
+        fault: An error that the backend raised, an answer that breaks the protocol, a crash, or
+            what it left running; empty if there is none.
     """
 
     backend: str
     answer: InnerSolution | None
     residual: float
     seconds: float
+    fault: str = ""
 
     @property
     def solved(self) -> bool:
@@ -58,6 +66,12 @@ class Asked:
         """Whether it has a number that residuals prove."""
         claims = self.answer is not None and self.answer.status in _NUMBERS
         return claims and self.residual <= BAR
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it claims a number, if only to reduced tolerances, that residuals refute."""
+        claims = self.answer is not None and self.answer.status in _NUMBERS
+        return self.solved or (claims and not self.residual <= REFUTED)
 
     @property
     def word(self) -> Status | None:
@@ -80,13 +94,65 @@ def ask(backend: Backend, drawn: Drawn, options: dict[str, Any]) -> Asked:
         return Asked(backend.name, None, nan, 0.0)
     begin = _spent(backend)
     own = read_options(backend, options)
-    with closing(preparing(backend, own, good_for(BAR))(drawn.program)) as solver:
-        answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
+    watched = _Watched(backend)
+    take_note(backend)
+    try:
+        with closing(preparing(watched, own, good_for(BAR))(drawn.program)) as solver:
+            answer = checked_answer(drawn.program, False, solver.solve(drawn.contact))
+    except Exception as error:  # of the backend: the other programs go on
+        text = str(error) if isinstance(error, LacoreError) else f"{type(error).__name__}: {error}"
+        watched.faults.append(text)
+        answer = failed_answer(text, 0.0)
     seconds = _spent(backend) - begin
     if answer.point is None:  # a process that is lost took its count with it
         seconds = float(np.fmax(seconds, answer.solve_time))
     residual = nan if answer.point is None else recomputed(drawn, answer)
-    return Asked(backend.name, answer, residual, seconds)
+    note = take_note(backend)
+    faults = [*watched.faults, *([note] if LEFT_RUNNING in note else [])]
+    return Asked(backend.name, answer, residual, seconds, next(iter(faults), ""))
+
+
+def take_note(backend: Backend) -> str:
+    """Return why the process of a backend was replaced, and forget it; empty if it was not."""
+    return backend.process.take_note() if isinstance(backend, IsolatedBackend) else ""
+
+
+class _Watched:
+    """A backend whose answers are looked at before anything repairs or replaces them."""
+
+    def __init__(self, backend: Backend) -> None:
+        self._backend = backend
+        self.faults: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._backend, name)
+
+    def prepare(self, program: KinematicProgram, options: Any) -> PreparedSolver:
+        """Prepare a program."""
+        return _WatchedSolver(self._backend.prepare(program, options), program, self.faults)
+
+
+class _WatchedSolver:
+    """A prepared solver that notes what is wrong with its answers."""
+
+    def __init__(
+        self, solver: PreparedSolver, program: KinematicProgram, faults: list[str]
+    ) -> None:
+        self._solver, self._program, self._faults = solver, program, faults
+
+    def solve(self, contact: FrozenContact) -> InnerSolution:
+        """Solve, as the backend does."""
+        answer = self._solver.solve(contact)
+        fault = fault_of(self._program, False, answer)
+        if not fault and answer.native_status == ENDED:
+            fault = answer.message
+        if fault:
+            self._faults.append(fault)
+        return answer
+
+    def close(self) -> None:
+        """Close the solver."""
+        self._solver.close()
 
 
 def _spent(backend: Backend) -> float:
@@ -104,14 +170,17 @@ def recomputed(drawn: Drawn, answer: InnerSolution) -> float:
 def verdict(asked: Asked, drawn: Drawn, others: Sequence[Asked]) -> str:
     """What an answer is worth, beside those of others.
 
-    A number is right by its residuals. A word is right where another backend has found the same,
+    A fault is wrong, whatever else was answered. A number is right by its residuals. A word is
+    right where another backend has found the same,
     wrong where one has a number that its residuals prove, else right only by a proof.
     """
     if asked.answer is None:
         return REFUSED
+    if asked.fault:
+        return WRONG
     if asked.holds:
         return RIGHT
-    if asked.solved:
+    if asked.refuted:
         return WRONG
     word = asked.word
     if word is None:

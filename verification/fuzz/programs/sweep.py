@@ -31,6 +31,7 @@ class Row:
         iterations: of the solver.
         seconds: of processor time.
         verdict: ``right``, ``wrong``, ``no answer`` or ``refused``.
+        message: Why it is wrong, if not by its residual.
     """
 
     family: str
@@ -44,6 +45,7 @@ class Row:
     iterations: int
     seconds: float
     verdict: str
+    message: str = ""
 
 
 def sizes(count: int, seed: int, most: int) -> list[int]:
@@ -101,6 +103,7 @@ def _row(family: str, place: int, drawn: Drawn, one: Asked, others: Sequence[Ask
         iterations=0 if answer is None else answer.iterations,
         seconds=one.seconds,
         verdict=verdict(one, drawn, others),
+        message=one.fault,
     )
 
 

@@ -1,0 +1,191 @@
+"""No command lets a lie pass, and honest backends in the same run do not notice."""
+
+import json
+from math import isfinite
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import lacore as la
+from tests.lacore.models import punch
+from tests.lacore.paths.path_billets import billet
+from tests.lying_backends import LIES, Undescribed, Untidy, register
+from verification import conformance
+from verification.commands import cli
+from verification.fuzz.programs.drawn import draw_program
+from verification.fuzz.programs.judge import RIGHT, WRONG
+from verification.fuzz.programs.sweep import rows_of
+from verification.store.results import load_results
+from verification.verdicts.words import PASS, SKIPPED
+
+SOME = (
+    *("ForcesReferenceLoad", "DoublesTheLoadFactor", "ZeroVelocity", "ClaimsLocked"),
+    *("NoStress", "PatchesHolds"),
+)
+"""One of each kind that answers wrongly."""
+CASE = "shear-patch:sliding"
+EXACT = 2 + np.pi
+HARMLESS = {
+    "Talks": "its output is discarded, and its answers are right",
+    "ChangesTheInterpreter": "only its own process is changed, and its answers are right",
+    "FalseTime": "lacore measures times itself, and its answers are right",
+}
+"""Lies that neither the conformance suite nor `lacore programs` shows, with the reason."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lies")
+    register(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(folder))
+        patch.setenv("LACORE_TEST_TRACE", str(folder / "trace"))
+        yield folder
+
+
+def rows(folder, name, *words, backends):
+    """Result of a command, and the rows that it stored by backend."""
+    place = folder / name
+    more = ("--meshes", "coarse", "--jobs", "2", "--out", place, "--backends", ",".join(backends))
+    found = CliRunner().invoke(cli.main, [*map(str, (*words, *more)), "--json"])
+    return found, load_results(place)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words", [("verify", CASE), ("sweep", CASE, "--vary", "mu=0.2,0.3")], ids=lambda own: own[0]
+)
+def test_a_command_passes_no_lie_and_honest_backends_do_not_notice(folder, words):
+    _, alone = rows(folder, f"{words[0]}-alone", *words, backends=["clarabel"])
+    liars = (*SOME, "LeavesThreads", "UnavailableRaises")
+    found, together = rows(folder, f"{words[0]}-all", *words, backends=[*liars, "clarabel"])
+    assert found.exit_code == 1
+    honest = together[together.backend == "clarabel"]
+    for column in ("load_factor", "lowest", "highest", "upper", "lower"):
+        if column in alone:
+            assert np.array_equal(honest[column], alone[column], equal_nan=True), column
+    assert set(honest.verdict) <= {PASS, SKIPPED}
+    for name in SOME:
+        own = together[together.backend == name]
+        assert PASS not in set(own.verdict), name
+        assert not np.isfinite(own.load_factor).any(), name
+    assert set(together[together.backend == "UnavailableRaises"].verdict) == {SKIPPED}
+    threads = together[together.backend == "LeavesThreads"]
+    assert set(threads.load_factor.dropna()) == set(honest.load_factor.dropna())
+
+
+def bracketed(name):
+    try:
+        return la.bracket(punch(4, 3), 0.3, backend=name)
+    except la.LacoreError as error:
+        return error
+
+
+def followed(name):
+    problem, approaching = billet()
+    try:
+        return la.sequential(problem, 0.1, 2, approaching=approaching, backend=name)
+    except la.LacoreError as error:
+        return error
+
+
+@pytest.mark.slow
+def test_a_bracket_encloses_the_exact_value_whatever_is_answered(folder):
+    honest = bracketed("clarabel")
+    for name in SOME:
+        found = bracketed(name)
+        if isinstance(found, la.Bracket):
+            assert not found.lower > EXACT, name
+            assert not found.upper < EXACT, name
+            assert found.failure, name
+        else:
+            assert name in str(found)
+    again = bracketed("clarabel")
+    assert (again.lower, again.upper) == (honest.lower, honest.upper)
+
+
+@pytest.mark.slow
+def test_a_path_keeps_no_wrong_load_factor(folder):
+    honest = followed("clarabel")
+    right = honest.history.load_factor.to_numpy()
+    for name in SOME:
+        found = followed(name)
+        if isinstance(found, Exception):
+            assert name in str(found)
+            continue
+        assert found.status is not honest.status, name
+        wrong = found.history.load_factor.to_numpy()
+        kept = np.isfinite(wrong)
+        assert wrong[kept] == pytest.approx(right[: wrong.size][kept], rel=1e-5), name
+    assert np.array_equal(followed("clarabel").history.load_factor, right, equal_nan=True)
+
+
+def programs():
+    """One random program of each kind of array, small, whose load factors are not zero."""
+    return [draw_program(*own) for own in (("two bodies", 0, 0, 60), ("walls", 1, 0, 40))]
+
+
+def detected_by_conformance(name):
+    few = ["one cone", "friction", "volumetric row", "friction limit", "left running"]
+    known = [own for own in few if own in conformance.EXERCISES]
+    try:
+        findings = conformance.run(name, programs=known, on_start=lambda _: None)
+    except la.CapabilityError:
+        return True  # the command ends with its message
+    return bool(conformance.failures(findings))
+
+
+def detected_by_programs(name):
+    try:
+        backends = [la.find_backend(name), la.find_backend("clarabel")]
+    except la.CapabilityError:
+        return True  # the command ends with its message
+    verdicts = [rows_of("drawn", 0, drawn, backends, {})[0].verdict for drawn in programs()]
+    return WRONG in verdicts
+
+
+def test_random_programs_have_load_factors_about_which_to_lie():
+    clarabel = la.find_backend("clarabel")
+    for drawn in programs():
+        (row,) = rows_of("drawn", 0, drawn, [clarabel], {})
+        assert row.verdict == RIGHT
+        assert isfinite(row.load_factor)
+        assert abs(row.load_factor) > 1e-3
+
+
+@pytest.mark.slow
+def test_conformance_and_random_programs_detect_the_same_defects(folder):
+    by_both = {name: (detected_by_conformance(name), detected_by_programs(name)) for name in LIES}
+    assert {name for name, found in by_both.items() if found != (True, True)} == set(HARMLESS)
+    assert all(by_both[name] == (False, False) for name in HARMLESS)
+    assert all(issubclass(LIES[name].kind, Untidy) for name in HARMLESS)
+
+
+@pytest.mark.slow
+def test_an_honest_backend_passes_all_programs_of_the_conformance_suite(folder):
+    assert not conformance.failures(conformance.run("Honest", on_start=lambda _: None))
+    assert not detected_by_programs("Honest")
+
+
+@pytest.mark.slow
+def test_the_command_on_random_programs_names_each_fault(folder):
+    words = ["programs", *SOME, "Raises", "clarabel", "--count", "2", "--families", "chains"]
+    found = CliRunner().invoke(cli.main, [*words, "--json"])
+    assert found.exit_code == 1
+    shown = json.loads(found.stdout)["rows"]
+    for name in (*SOME, "Raises"):
+        own = [row for row in shown if row["backend"] == name]
+        assert {row["verdict"] for row in own} == {WRONG}, name
+    assert {row["verdict"] for row in shown if row["backend"] == "clarabel"} == {RIGHT}
+    texts = {row["backend"]: row["message"] for row in shown}
+    assert "backend 'Raises' raised ZeroDivisionError: made for tests" in texts["Raises"]
+    assert "F0.U = 0" in texts["ZeroVelocity"]
+    assert "point.stress" in texts["NoStress"]
+
+
+def test_a_backend_that_describes_itself_wrongly_ends_both_commands(folder):
+    name = next(name for name, own in LIES.items() if issubclass(own.kind, Undescribed))
+    for words in (["conformance", name], ["programs", name]):
+        found = CliRunner().invoke(cli.main, words)
+        assert (found.exit_code, "describes itself wrongly" in found.stderr) == (2, True)
