@@ -278,11 +278,14 @@ def _found(
         if attempts[-1].proves or attempts[-1].state is None:
             break
     inner = attempts[-1].inner
+    refuted = ""
     if attempts[-1].state is None:
         status = inner.status
         laws = associated_contact(program.contact)
-        status, _, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
+        status, refuted, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
     bound = _bound(model, program, status, attempts, backend, options, built - begin, built)
+    if refuted:
+        bound = replace(bound, message=f"{status.label}: {refuted}")
     if ray is None:
         return bound
     return replace(bound, ray=ray_in_si(program.scales, ray, in_si(program.scales, ray.point)))

@@ -67,7 +67,10 @@ class IsolatedSolver:
             text = f"backend {self._name!r} raised {error}"
             if any(words in str(error) for words in _READ_ONLY):
                 text += ": the arrays of a program cannot be changed; copy them before scaling"
-            raise BackendError(text) from error
+            named = BackendError(text)
+            for note in getattr(error, "__notes__", ()):
+                named.add_note(note)
+            raise named from error
 
     def close(self) -> None:
         """Drop the solver in the process; a process in which something is left running ends."""

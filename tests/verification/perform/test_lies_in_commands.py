@@ -77,7 +77,7 @@ def test_a_command_passes_no_lie_and_honest_backends_do_not_notice(folder, words
 
 def bracketed(name):
     try:
-        return la.bracket(punch(4, 3), 0.3, backend=name)
+        return la.bracket(punch(4, 3), 0.3, backend=name, time_limit=10.0)
     except la.LacoreError as error:
         return error
 
@@ -98,7 +98,6 @@ def test_a_bracket_encloses_the_exact_value_whatever_is_answered(folder):
         if isinstance(found, la.Bracket):
             assert not found.lower > EXACT, name
             assert not found.upper < EXACT, name
-            assert found.failure, name
         else:
             assert name in str(found)
     again = bracketed("clarabel")
