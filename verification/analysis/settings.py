@@ -9,9 +9,12 @@ import pandas as pd
 
 import lacore as la
 from lacore.backend import load_backend
+from verification.analysis.columns import with_prefix
 from verification.runs.run import Run, canonical
 
 COLUMNS = ("backend", "setting", "option", "value", "default", "changed")
+MOST_SETTINGS = 5
+"""Settings that a backend may have in a comparison; with more, they are a sweep of an option."""
 DEFAULT = "default"
 """Name of the setting in which no option is changed."""
 
@@ -44,6 +47,30 @@ def settings(runs: Iterable[Run]) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def with_settings(results: pd.DataFrame) -> pd.DataFrame:
+    """Return results in which each setting of a backend is a backend of its own.
+
+    Its name has the changed options, as in ``clarabel tolerance=1e-06``. Backends with more than
+    `MOST_SETTINGS` settings keep their name and their columns ``option_*``.
+
+    Args:
+        results: One row a run; older results have no column ``options``.
+    """
+    if "options" not in results.columns:
+        return results
+    changed = results["options"].fillna("")
+    few = changed.groupby(results["backend"]).transform("nunique") <= MOST_SETTINGS
+    renamed = few & (changed != "")
+    name = (results["backend"] + " " + changed).where(renamed, results["backend"])
+    found = results.assign(backend=name)
+    if "answered_by" in results.columns:
+        own = renamed & (results["answered_by"] == results["backend"])
+        found["answered_by"] = name.where(own, results["answered_by"])
+    for column in with_prefix(results, "option_"):
+        found[column] = results[column].mask(renamed)
+    return found
 
 
 def _defaults(backend: str) -> dict[str, Any]:

@@ -143,7 +143,7 @@ def compare(
         runs = overview.everything(backends, meshes, known)
     else:
         runs = comparison.plan(cases, backends, meshes, couplings, known)
-    runs = with_unusable(with_options(runs, options), backends)
+    runs = with_options(with_unusable(runs, backends), options)
     set_options = settings(runs)
     export(set_options, out / "settings.csv")
     growing = GrowingReport(runs, out)

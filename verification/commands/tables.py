@@ -55,6 +55,8 @@ def show_results(console: Console, outcomes: Sequence[Outcome]) -> None:
             f"{row.verdict} (model: {row.model})" if row.model else row.verdict,
         )
         console.print(line, style=_STYLES.get(row.verdict, "dim"), highlight=False, markup=False)
+        if row.options:
+            print_line(console, f"         options: {row.options}", "dim")
         if row.answered_by not in ("", row.backend):
             print_line(console, f"         answered by {row.answered_by}", "dim")
         if isfinite(row.width):

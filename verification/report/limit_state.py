@@ -35,8 +35,19 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("outer_iterations", "inner solves", ".0f"),
         Column("build_time", "build time, s", ".2f"),
         Column("solve_time", "solve time, s", ".2f"),
+        *_solver_times(results),
     )
     return Table(columns, with_certificates(results).assign(outcome=outcome), anchor=RUN)
+
+
+def _solver_times(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Return the columns of times of the backend alone; older results have none."""
+    columns = (
+        Column("solver_time", "in the solver, s", ".3g"),
+        Column("reported_time", "as the solver reports, s", ".3g"),
+        Column("compile_time", "compilation, s", ".2g"),
+    )
+    return tuple(own for own in columns if own.name in results and results[own.name].notna().any())
 
 
 def _models(results: pd.DataFrame) -> tuple[Column, ...]:

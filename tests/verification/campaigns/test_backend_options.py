@@ -2,10 +2,11 @@
 
 from dataclasses import fields
 
+import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis.settings import settings
+from verification.analysis.settings import MOST_SETTINGS, settings, with_settings
 from verification.campaigns.backend_options import read_settings, with_options
 from verification.campaigns.comparison import plan
 
@@ -76,6 +77,20 @@ def test_brackets_choose_their_options():
 def test_what_cannot_be_right_is_named(text, match):
     with pytest.raises(la.InputError, match=match):
         with_options(planned(), [text])
+
+
+def rows(options):
+    columns = {"backend": "a", "answered_by": ["a", "b"] * (len(options) // 2)}
+    return pd.DataFrame({**columns, "options": options, "option_t": options})
+
+
+def test_few_settings_of_a_backend_are_compared_as_backends():
+    found = with_settings(rows(["", "", "t=1", "t=1"]))
+    assert found["backend"].tolist() == ["a", "a", "a t=1", "a t=1"]
+    assert found["answered_by"].tolist() == ["a", "b", "a t=1", "b"]
+    assert found["option_t"].isna().tolist() == [False, False, True, True]
+    many = rows([f"t={i}" for i in range(MOST_SETTINGS + 1)])
+    assert with_settings(many).equals(many)
 
 
 def test_settings_list_every_option_of_every_backend():
