@@ -15,6 +15,7 @@ from lacore.program import POWER, associated_contact, dimensionless
 from verification.campaigns.comparison import check_names, pick
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue
+from verification.runs.commands import instance_name
 
 INDEX = "index.csv"
 
@@ -141,7 +142,7 @@ def _written(
     )
     rows = []
     for ending, backend in by.items():
-        name = f"{case.id}-{variant.name}-{mesh}.{ending}"
+        name = instance_name(case.id, variant.name, mesh, ending)
         try:
             check_capable(backend, program)
             backend.writers[ending](program, contact, out / name)

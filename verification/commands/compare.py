@@ -128,7 +128,7 @@ def compare(
     from verification.campaigns.unusable import with_unusable
     from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
-    from verification.report.reporting import TABLE, GrowingReport, write_report
+    from verification.report.reporting import TABLE, GrowingReport, write_report, write_table
     from verification.store.provenance import describe
     from verification.store.results import as_table, export
     from verification.store.store import NAME
@@ -165,7 +165,7 @@ def compare(
                 show_stored_failures,
             )
         results = as_table(outcome.record() for outcome in outcomes)
-        export(results, out / TABLE)
+        write_table(outcomes, out)
         about = describe(run.backend for run in runs)
         page = write_report(outcomes, about, out)
     count = tally(outcomes)

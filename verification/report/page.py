@@ -44,7 +44,8 @@ from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.measurement import noise_section, settings_section
 from verification.report.studies.sections import solvers, studies
-from verification.report.tables import RUN, certificates_table, reasons_table
+from verification.report.tables import RUN, certificates_table, commands, reasons_table
+from verification.runs.commands import commands_of
 from verification.runs.outcome import Outcome
 from verification.store.results import as_table
 from verification.verdicts.limit_state import STRONG
@@ -184,7 +185,10 @@ def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Pa
 
 def results_frame(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     """Return outcomes as the table that a store would return."""
-    return as_table(outcome.record() | {"run": outcome.run.key} for outcome in outcomes)
+    return as_table(
+        outcome.record() | {"run": outcome.run.key} | commands_of(outcome.run)
+        for outcome in outcomes
+    )
 
 
 def _summary(outcomes: Sequence[Outcome]) -> Iterator[Block]:
@@ -281,6 +285,9 @@ def results_of(
     if len(certificates.data):
         title = "Certificates: residuals recomputed from velocities, stresses, reactions and loads"
         blocks.append(Details(title, [certificates]))
+    blocks.append(
+        Details("Commands that repeat each run and export its program", commands(results))
+    )
     return [*_seen(case, outcomes, drawn), *blocks]
 
 

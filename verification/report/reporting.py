@@ -11,6 +11,7 @@ from verification.report import manual, page
 from verification.report.blocks import Report
 from verification.report.drawing import Drawn, Subject, draw, most_for
 from verification.report.files import write
+from verification.runs.commands import commands_of
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import describe
@@ -60,11 +61,21 @@ class GrowingReport:
         outcomes = [self._found[run.key] for run in self._runs if run.key in self._found]
         if not outcomes:
             return
-        export(as_table(outcome.record() for outcome in outcomes), self._folder / TABLE)
+        write_table(outcomes, self._folder)
         count = f"{len(outcomes)} of {len(self._runs)} runs finished"
         about = {**describe(run.backend for run in self._runs), "progress": count}
         title = f"Collapse loads compared with reference values, {count}"
         write(page.compared(outcomes, about, {}, title), self._folder)
+
+
+def write_table(outcomes: Sequence[Outcome], folder: Path) -> None:
+    """Write the table of all runs, each with the commands that repeat it and export its program.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    records = (outcome.record() | commands_of(outcome.run) for outcome in outcomes)
+    export(as_table(records), folder / TABLE)
 
 
 def write_report(

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from verification.report.blocks import Anchor, Column, Table
+from verification.report.blocks import Anchor, Block, Column, Table, Text
 
 VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}
 """Colours of verdicts; all others are mild."""
@@ -23,6 +23,28 @@ def reasons_table(results: pd.DataFrame) -> Table:
     """Return the reason for each verdict."""
     columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", "reason", long=True))
     return Table(columns, results)
+
+
+def commands(results: pd.DataFrame) -> list[Block]:
+    """Return the commands that repeat each run, and those that export its optimisation program."""
+    repeated = results[results["repeat_command"].fillna("") != ""]
+    exported = results[results["export_command"].fillna("") != ""]
+    repeats = (Column("repeat_command", "run", link=RUN),)
+    exports = (
+        Column("export_command", "program"),
+        Column("instance_file", "file in reports/instances"),
+    )
+    note = (
+        "Exported programs have associated friction and flow; index.csv, in the same folder, states"
+        " their optimal values. Cases of your own also need --cases FOLDER."
+    )
+    blocks: list[Block] = []
+    if len(repeated):
+        blocks.append(Table(repeats, repeated, sortable=False))
+    if len(exported):
+        programs = exported.drop_duplicates("instance_file")
+        blocks += [Table(exports, programs, sortable=False), Text(note, soft=True)]
+    return blocks
 
 
 def certificates_table(results: pd.DataFrame) -> Table:
