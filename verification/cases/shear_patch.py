@@ -16,12 +16,19 @@ is uniform whatever alpha is.
 Either the block slides on the floor, or it yields: its upper part slides down along slip lines
 inclined by psi, sin(2 psi) = p0/(2 k). The default p0 = 1.6 k gives tan(psi) = 1/2; the cells of
 the mesh are drawn with that slope, so that their diagonals are slip lines.
+
+This is the largest Coulomb load, and that of associated friction. It is the only one if the contact
+pressure is uniform, which equilibrium does not require. Where the pressure rises above k/mu the
+patch shears along the floor instead of slipping, for less. No load of rigid sliding is less than
+p0/(1/mu + 2 atan(mu)), as proven in `verification.cases.shared.shear_zones`. Whether there are
+loads below the largest one is not known: no search has found any.
 """
 
 from math import asin, sqrt, tan
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant, exact_patch
+from verification.cases.shared.shear_zones import least_friction
 
 WIDTH, K = 2.0, 1.0
 
@@ -43,12 +50,17 @@ def build(nx: int, ny: int, mu: float, p0: float) -> la.Problem:
 
 
 def reference(mu: float, p0: float) -> Reference:
-    """The smaller of sliding and yielding."""
+    """From the least load of rigid sliding to the smaller of sliding and yielding."""
+    high = min(mu * p0, sqrt(K**2 - p0**2 / 4))
     return Reference(
-        min(mu * p0, sqrt(K**2 - p0**2 / 4)),
-        "min(mu p0, sqrt(k^2 - p0^2/4))",
-        "uniform stress and Mohr's circle, by hand",
-        "exact",
+        min(least_friction(mu, p0), high),
+        "from p0/(1/mu + 2 atan(mu)) to min(mu p0, sqrt(k^2 - p0^2/4))",
+        "by hand: limits of rigid sliding with shear zones along the floor; uniform stress and"
+        " Mohr's circle",
+        "interval of one mechanism",
+        up_to=high,
+        associated=high,
+        complete=False,
     )
 
 
@@ -68,7 +80,10 @@ uniform stress:  sigma_x = 0, sigma_y = -p0, tau = alpha
                  so on the floor t_n = p0, t_t = alpha
 sliding:         alpha = mu p0
 yield:           (p0/2)^2 + alpha^2 = k^2   (Mohr's circle)
-p0 = 1.6 k:      alpha = min(1.6 mu, 0.6) k, crossing at mu = 0.375
+p0 = 1.6 k:      alpha <= min(1.6 mu, 0.6) k, crossing at mu = 0.375
+shear:           where mu t > k the patch shears along the floor:
+                 alpha is the mean of min(mu t, k), t <= k T,
+                 T = 1/mu + 2 atan(mu), hence alpha >= p0/T
 """,
     meshes={
         "coarse": {"nx": 2, "ny": 3},
