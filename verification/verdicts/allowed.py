@@ -54,11 +54,17 @@ def about(reference: Reference) -> dict[str, Any]:
 
 
 def distance(value: float, reference: Reference, band: Band) -> float:
-    """Relative distance from a reference; NaN without a value, or of another Coulomb state."""
-    nearest = reference.value
+    """Relative distance from a reference; NaN without a value, or of another Coulomb state.
+
+    A load factor above the associated one belongs to no Coulomb state (T14). Its distance is that
+    from the associated one.
+    """
+    nearest, most = reference.value, reference.associated
     if reference.up_to is not None:
         nearest = min(max(value, nearest), reference.up_to)
         if not (reference.complete or reference.low <= value <= reference.high):
-            return nan
+            if most is None or not value > most:
+                return nan
+            nearest = most
     size = abs(nearest) or band.scale
     return (value - nearest) / size if isfinite(nearest) and size > 0 else nan

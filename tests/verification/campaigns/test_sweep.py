@@ -28,7 +28,7 @@ def test_variants_from_a_parameter_and_their_reference():
     runs = plan([BLOCK], ["mu=0.1:0.9:5"], ["clarabel"], ["coarse"])
     assert [run.variant.name for run in runs] == ["mu-0.1", "mu-0.3", "mu-0.5", "mu-0.7", "mu-0.9"]
     assert [run.parameters for run in runs] == [{"mu": mu} for mu in (0.1, 0.3, 0.5, 0.7, 0.9)]
-    values = [run.case.reference_of(run.variant).value for run in runs]
+    values = [run.case.reference_of(run.variant).high for run in runs]
     assert values == pytest.approx([0.4, 1.2, 2.0, 2.8, 3.0])
 
 
