@@ -11,6 +11,10 @@ r"""A block on a rough floor is shaken sideways, in any direction psi over the f
 
 It slides, or topples over the edge that the push is most across: over an edge, not over a corner,
 as long as psi is not 45 degrees, where it may do either.
+
+The load is unique although the pressures at four corners are not: the moment of the push moves
+their resultant along the push, so that friction ``alpha/mu`` of every corner's limit, all along the
+push, is in equilibrium below the collapse load for any of these pressures.
 """
 
 from math import cos, pi, sin

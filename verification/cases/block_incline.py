@@ -10,7 +10,8 @@ r"""A block on an incline is pushed along the slope, up or down.
         -----------------
 
 Pushed down, the load factor is negative where tan(beta) > mu: the block has to be held back, and
-alpha is what it takes. A reference below zero, so.
+alpha is what it takes. A reference below zero, so. The load is unique, as the normal reactions
+follow from equilibrium.
 """
 
 from math import cos, sin

@@ -11,7 +11,8 @@ r"""A block on an incline is pushed horizontally, against the slope.
 
 The push presses the block on the slope, and the friction with it grows. The reaction is inclined by
 beta + phi, phi = atan(mu), against the vertical: where that is 90 degrees or more, no force moves
-the block. The rate of the reaction loop is mu tan(beta): towards 1 it crawls, and 1 is jamming.
+the block. The rate of the reaction loop is mu tan(beta): towards 1 it crawls, and 1 is jamming. The
+load is unique, as the normal reactions follow from equilibrium and the push.
 """
 
 from math import atan, inf, pi, tan

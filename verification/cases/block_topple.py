@@ -10,7 +10,8 @@ r"""A block stands on a floor that is tilted, or shaken: alpha times its weight 
         /////////// mu //////////
               |< b >|
 
-A slender block (b/h < mu) topples about its leading lower corner, a squat one slides.
+A slender block (b/h < mu) topples about its leading lower corner, a squat one slides. The load is
+unique, as the normal reactions at both corners follow from equilibrium.
 """
 
 import lacore as la

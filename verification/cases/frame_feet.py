@@ -11,7 +11,8 @@ r"""A portal frame without weight, its feet simply resting on a floor, is loaded
                 |<------- L -------->|
 
 There is no dead load: plasticity alone sets the scale. Friction raises the load, up to
-mu = L/(4 h), where the beam collapses by itself and the feet stay.
+mu = L/(4 h), where the beam collapses by itself and the feet stay. The load is unique, as the
+normal reaction of each foot is alpha/2 by equilibrium.
 """
 
 import lacore as la

@@ -12,7 +12,8 @@ r"""A block on a slope is pushed across it, along its contour line.
 The weight already uses part of the friction, downhill; what is left across the slope is the other
 side of a right triangle. The block slides neither downhill nor across, but along the resultant. It
 does not turn: pushed at its centroid, its pressure moves along that resultant, too. No problem of
-the plane shows that.
+the plane shows that. The load is therefore unique although the pressures at four corners are not:
+below it, equal shares of the friction at every corner balance the resultant for any of them.
 """
 
 from math import cos, sin, sqrt

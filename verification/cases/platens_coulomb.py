@@ -13,6 +13,11 @@ By symmetry a quarter is modelled, and seen by an observer on the platen: the pl
 obstacle at rest and the mid-plane is pushed up against it, flat and smooth. Without friction the
 block would need 2 k; friction confines it. From mu of about 0.3 on the block sticks to the platens
 and the load grows no more. The edge of the platen is a singular point.
+
+It is not proven that the Coulomb loads are unique, because the pressure on the platens depends on
+the state. Proven for all of them is 2 k from below, by uniform stress without friction, and the
+associated load from above. On 128 elements, a search by `lacore.coulomb_range` for mu = 0.1, 0.2
+and 0.3 found no Coulomb load more than 0.003 % below the associated one.
 """
 
 import lacore as la

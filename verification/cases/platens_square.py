@@ -19,7 +19,8 @@ is that of `platens-coulomb`.
 
 Continuous velocities cannot follow the cut into the corner where the axes of symmetry meet: the
 shear band has a width there. The error vanishes with the mesh. Uniform compression without shear on
-the platens is admissible for any frozen friction, so every discrete value lies above 2 k.
+the platens is admissible for any frozen friction, so every discrete value lies above 2 k, and the
+load of the continuum is unique.
 """
 
 from typing import TYPE_CHECKING

@@ -12,7 +12,8 @@ r"""A portal frame, its feet simply resting on a floor, is loaded at mid-span.
                 |<-------- L --------->|
 
 The beam collapses on three hinges, or its thrust pushes the feet apart, which the load itself
-presses on the floor: a frame whose feet slide needs friction mu h < L/2, or never slides.
+presses on the floor: a frame whose feet slide needs friction mu h < L/2, or never slides. The load
+is unique, as moments about the feet give the same normal reaction P + alpha/2 to both.
 """
 
 import lacore as la

@@ -13,7 +13,8 @@ r"""A stack of n equal blocks; alpha times its weight acts sideways on each of t
 
 What stands above a joint slides on it, or topples about its leading end. Friction may change from
 the floor upwards, linearly from mu_1 to mu_n; toppling comes first at the floor, sliding where
-friction is least.
+friction is least. The load is unique, as the normal reactions of each joint follow from the
+equilibrium of the blocks above it.
 """
 
 from itertools import pairwise

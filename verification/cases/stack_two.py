@@ -8,7 +8,8 @@ r"""Two blocks on top of each other on a floor; one of them is pushed.
         /////////////////////////////
 
 Pushed above, the upper block slides on the lower, or both on the floor. Pushed below, both move
-together, whatever the friction between them: it only has to carry nothing.
+together, whatever the friction between them: it only has to carry nothing. The load is unique, as
+the normal reactions of both joints follow from equilibrium.
 """
 
 import lacore as la

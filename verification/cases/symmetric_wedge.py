@@ -11,7 +11,9 @@ r"""A wedge is pushed down between two blocks on a floor.
 
 Each face turns the push into a thrust at beta + phi below the horizontal. Friction of the wedge
 feeds the friction of the floor: where beta + phi + phi_f reaches 90 degrees the wedge jams, however
-hard it is pushed. A load factor below zero means that the weight alone drives the blocks apart.
+hard it is pushed. A load factor below zero means that the weight alone drives the blocks apart. The
+load is unique, as a wedge that goes down slips on both faces, which fixes the inclination of both
+thrusts; equilibrium gives their size.
 
 With vertical faces (beta = 0) the wedge is a plug, clamped by a force that nothing determines: it
 slides at any clamping force up to the one that moves the blocks. The Coulomb loads are an interval.

@@ -14,6 +14,8 @@ A rigid pier turns about its edge. Of one that crushes the weight stands on as m
 it takes at its strength, and the lever of the weight is shorter by half of that depth. Cells of a
 joint carry no more than that, at any strength, and all of it where the depth ends between two rows
 of cells (T95): with three of them from the edge to the middle, at 1/18, 2/9 and 1/2 of the width.
+The load is unique: below it, friction is alpha/mu of its limit in every cell at most, for any
+pressures in equilibrium.
 """
 
 import lacore as la

@@ -11,7 +11,9 @@ r"""A square block on a rough floor is turned about its vertical axis.
 
 Rigid blocks give no pressure where it is not asked for: among all pressures that balance W the loop
 finds those of a Coulomb state, and contact at corners has the most friction torque that any
-pressure gives (T72). Uniform pressure would give 0.3826 mu W b, 54 % of it.
+pressure gives (T72). Uniform pressure would give 0.3826 mu W b, 54 % of it. The load of four
+corners is unique: they are at the same distance from the axis, and any pressures whose resultant
+passes through it give the same torque.
 """
 
 from math import sqrt
