@@ -6,6 +6,7 @@ main module. A `Codec` says how answers are written: pickled ones come only from
 since reading them may run anything.
 """
 
+import ctypes
 import faulthandler
 import os
 import pickle
@@ -17,12 +18,14 @@ import traceback
 import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from pathlib import Path
 from pkgutil import resolve_name
 from queue import SimpleQueue
 from types import TracebackType
 from typing import IO, Any, Protocol, Self
 
+from lacore.solvers.process_log import ProcessLog
 from lacore.status import Status
 from lacore_start import hidden
 
@@ -32,6 +35,7 @@ LONGEST = threading.TIMEOUT_MAX / 2  # s that a timer can count
 _SERVE = "from lacore.solvers.child_process import serve; serve({!r}, {!r})"
 ENDED = "process ended"
 """Native status of a solve in which the process of the backend ended."""
+_LINES = 1  # _IOLBF of the library of C
 _LENGTH = 8  # bytes, of the number before each message that says how long it is
 
 
@@ -90,6 +94,7 @@ class ChildProcess:
             arguments.
         environment: Variables in addition to those of this process.
         codec: ``module:Class`` of the `Codec` of its answers.
+        log: Keeps what the process prints; None: it prints where this process does.
     """
 
     def __init__(
@@ -97,10 +102,12 @@ class ChildProcess:
         worker: str,
         environment: Mapping[str, str] | None = None,
         codec: str = f"{__name__}:{Pickled.__name__}",
+        log: ProcessLog | None = None,
     ) -> None:
         self._worker, self._codec_name = worker, codec
         self._codec: Codec = resolve_name(codec)()
         self._environment = dict(environment or {})
+        self._log = log
         self._process: subprocess.Popen[bytes] | None = None
         self._killed = False
 
@@ -150,13 +157,19 @@ class ChildProcess:
 
     def _start(self) -> None:
         places = [path or "." for path in sys.path]
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", _SERVE.format(self._worker, self._codec_name)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
-            start_new_session=True,  # what it starts ends with it; Ctrl-C reaches the caller only
-        )
+        log = None if self._log is None else self._log.open()
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _SERVE.format(self._worker, self._codec_name)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                env=os.environ | self._environment | {"PYTHONPATH": os.pathsep.join(places)},
+                start_new_session=True,  # what it starts ends with it; Ctrl-C comes here only
+            )
+        finally:
+            if log is not None:
+                os.close(log)
         self._end = weakref.finalize(self, _end, self._process)  # also as the interpreter ends
         if self._killed:  # while it started
             _kill(self._process)
@@ -217,6 +230,7 @@ def serve(worker_name: str, codec_name: str) -> None:
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
     os.dup2(2, 1)
+    _print_at_once()
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_read_all, args=(requests, inbox), daemon=True).start()
     worker: Any = None
@@ -240,6 +254,17 @@ def serve(worker_name: str, codec_name: str) -> None:
             os._exit(0)
         faulthandler.cancel_dump_traceback_later()
         _send(answers, answer)
+
+
+def _print_at_once() -> None:
+    """Write each line to a pipe as soon as it ends, before the process is killed."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(line_buffering=True)
+    with suppress(Exception):  # where the library of C has another form, lines may be lost
+        library = ctypes.CDLL(None)
+        for name in ("stdout", "stderr"):
+            library.setvbuf(ctypes.c_void_p.in_dll(library, name), None, _LINES, 0)
 
 
 def _read_all(requests: IO[bytes], inbox: SimpleQueue[bytes]) -> None:

@@ -8,6 +8,7 @@ from verification.defaults import TIME_LIMIT
 from verification.perform.processes import Executor, run_in_processes
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
+from verification.store.logs import with_log
 from verification.store.provenance import code_of, describe, solvers_of
 from verification.store.repeating import Repeat
 from verification.store.store import Store
@@ -28,7 +29,7 @@ def run_all(
     Those that are stored already, computed by the same code, are not run again, whether they
     succeeded or failed, except for those that `repeat` includes; `on_found` is called with them.
     `executor` runs the others; `time_limit`: s, of a run; one that takes longer, or whose process
-    dies, costs its own row.
+    dies, costs its own row. What a run prints is kept next to the store.
 
     Raises:
         InputError: the store cannot be used.
@@ -42,7 +43,8 @@ def run_all(
             on_finish(outcome)
         due = list({run.key: run for run in runs if run.key not in found}.values())
         with closing(executor(due, time_limit=time_limit, on_start=on_start)) as outcomes:
-            for outcome in outcomes:
+            for finished in outcomes:
+                outcome = with_log(finished, path.parent)
                 store.append(outcome, codes[outcome.run.key])
                 found[outcome.run.key] = outcome
                 on_finish(outcome)

@@ -57,6 +57,7 @@ def report(
     """
     from verification.commands import screen, tables
     from verification.report.reporting import TABLE, write_report
+    from verification.store.logs import copy_logs
     from verification.store.results import as_table, export, load_outcomes
     from verification.store.store import file_of, sessions
     from verification.verdicts.tally import tally
@@ -71,6 +72,7 @@ def report(
         raise la.InputError("DIR", str(results), why, "run `lacore compare` or `lacore verify`")
     about = list(sessions(file_of(results)).values())[-1]
     folder = out or (results.parent if results.is_file() else results)
+    copy_logs(outcomes, file_of(results).parent, folder)
     export(as_table(outcome.record() for outcome in outcomes), folder / TABLE)
     page = write_report(outcomes, about, folder, most)
     if as_json:

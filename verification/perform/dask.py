@@ -90,8 +90,8 @@ def on_worker(
     time_limit: float,
     solvers: Sequence[str],
     code: str,
-) -> tuple[Row, Evidence]:
-    """A run, on a worker.
+) -> tuple[Row, Evidence, str]:
+    """A run, on a worker, and what it printed.
 
     Args:
         name: of the plugin.
@@ -116,7 +116,7 @@ def on_worker(
     outcome = cast(Children, worker.plugins[name]).in_idle_process(
         pickle.loads(pickled), time_limit
     )
-    return outcome.row, outcome.evidence
+    return outcome.row, outcome.evidence, outcome.log
 
 
 def run_on_cluster(
@@ -158,7 +158,7 @@ def run_on_cluster(
 
 def _outcome(run: Run, future: Any) -> Outcome:
     try:
-        row, evidence = future.result()
+        row, evidence, log = future.result()
     except InputError:
         raise
     except KilledWorker as error:  # several, each while it was at this run
@@ -172,7 +172,7 @@ def _outcome(run: Run, future: Any) -> Outcome:
         ) from error
     except Exception as error:  # on the way there or back: the other runs go on
         return lost(run, la.Status.FAILED, f"{type(error).__name__}: {error}")
-    return Outcome(run, row, evidence)
+    return Outcome(run, row, evidence, log)
 
 
 @contextmanager

@@ -58,6 +58,7 @@ def outcome_of(
     assembled: Assembled | Exception,
     time_limit: float | None = None,
     memory: Callable[[], float] = lambda: nan,
+    on_error: Callable[[Exception], object] = lambda _: None,
 ) -> Outcome:
     """One row, whatever happens.
 
@@ -66,6 +67,7 @@ def outcome_of(
         assembled: its problem, or why there is none.
         time_limit: s, of each inner solve, as far as the backend keeps it.
         memory: peak memory of this process, MB.
+        on_error: called with an exception that is neither bad input nor a missing capability.
     """
     names = _names(run)
     if run.coupling == FUZZ:
@@ -100,6 +102,7 @@ def outcome_of(
             return _skipped(run, names, f"no bracket can be stated: {error}")
         return Outcome(run, _failed(names, error))
     except Exception as error:  # a broken backend must not take the others' results with it
+        on_error(error)
         return Outcome(run, _failed(names, error))
 
 

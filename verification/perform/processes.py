@@ -7,6 +7,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from math import nan
 from queue import SimpleQueue
+from traceback import print_exception
 from typing import Protocol
 
 import lacore as la
@@ -20,6 +21,7 @@ from lacore.solvers.child_process import (
     peak_memory,
 )
 from lacore.solvers.isolation import IsolatedBackend, release_processes
+from lacore.solvers.process_log import ProcessLog
 from lacore.solvers.registry import load_backend
 from lacore.solvers.served_process import ISOLATE, WARM_UP
 from verification.case import Case, is_of_lacore
@@ -31,6 +33,7 @@ from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
 
+_TRACED = {"PYTHONFAULTHANDLER": "1"}  # a crash leaves a traceback in the log of its run
 _JUDGING = {ISOLATE: "all"}  # backends only solve, each in a process of its own
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of processes that share the cores."""
@@ -78,7 +81,7 @@ class Worker:
             skipped = outcome_of(run, self._assembled)
             return skipped.row, skipped.evidence
         starts = StartTimes(run.backend)
-        outcome = outcome_of(run, self._assembled, time_limit, peak_memory)
+        outcome = outcome_of(run, self._assembled, time_limit, peak_memory, print_exception)
         row, note = starts.apart(outcome.row), _note(run.backend)
         row = replace(
             row,
@@ -107,7 +110,8 @@ class RunProcess(ChildProcess):
     """
 
     def __init__(self) -> None:
-        super().__init__(_WORKER, ONE_THREAD | _JUDGING)
+        self.log = ProcessLog()
+        super().__init__(_WORKER, ONE_THREAD | _JUDGING | _TRACED, log=self.log)
         self._case: Case | None = None
 
     def ask_for(self, run: Run, limit: float, time_limit: float) -> tuple[Row, Evidence]:
@@ -122,6 +126,13 @@ class RunProcess(ChildProcess):
 
 
 def attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
+    """A run in a process, with what it printed; see `_attempt`."""
+    child.log.take()  # of what went before
+    outcome = _attempt(child, run, time_limit, stop)
+    return replace(outcome, log=child.log.take())
+
+
+def _attempt(child: RunProcess, run: Run, time_limit: float, stop: threading.Event) -> Outcome:
     """A run in a process; of one that died it is tried again, unless all is to stop."""
     for tries_left in reversed(range(_ATTEMPTS)):
         try:

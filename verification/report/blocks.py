@@ -54,6 +54,7 @@ class Column:
         moods: ``good``, ``bad`` or ``mild`` for values that have a colour.
         hover: another column whose text is seen under the pointer.
         order: another column to sort by, such as the number of elements for the name of a mesh.
+        file: whether its cells are paths of files in the folder of the report, and link to them.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Column:
     moods: Mapping[str, str] = field(default_factory=dict)
     hover: str = ""
     order: str = ""
+    file: bool = False
 
     @property
     def head(self) -> str:

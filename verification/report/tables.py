@@ -20,9 +20,10 @@ _NAMES = (*WHO, *HOW)
 
 
 def reasons_table(results: pd.DataFrame) -> Table:
-    """Return the reason for each verdict."""
+    """Return the reason for each verdict, and the log of each run that printed something."""
     columns = (Column("verdict", moods=VERDICTS), *_NAMES, Column("why", "reason", long=True))
-    return Table(columns, results)
+    logged = "log" in results and results["log"].fillna("").ne("").any()
+    return Table((*columns, Column("log", file=True)) if logged else columns, results)
 
 
 def commands(results: pd.DataFrame) -> list[Block]:

@@ -29,11 +29,12 @@ NO_EVIDENCE = Evidence({}, (), b"")
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run with its row, and what proves it."""
+    """A run with its row, what proves it, and what was printed meanwhile."""
 
     run: Run
     row: Row
     evidence: Evidence = NO_EVIDENCE
+    log: str = ""
 
     def record(self) -> dict[str, Any]:
         """All columns."""

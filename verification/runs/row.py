@@ -50,6 +50,8 @@ class Row:
         calibration_before, calibration_after: s, of a short program that is always the same, solved
             in the process of the run before and after it; NaN where it was not repeated. Their
             scatter is the noise of the machine.
+        log: file with the end of what the run printed, relative to the folder of the store; empty
+            where it printed nothing.
         options: of the backend, as far as they differ from its defaults: ``tolerance=1e-06``.
         peak_memory_mb: largest resident memory of the process of the run; NaN where not measured.
         message: of the status, or why a run was skipped or failed.
@@ -118,6 +120,7 @@ class Row:
     reported_time: float = nan
     calibration_before: float = nan
     calibration_after: float = nan
+    log: str = ""
 
     def record(self) -> dict[str, Any]:
         """As columns."""

@@ -23,6 +23,7 @@ from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.runs.row import Row
 from verification.runs.run import FUZZ
+from verification.store.logs import FILE
 from verification.verdicts.bracket import STRICT
 from verification.verdicts.words import (
     BOUND_ONLY,
@@ -180,6 +181,8 @@ def _row(text: object) -> Row:
         elif not isinstance(value, kind):  # type: ignore[arg-type]  # str or bool
             raise WrongFieldError(f"row.{name}", f"is no {getattr(kind, '__name__', kind)}")
     row = Row(**found)
+    if not FILE.fullmatch(row.log):
+        raise WrongFieldError("row.log", f"= {row.log!r:.60} is no file of a log")
     for name, words in _WORDS.items():
         if getattr(row, name) not in words:
             raise WrongFieldError(f"row.{name}", f"= {getattr(row, name)!r:.60} is no {name}")

@@ -13,7 +13,7 @@ from verification.perform.one_run import lost, run_here
 from verification.report import reporting
 from verification.report.reporting import GrowingReport
 from verification.store.repeating import Repeat, describe_failures, is_failure
-from verification.store.store import NAME
+from verification.store.store import NAME, Store, entries
 from verification.store.whole_files import whole_file
 from verification.verdicts.words import FAIL, PASS
 
@@ -155,3 +155,36 @@ def test_a_killed_writer_leaves_whole_files(tmp_path):
         write()
     assert [file.name for file in tmp_path.iterdir()] == ["results.csv"]
     assert path.read_text() == "before"
+
+
+def test_logs_are_files_next_to_the_results(tmp_path, runs, monkeypatch):
+    monkeypatch.setattr(reporting, "_drawn", lambda subjects: {})
+    folder, other = tmp_path / "results", tmp_path / "other"
+    file = f"logs/{runs[0].key}.txt"
+
+    def talking(text):
+        def execute(runs, **more):
+            for outcome in run_in_order(runs, **more):
+                yield replace(outcome, log=text if outcome.run == runs[0] else "")
+
+        return execute
+
+    first, second = run_all(runs, folder / NAME, executor=talking("a <b> c\n"))
+    assert (first.row.log, second.row.log) == (file, "")
+    assert [path.name for path in (folder / "logs").iterdir()] == [f"{runs[0].key}.txt"]
+    assert lacore("report", folder, "--out", other).exit_code == 0
+    for place in (folder, other):
+        assert (place / file).read_text("utf-8") == "a <b> c\n"
+    assert f'<a href="../{file}">' in (other / "cases" / "wall-1.html").read_text("utf-8")
+    first, _ = run_all(runs, folder / NAME, executor=talking(""), repeat=Repeat.EVERYTHING)
+    assert first.row.log == ""
+    assert list((folder / "logs").iterdir()) == []
+
+
+@pytest.mark.parametrize("log", ["../secret", "javascript:alert(1)", "logs/../../x.txt"])
+def test_a_forged_log_is_no_link(tmp_path, runs, log):
+    (outcome,) = run_here(runs[:1])
+    with Store(tmp_path / NAME, {}) as store:
+        store.append(replace(outcome, row=replace(outcome.row, log=log)), "0")
+    with pytest.raises(la.InputError, match="no file of a log"):
+        entries(tmp_path / NAME)

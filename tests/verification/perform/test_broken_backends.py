@@ -110,6 +110,20 @@ def test_noise_and_size_break_nothing(compared, name):
     assert (row.status, row.verdict) == ("solved", PASS), row.message
 
 
+LOGGED = {
+    "Talks": r"noise\nnoise\nnoise",
+    "Segfaults": r"Segmentation fault[\s\S]*in solve",
+    "RaisesOddly": r"in solve[\s\S]*OddError",
+}
+
+
+@pytest.mark.parametrize("name", each(LOGGED))
+def test_what_a_run_prints_is_in_its_log(compared, name):
+    logs = {outcome.row.backend: outcome.log for outcome in compared[0]}
+    assert re.search(LOGGED[name], logs[name]), logs[name]
+    assert logs["clarabel"] == ""
+
+
 def test_the_next_backend_is_none_the_worse(compared):
     rows = [outcome.row for outcome in compared[0] if outcome.row.backend == "clarabel"]
     assert len(rows) == len(compared[0]) / 2 >= 1
