@@ -14,7 +14,7 @@ from lacore.solvers.child_process import START, ChildProcess, LostError
 
 _WORKER = "lacore.solvers.solver_worker:SolverWorker"
 _CODEC = "lacore.solvers.plain_answers:PlainAnswers"
-WARM_UP = 120.0  # s, for compilation; that of lacore's own backends takes a fifth of it
+WARM_UP = 300.0  # s, for compilation; lacore's own backends need 24 s on a quiet machine
 ISOLATE = "LACORE_ISOLATE_BACKENDS"
 """Environment variable of processes in which all backends are isolated, also those of lacore."""
 
