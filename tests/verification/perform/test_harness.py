@@ -166,6 +166,16 @@ def test_only_exact_backends_must_answer():
     assert lost(runs["clarabel"], la.Status.TIME_LIMIT, "late").row.verdict == FAIL
 
 
+def test_an_exact_backend_must_answer_with_associated_friction():
+    """The program is convex: it has a solution, or a proof that it has none."""
+    couplings = ["associated", "shift"]
+    names = ["clarabel", "newton"]
+    runs = plan(["block-slide"], names[:1], couplings=couplings)
+    assert {run.coupling: run.insist for run in runs} == {"associated": True, "shift": False}
+    regularised = plan(["shear-patch:yielding"], names[1:], ["coarse"], couplings)
+    assert not any(run.insist for run in regularised)
+
+
 def test_a_regularised_backend_that_gives_up_is_no_failure():
     (run,) = plan(["shear-patch:yielding"], ["slsqp"], ["coarse"])
     (outcome,) = run_here([replace(run, options={"max_iterations": 1})])

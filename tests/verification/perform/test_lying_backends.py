@@ -47,6 +47,13 @@ def solved(name):
         return error
 
 
+def test_a_refuted_status_shows_the_mechanism_that_refutes_it(folder):
+    found = solved("ClaimsLocked")
+    assert "the program is feasible" in found.message
+    assert "an admissible mechanism with F0.U = 1 (penetration" in found.message
+    assert "tighten" not in found.message
+
+
 def test_there_are_sixty_of_them():
     assert len(LIES) >= 60
 
@@ -92,6 +99,7 @@ def compared(names):
 
 @pytest.mark.slow
 def test_a_comparison_passes_no_lie_and_honest_backends_do_not_notice(folder):
+    """Names of backends are columns of rows; different kinds of lies have different messages."""
     alone = compared(HONEST)
     together = compared([name for lie in LIES for name in (lie, *HONEST)][: 3 * len(LIES)])
     for name in HONEST:
@@ -100,6 +108,9 @@ def test_a_comparison_passes_no_lie_and_honest_backends_do_not_notice(folder):
     for name in WRONG:
         assert together[name].verdict == FAIL, name
         assert re.search(LIES[name].message, together[name].message), together[name].message
+        assert not isfinite(together[name].load_factor), name
+    kinds = {together[name].message: LIES[name].message for name in WRONG}
+    assert set(kinds.values()) == {LIES[name].message for name in WRONG}
     for name in UNTIDY:
         assert together[name].verdict == PASS, name
         assert re.search(LIES[name].message, together[name].message), together[name].message
