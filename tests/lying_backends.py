@@ -358,7 +358,7 @@ def _compute():
         sum(range(10_000))
 
 
-@lie(r"left with 1 child processes")
+@lie(r"left with \d child processes")
 class LeavesAProcess(Untidy):
     def told(self, answer):
         subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
