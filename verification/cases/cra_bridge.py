@@ -15,7 +15,9 @@ Published as a problem that a penalty on equilibrium judges, without a load fact
 prisms between two planes, so that it is a test of detected joints with many short faces, some of
 them at acute angles: 37 joints, 148 contact points. Its coordinates have single precision. The
 holes of the piers are left out: these are fixed, and nothing touches there. The hooks hold: what
-gives way is the slender stone in the middle, which topples alone.
+gives way is the slender stone in the middle, which topples alone. The load of this mechanism is
+unique, as it follows from moments. That the hyperstatic stones below have no mechanism with a lower
+Coulomb load is not proven.
 """
 
 import numpy as np

@@ -13,7 +13,8 @@ r"""A disc as high as its radius is upset between two rigid platens with Coulomb
 Axisymmetric, r to the right and z upwards; by symmetry the upper half of a meridian section, seen
 by an observer on the platen. Without friction the disc spreads evenly and needs its yield stress
 times its area, whatever its height. Friction holds the material back, so that the pressure rises
-towards the middle. The edge of the platen is a singular point.
+towards the middle. The edge of the platen is a singular point. With friction the load need not be
+unique; the reference encloses all Coulomb loads.
 """
 
 from math import sqrt
