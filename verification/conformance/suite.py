@@ -1,7 +1,7 @@
 """Run the suite over a backend: `run` for a table, `require` for a test of one line."""
 
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import astuple, fields, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import pandas as pd
 import lacore as la
 from lacore.backend import Backend
 from lacore.errors import require_known
+from lacore.solvers.isolation import IsolatedBackend
 from verification import progress
 from verification.conformance.contract import EXERCISES, Bench, examine
 from verification.conformance.judge import FAIL, PASS, SKIPPED, Finding, Subject
@@ -47,6 +48,9 @@ def run(
         require_known("program of the conformance suite", name, EXERCISES)
     tested = la.find_backend(backend, process) if isinstance(backend, str) else backend
     shown = backend if isinstance(backend, str) else tested.name
+    if isinstance(tested, IsolatedBackend):
+        with suppress(la.CapabilityError):  # the program "warm-up" reports it
+            tested.start()  # compilation is no part of the time limits of the programs
     findings: list[Finding] = []
     with ExitStack() as stack:
         if on_start is None:
