@@ -73,6 +73,7 @@ def test_a_comparison_runs_the_others(registered, tmp_path, monkeypatch):
     found = lacore("compare", *words, "--backends", "clarabel,absent", "--out", tmp_path)
     assert found.exit_code == 0, found.output
     table = pd.read_csv(tmp_path / "results.csv")
-    assert list(table["backend"]) == ["clarabel", "clarabel", "absent"]
-    assert list(table["verdict"]) == ["pass", "pass", "skipped"]
+    *others, last = table["backend"]
+    assert ({*others}, last) == ({"clarabel"}, "absent")
+    assert [*table["verdict"]] == ["pass"] * len(others) + ["skipped"]
     assert str(registered) in table["message"].iloc[-1]
