@@ -12,9 +12,9 @@ r"""A semicircular arch, as a structure in space, of one voussoir across its dep
 What is extruded carries what it carries in the plane, with Coulomb friction and with associated
 friction, in any number of slices (T78): slices may slide along each other and gain nothing by it.
 
-The reactions of an arch are hyperstatic, and it is not proven that its load is unique. Searches by
-`lacore.coulomb_range`, each from 8 shaken starts, found no load of these plane arches other than
-the associated one.
+The reactions of an arch are hyperstatic, and it is not proven that its load is unique. Short
+searches by `lacore.coulomb_range` found no load of these plane arches other than the associated
+one, which proves nothing.
 """
 
 import lacore as la

@@ -14,9 +14,9 @@ an arch in the plane (T78): no slice can gain by leaning on its neighbours, whic
 hard. Pushed obliquely, it carries the part along y by friction, without effort, and alpha cos(psi)
 is what the arch carries. The largest of our cases in space: 399 blocks, 1162 joints.
 
-The reactions are hyperstatic, and it is not proven that the load is unique. A search by
-`lacore.coulomb_range` from 8 shaken starts found no load of the plane arch other than the
-associated one.
+The reactions are hyperstatic, and it is not proven that the load is unique. A short
+search by `lacore.coulomb_range` found no load of the plane arch other than the associated one,
+which proves nothing.
 """
 
 from math import cos, sin

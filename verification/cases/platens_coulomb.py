@@ -16,8 +16,8 @@ and the load grows no more. The edge of the platen is a singular point.
 
 It is not proven that the Coulomb loads are unique, because the pressure on the platens depends on
 the state. Proven for all of them is 2 k from below, by uniform stress without friction, and the
-associated load from above. On 128 elements, a search by `lacore.coulomb_range` for mu = 0.1, 0.2
-and 0.3 found no Coulomb load more than 0.003 % below the associated one.
+associated load from above. Short searches by `lacore.coulomb_range` on 128 elements for mu = 0.1,
+0.2 and 0.3 found no clearly lower Coulomb load, which proves nothing.
 """
 
 import lacore as la
