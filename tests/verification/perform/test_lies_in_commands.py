@@ -114,7 +114,7 @@ def test_a_path_keeps_no_wrong_load_factor(folder):
             assert name in str(found)
             continue
         assert found.status is not honest.status, name
-        wrong = found.history.load_factor.to_numpy()
+        wrong = found.history.load_factor.to_numpy(float)
         kept = np.isfinite(wrong)
         assert wrong[kept] == pytest.approx(right[: wrong.size][kept], rel=1e-5), name
     assert np.array_equal(followed("clarabel").history.load_factor, right, equal_nan=True)

@@ -92,7 +92,7 @@ def test_nobody_takes_the_name_of_another(folder):
 
 
 def compared(names):
-    runs = plan(["shear-patch:sliding"], names, ["coarse"])
+    runs = plan(["shear-patch:sliding"], names, ["coarse"], ["certified"])
     rows = [outcome.row for outcome in run_in_processes(runs, jobs=2, time_limit=60.0)]
     return {row.backend: row for row in rows}
 
