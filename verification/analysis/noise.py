@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.analysis.columns import numbers, solver_columns, table
+from verification.analysis.columns import numbers, solver_columns, table, with_prefix
 from verification.analysis.profiles import costs
 
 CALIBRATIONS = ("calibration_before", "calibration_after")
@@ -71,8 +71,13 @@ def rankings(results: pd.DataFrame, found: Noise) -> pd.DataFrame:
         of the first; ``undecided``, whether the noise of the machine can explain this ratio. None
         if the noise is not known.
     """
-    solver = [name for name in solver_columns(results) if not name.startswith("option_")]
-    solver += ["options"] if "options" in results.columns else []
+    solver = solver_columns(results)
+    if "options" in results.columns:
+        # Results that were stored without this column have the options in columns of their own.
+        own = with_prefix(results, "option_")
+        stated = results["options"].fillna("").ne("") | results[own].isna().all(axis=1)
+        if stated.all():
+            solver = [*(name for name in solver if name not in own), "options"]
     matrix = costs(results, "solve_time", "certificate", "keep", solver).cost
     rows: list[dict[str, Any]] = []
     for one, other in combinations(matrix.columns, 2):
