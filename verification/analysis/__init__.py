@@ -24,6 +24,7 @@ from verification.analysis.profiles import (
     rates,
     shifted_geometric_means,
 )
+from verification.analysis.sizes import accuracies, answers, rates_by_size, residual_means
 from verification.analysis.slopes import (
     Slope,
     fit_slope,
@@ -38,6 +39,8 @@ __all__ = [
     "Extrapolation",
     "LambdaLimit",
     "Slope",
+    "accuracies",
+    "answers",
     "budget_profile",
     "costs",
     "costs_of_accuracy",
@@ -49,9 +52,11 @@ __all__ = [
     "lambda_limits",
     "performance_profile",
     "rates",
+    "rates_by_size",
     "refinement_limits",
     "refinement_orders",
     "regularisation_slopes",
+    "residual_means",
     "richardson",
     "shifted_geometric_means",
     "slopes",

@@ -261,9 +261,9 @@ class Card:
 
     Attributes:
         page, picture, table: The other page, its thumbnail and its results.
-        mood: As in `Section`.
-        name: Name that rows of tables use for the card.
+        mood, name: As in `Section`; name that rows of tables use for the card.
         tags, verdicts, seconds: Tags, verdicts and solve time for `Filters`.
+        runs: Different ``backend``, tabulator, ``verdict`` of the runs, for `Filters`.
     """
 
     page: Page
@@ -274,6 +274,7 @@ class Card:
     tags: Sequence[str] = ()
     verdicts: Sequence[str] = ()
     seconds: float = 0.0
+    runs: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -287,14 +288,17 @@ class Cards:
 class Filters:
     """Controls that search, filter and order the cards of a page; its address keeps their state.
 
+    A chosen solver also hides the rows of other solvers in tables with a column ``backend``.
+
     Attributes:
-        tags, verdicts: Values to choose from.
-        order: Name of the order in which the cards are listed.
+        tags, verdicts, solvers: Values to choose from.
+        order: Name of the order in which the cards are listed; empty on a page without cards.
     """
 
     tags: Sequence[str]
     verdicts: Sequence[str]
     order: str
+    solvers: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -382,9 +386,10 @@ class Document:
 
 @dataclass(frozen=True)
 class Report:
-    """Pages by their files, such as ``index.html`` and ``cases/wall-1.html``."""
+    """Pages by their files, such as ``index.html``; `data`: other files that they link to."""
 
     pages: Mapping[str, Document]
+    data: Mapping[str, str] = field(default_factory=dict)
 
 
 def _is_number(value: object) -> TypeGuard[SupportsFloat]:

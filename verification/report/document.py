@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from verification.report.blocks import Block, Document, Picture
+from verification.report.blocks import Block, Document, Picture, Table
 from verification.report.charts.svg import Chart, inline
 
 
@@ -24,11 +24,13 @@ class Place:
         file: of the page, such as ``cases/wall-1.html``.
         anchors: the file in which an id is; those of this page first.
         pictures: files of pictures, by their names.
+        tables: Files of tables as CSV, by the identity of their blocks.
     """
 
     file: str
     anchors: Mapping[str, str]
     pictures: Mapping[str, str]
+    tables: Mapping[int, str]
 
     def href(self, target: str) -> str:
         """Link to an id; empty where no page has it."""
@@ -45,6 +47,11 @@ class Place:
         """Link to the file of a picture."""
         return self.to(self.pictures[picture.name])
 
+    def download(self, table: Table) -> str:
+        """Link to the CSV file of a table; empty where it has none."""
+        file = self.tables.get(id(table))
+        return "" if file is None else self.to(file)
+
 
 def render(document: Document, place: Place) -> str:
     """The page as text."""
@@ -60,6 +67,7 @@ def render(document: Document, place: Place) -> str:
         href=place.href,
         to=place.to,
         source=place.source,
+        download=place.download,
     )
 
 

@@ -32,7 +32,7 @@ _LONGEST = 80  # letters of the name of a file
 
 
 def write(report: Report, folder: Path) -> Path:
-    """Write the pages, ``pictures/*.png``, ``tables/*.csv`` and ``tables/*.md``.
+    """Write the pages, ``pictures/*.png``, ``tables/*.csv``, ``tables/*.md`` and other files.
 
     What an earlier report wrote there and this one does not is removed.
 
@@ -54,9 +54,9 @@ def write(report: Report, folder: Path) -> Path:
 def contents(report: Report) -> dict[str, bytes]:
     """What the files of a report hold, by their paths in its folder."""
     found = {_picture_file(name): picture.data for name, picture in pictures(report).items()}
-    texts: dict[str, str] = {}
+    texts = dict(report.data)
     for name, table in tables(report):
-        texts[f"tables/{name}.csv"] = quoted(values(table)).to_csv(index=False)
+        texts[_table_file(name)] = quoted(values(table)).to_csv(index=False)
         texts[f"tables/{name}.md"] = markdown(table)
     texts |= rendered(report)
     # A path may have bytes that are no text.
@@ -68,8 +68,9 @@ def rendered(report: Report) -> dict[str, str]:
     ids = {file: list(_ids(page)) for file, page in report.pages.items()}
     shared = {name: file for file, names in reversed(ids.items()) for name in names}
     files = {picture.name: _picture_file(name) for name, picture in pictures(report).items()}
+    sheets = {id(table): _table_file(name) for name, table in tables(report)}
     return {
-        file: render(page, Place(file, shared | dict.fromkeys(ids[file], file), files))
+        file: render(page, Place(file, shared | dict.fromkeys(ids[file], file), files, sheets))
         for file, page in report.pages.items()
     }
 
@@ -103,6 +104,10 @@ def _pictures_in(block: Block) -> Iterator[Picture]:
 
 def _picture_file(name: str) -> str:
     return f"pictures/{name}.png"
+
+
+def _table_file(name: str) -> str:
+    return f"tables/{name}.csv"
 
 
 def tables(report: Report) -> Iterator[tuple[str, Table]]:

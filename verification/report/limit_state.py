@@ -26,6 +26,7 @@ def results_table(results: pd.DataFrame) -> Table:
         Column("error", "error %", "+.4f", scale=100),
         Column("expected", "reference", "g", order="reference"),
         *HOW,
+        *_answers(results),
         *_models(results),
         Column("n_elements", "elements", ".0f"),
         *varied(results),
@@ -48,6 +49,12 @@ def _solver_times(results: pd.DataFrame) -> tuple[Column, ...]:
         Column("compile_time", "compilation, s", ".2g"),
     )
     return tuple(own for own in columns if own.name in results and results[own.name].notna().any())
+
+
+def _answers(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Return the column of who answered, where results state it."""
+    stated = "answered_by" in results and results["answered_by"].fillna("").ne("").any()
+    return (Column("answered_by", "answered by"),) if stated else ()
 
 
 def _models(results: pd.DataFrame) -> tuple[Column, ...]:

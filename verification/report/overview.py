@@ -62,6 +62,7 @@ def cards(
                 tags=case.tags,
                 verdicts=list(dict.fromkeys(verdicts)),
                 seconds=float(table.data["seconds"].sum()),
+                runs=runs(own),
             )
         )
     return Cards(items)
@@ -74,7 +75,20 @@ def filters(*lists: Cards) -> list[Filters]:
         return []
     tags = sorted({tag for card in items for tag in card.tags}, key=str.casefold)
     verdicts = dict.fromkeys(verdict for card in items for verdict in card.verdicts)
-    return [Filters(tags, list(verdicts), ORDER)]
+    solvers = {run.partition("\t")[0] for card in items for run in card.runs}
+    return [Filters(tags, list(verdicts), ORDER, sorted(solvers))]
+
+
+def runs(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return the different pairs of backend and verdict, with a tabulator in between."""
+    rows = (outcome.row for outcome in outcomes)
+    return list(dict.fromkeys(f"{row.backend}\t{row.verdict}" for row in rows))
+
+
+def solver_filter(outcomes: Sequence[Outcome]) -> list[Filters]:
+    """Return the choice of a solver for a page without cards; none for a single solver."""
+    names = sorted({outcome.row.backend for outcome in outcomes})
+    return [Filters([], [], "", names)] if len(names) > 1 else []
 
 
 def mood_of(verdicts: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """The report of a comparison: an index with a row per variant, and a page for each case."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -39,7 +40,7 @@ from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
 from verification.report.limit_state import results_table
-from verification.report.overview import answers, cards, filters, first_thumbnail
+from verification.report.overview import answers, cards, filters, first_thumbnail, solver_filter
 from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.measurement import noise_section, settings_section
@@ -47,7 +48,9 @@ from verification.report.studies.sections import solvers, studies
 from verification.report.tables import RUN, certificates_table, commands, reasons_table
 from verification.runs.commands import commands_of
 from verification.runs.outcome import Outcome
-from verification.store.results import as_table
+from verification.store.provenance import PROVENANCE
+from verification.store.results import RESULTS, as_table
+from verification.store.spreadsheets import quoted
 from verification.verdicts.limit_state import STRONG
 from verification.verdicts.tally import Tally as Verdicts
 from verification.verdicts.tally import tally
@@ -107,9 +110,12 @@ def compared(
             for n, one in enumerate(own)
         }
         | {
-            file: Document(section.title, section.lead, [section], trail=[_UP])
+            file: Document(
+                section.title, section.lead, [section], solver_filter(outcomes), trail=[_UP]
+            )
             for file, section in pages.items()
-        }
+        },
+        {RESULTS: results_csv(outcomes), PROVENANCE: provenance_json(machine)},
     )
 
 
@@ -167,7 +173,37 @@ def _more(
         noise_section(results),
         Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
+        Section("downloads", "Downloads", [_downloads()]),
     ]
+
+
+def _downloads() -> Pages:
+    """Link the files with all runs."""
+    return Pages(
+        [
+            Page("results.csv", RESULTS, "All runs, with settings, residuals, times and verdicts."),
+            Page(
+                "provenance.json",
+                PROVENANCE,
+                "Machine, date and versions, for lacore history. Each table of the report also"
+                " links to its CSV file.",
+            ),
+        ]
+    )
+
+
+def results_csv(outcomes: Sequence[Outcome]) -> str:
+    """Return all runs as CSV, each with the commands that repeat it and export its program.
+
+    A spreadsheet shows text that looks like a formula as text.
+    """
+    records = (outcome.record() | commands_of(outcome.run) for outcome in outcomes)
+    return quoted(as_table(records)).to_csv(index=False)
+
+
+def provenance_json(machine: Mapping[str, str]) -> str:
+    """Return machine, date and versions as JSON."""
+    return json.dumps(dict(machine), indent=1) + "\n"
 
 
 def _trail(own: Sequence[Own], number: int, files: Mapping[str, str]) -> list[Page]:
@@ -235,11 +271,15 @@ def _couplings_table(outcomes: Sequence[Outcome]) -> Table:
 
 def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
     """Write the page of a case."""
+    results = [
+        *solver_filter(own.outcomes),
+        *results_of(own.case, own.outcomes, own.results, drawn),
+    ]
     return Document(
         own.case.title,
         lead(own.case),
         [
-            Section("results", "Results", results_of(own.case, own.outcomes, own.results, drawn)),
+            Section("results", "Results", results),
             Section("case", "The case", [*_sketch(own, drawn), explained(own.case, own.outcomes)]),
         ],
         [answers(own.outcomes)],

@@ -11,11 +11,9 @@ from verification.report import manual, page
 from verification.report.blocks import Report
 from verification.report.drawing import Drawn, Subject, draw, most_for
 from verification.report.files import write
-from verification.runs.commands import commands_of
 from verification.runs.outcome import Outcome
 from verification.runs.run import Run
 from verification.store.provenance import describe
-from verification.store.results import as_table, export
 from verification.store.store import file_of, sessions
 from verification.verify import load_checks
 
@@ -23,8 +21,6 @@ FIRST = 10.0
 """Seconds after which a comparison writes its first pages, if it has not ended before."""
 SHARE = 0.01
 """Share of its time that a comparison spends on pages before it has ended, at most."""
-TABLE = "results.csv"
-"""The table of all runs of a comparison."""
 
 
 class GrowingReport:
@@ -61,21 +57,10 @@ class GrowingReport:
         outcomes = [self._found[run.key] for run in self._runs if run.key in self._found]
         if not outcomes:
             return
-        write_table(outcomes, self._folder)
         count = f"{len(outcomes)} of {len(self._runs)} runs finished"
         about = {**describe(run.backend for run in self._runs), "progress": count}
         title = f"Collapse loads compared with reference values, {count}"
         write(page.compared(outcomes, about, {}, title), self._folder)
-
-
-def write_table(outcomes: Sequence[Outcome], folder: Path) -> None:
-    """Write the table of all runs, each with the commands that repeat it and export its program.
-
-    Raises:
-        InputError: The folder cannot be written.
-    """
-    records = (outcome.record() | commands_of(outcome.run) for outcome in outcomes)
-    export(as_table(records), folder / TABLE)
 
 
 def write_report(

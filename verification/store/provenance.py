@@ -24,6 +24,8 @@ PACKAGES = (
     "matplotlib",
 )
 """What all numbers are made with; what a backend computes with it says itself."""
+PROVENANCE = "provenance.json"
+"""File next to the table of results."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _SOURCES = ("lacore", "backends", "verification")
 _LENGTH = 12

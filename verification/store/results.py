@@ -18,6 +18,8 @@ from verification.store.store import Entry, entries, file_of
 from verification.store.whole_files import whole_file
 
 FORMATS = ("csv", "parquet")
+RESULTS = "results.csv"
+"""Table of all runs in the folder of a comparison."""
 
 
 def load_results(place: Path | str) -> pd.DataFrame:

@@ -35,6 +35,8 @@ SAMPLE = {
     "Dam": ("masonry", "pass", 0.5),
 }
 
+SOLVERS = ["exact", "quick"]
+
 
 @pytest.fixture
 def listed(alone):
@@ -47,14 +49,16 @@ def listed(alone):
             Card(
                 Page(name, "index.html", f"about {name}"), None, own,
                 name=name, tags=[tag], verdicts=[verdict], seconds=seconds,
+                runs=[f"quick\t{verdict}", *(["exact\tpass"] if tag == "masonry" else [])],
             )
         )  # fmt: skip
         rows.append({"case": name, "time, s": seconds})
     table = Table([Column("case"), Column("time, s", form="g")], pd.DataFrame(rows), card="case")
-    filters = Filters(["frames", "masonry", "soil"], ["pass", "FAIL"], "as given")
+    filters = Filters(["frames", "masonry", "soil"], ["pass", "FAIL"], "as given", SOLVERS)
+    rates = Table([Column("backend")], pd.DataFrame({"backend": SOLVERS}))
     sections = [
         Section("cases", "Cases", [filters, Cards(cards), Details("All", [table])]),
-        Section("more", "More", [Text("text")]),
+        Section("more", "More", [Text("text"), rates]),
     ]
     return alone(Document("Cards", "", sections))
 
@@ -76,6 +80,7 @@ def reopened(visit, seen):
         ("q", "nowhere", []),
         ("verdict", "FAIL", ["Beam"]),
         ("tag", "masonry", ["Arch", "Dam"]),
+        ("solver", "exact", ["Arch", "Dam"]),
         ("order", "solve time", ["Arch", "Cut", "Beam", "Dam"]),
         ("order", "title", ["Arch", "Beam", "Cut", "Dam"]),
     ],
@@ -109,6 +114,34 @@ def test_choices_are_combined_and_taken_back(visit, listed):
     page.locator("[name=tag]").select_option("")
     assert cards_shown(page) == list(SAMPLE)
     assert "#" not in page.url
+
+
+def test_a_solver_hides_the_rows_of_others(visit, listed):
+    """Only its own verdicts count, and links to other pages take the choice along."""
+    seen = visit(listed)
+    page = seen.page
+    page.locator("[name=solver]").select_option("exact")
+    assert page.locator("tr[data-solver]:visible").all_text_contents() == ["exact"]
+    links = page.locator("article:visible h3 a")
+    assert [link.get_attribute("href") for link in links.all()] == ["index.html#solver=exact"] * 2
+    page.locator("[name=verdict]").select_option("FAIL")
+    assert cards_shown(page) == []
+    page.locator("[name=solver]").select_option("quick")
+    assert cards_shown(page) == ["Beam"]
+    page.locator("[name=solver]").select_option("")
+    assert page.locator("tr[data-solver]:visible").all_text_contents() == SOLVERS
+    assert page.locator("article a").first.get_attribute("href") == "index.html"
+    assert seen.complaints == []
+
+
+def test_the_page_of_a_case_shows_one_solver(visit, page_of_case):
+    seen = visit(page_of_case)
+    seen.page.goto("about:blank")
+    seen.page.goto(f"{seen.address}#solver=newton")
+    shown = seen.page.locator("tr[data-solver]:visible")
+    assert {row.get_attribute("data-solver") for row in shown.all()} == {"newton"}
+    assert seen.page.locator("[name=solver]").input_value() == "newton"
+    assert seen.complaints == []
 
 
 def test_the_address_keeps_column_and_direction(visit, listed):

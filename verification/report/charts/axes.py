@@ -56,6 +56,7 @@ ELEMENTS = Axis("n_elements", "number of elements")
 ERROR = Axis("error", "relative error")
 FACTOR = Axis("factor", "time relative to the fastest solver")
 SHARE = Axis("share", "share of problems solved", log=False)
+RESIDUAL = Axis("residual", "largest residual of the certificate")
 SOLVE_TIME = Axis("solve_time", "solve time [s]")
 
 
@@ -74,6 +75,18 @@ def curves(
     with styled():
         figure, axes = figure_axes()
         tips = _markers(axes, shown, x, y, by, tip, {}, "-")
+        _finish(figure, axes, x, y)
+    return Chart(figure, _summary(shown, x, y, by, left_out), tips)
+
+
+def scatter(
+    data: pd.DataFrame, x: Axis, y: Axis, *, by: str = "backend", tip: Sequence[str] = ()
+) -> Chart:
+    """Markers alone: what many runs reached, each at its own place. Arguments as of `curves`."""
+    shown, left_out = _drawable(data, x, y)
+    with styled():
+        figure, axes = figure_axes()
+        tips = _markers(axes, shown, x, y, by, tip, {}, "none")
         _finish(figure, axes, x, y)
     return Chart(figure, _summary(shown, x, y, by, left_out), tips)
 

@@ -14,7 +14,13 @@ from verification.report.studies.convergence import (
     regularisation_section,
     steps_section,
 )
-from verification.report.studies.solvers import effort_section, rates_table, solvers_section
+from verification.report.studies.solvers import (
+    accuracy_blocks,
+    effort_section,
+    rates_table,
+    sizes_table,
+    solvers_section,
+)
 from verification.verdicts.limit_state import FINDS_NONE
 from verification.verdicts.words import SKIPPED
 
@@ -22,6 +28,12 @@ PENALTIES = ("option_r", "option_eta", "option_bulk", "option_normal", "option_t
 _COMPARABLE = (
     "Times refer to the problems that all listed solvers were run on."
     " Solvers that were run on fewer than half of all problems are left out."
+)
+_RATES = (
+    "Claimed: the solver reports success. Certified: the residuals that lacore recomputes prove the"
+    " value. Correct: certificate and reference agree, of the runs that have a reference. Certified"
+    " and correct count only what a backend answered itself, and not what lacore found by following"
+    " a path."
 )
 _LEAST = 1.0  # s, that an unsolved problem counts in means of quick ones
 
@@ -65,7 +77,8 @@ def solvers(results: pd.DataFrame) -> Section | None:
     plain = _plain(results)
     if plain["backend"].nunique() < 2:
         return None
-    blocks: list[Block] = [rates_table(plain)]
+    blocks: list[Block] = [Text(_RATES), rates_table(plain), sizes_table(plain)]
+    blocks += accuracy_blocks(plain)
     runs = _common(plain)
     if runs["backend"].nunique() > 1:
         slowest = float(np.nanmax(numbers(runs, "solve_time"), initial=_LEAST))

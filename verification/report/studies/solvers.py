@@ -4,14 +4,28 @@ import numpy as np
 import pandas as pd
 
 from verification.analysis import (
+    accuracies,
+    answers,
     costs,
     costs_of_accuracy,
     efforts,
     performance_profile,
     rates,
+    rates_by_size,
+    residual_means,
     shifted_geometric_means,
 )
-from verification.report.blocks import Anchor, Column, Columns, Drawing, Section, Table, Text
+from verification.analysis.sizes import UNKNOWNS
+from verification.report.blocks import (
+    Anchor,
+    Column,
+    Columns,
+    Drawing,
+    Gallery,
+    Section,
+    Table,
+    Text,
+)
 from verification.report.charts import axes
 from verification.report.tables import RUN
 
@@ -61,24 +75,93 @@ def _means_table(means: pd.DataFrame) -> Table:
         Column("ratio", "relative to the fastest", ".2f"),
         Column("solved", form=".0f"),
         Column("shift", "shift, s", "g"),
-        Column("limit", "unsolved counts as, s", "g"),
+        Column("limit", "unsolved counts as, s", ".3g"),
     )
     return Table(
         columns, means, "Solve time: shifted geometric means over the problems of the profile"
     )
 
 
+_RATES = (
+    Column("success_rate", "claimed %", ".1f", scale=100),
+    Column("certified_rate", "certified %", ".1f", scale=100),
+    Column("correctness_rate", "correct %", ".1f", scale=100),
+    Column("wrong_claims", "wrong claims", ".0f"),
+)
+
+
 def rates_table(results: pd.DataFrame) -> Table:
-    """How often solvers claim success, and how often they are right."""
+    """Return a table of claimed, certified and correct runs, and of who answered."""
+    found = rates(results).merge(answers(results).drop(columns="runs"), on=["backend", "coupling"])
     columns = (
         *_SOLVER,
         Column("runs", form=".0f"),
-        Column("success_rate", "claimed %", ".1f", scale=100),
-        Column("certified_rate", "certified %", ".1f", scale=100),
-        Column("correctness_rate", "correct %", ".1f", scale=100),
-        Column("wrong_claims", form=".0f"),
+        *_RATES,
+        Column("alone", "answered by the backend", ".0f"),
+        Column("with_lacore", "with path following", ".0f"),
+        Column("unanswered", "without an answer", ".0f"),
     )
-    return Table(columns, rates(results), "Claimed and proven success of the solvers")
+    return Table(columns, found, "Claimed and proven success of the solvers")
+
+
+def sizes_table(results: pd.DataFrame) -> Table:
+    """Return a table of the rates for each class of problem sizes."""
+    columns = (
+        *_SOLVER,
+        Column(UNKNOWNS, "number of unknowns"),
+        Column("runs", form=".0f"),
+        *_RATES,
+    )
+    return Table(columns, rates_by_size(results), "Success by size of the problem")
+
+
+def accuracy_blocks(results: pd.DataFrame) -> list[Gallery | Table]:
+    """Return charts of error and residual against time, and a table of the residuals.
+
+    Values below `FLOOR` are drawn at it, because an exact result has no place on a logarithmic
+    axis.
+    """
+    found = accuracies(results)
+    if not len(found):
+        return []
+    tip = ("case", "variant", "coupling", "mesh")
+    charts = [
+        Drawing(
+            f"{axis.column}-time",
+            title,
+            axes.scatter(_with_floor(found, axis.column), axes.SOLVE_TIME, axis, tip=tip),
+            f"{note} Values below {FLOOR:g} are drawn at {FLOOR:g}. Only runs that a backend"
+            " answered itself are shown.",
+        )
+        for axis, title, note in (
+            (axes.ERROR, "Error of the load factor against time", _ERROR_NOTE),
+            (axes.RESIDUAL, "Residual against time", _RESIDUAL_NOTE),
+        )
+        if np.isfinite(found[axis.column].to_numpy(dtype=float, na_value=np.nan)).any()
+    ]
+    columns = (
+        *_SOLVER,
+        Column("measured", "certified runs", ".0f"),
+        Column("mean_residual", "residual, geometric mean", ".1e"),
+        Column("worst_residual", "largest residual", ".1e"),
+        Column("worst_error", "largest error %", ".3g", scale=100),
+    )
+    means = Table(columns, residual_means(results), "Accuracy of certified results")
+    return [*([Gallery(charts)] if charts else []), means]
+
+
+FLOOR = 1e-12
+"""Smallest error and residual that charts show."""
+_ERROR_NOTE = (
+    "The error is relative to the reference. It contains the error of the mesh, which is the same"
+    " for all exact backends."
+)
+_RESIDUAL_NOTE = "The residual is the largest one that is recomputed from the returned point."
+
+
+def _with_floor(found: pd.DataFrame, column: str) -> pd.DataFrame:
+    values = found[column].to_numpy(dtype=float, na_value=np.nan)
+    return found.assign(**{column: np.maximum(values, FLOOR)})
 
 
 def _accuracy_table(results: pd.DataFrame) -> Table:
