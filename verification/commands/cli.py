@@ -20,7 +20,7 @@ from verification.commands.fuzz import fuzz
 from verification.commands.new import new
 from verification.commands.options import cases_option, json_option, name_list, print_json
 from verification.commands.programs import programs
-from verification.commands.report import manual, report
+from verification.commands.report import history, manual, report
 from verification.commands.solve import solve
 from verification.commands.sweep import sweep
 from verification.commands.verify import verify
@@ -182,7 +182,7 @@ def run_doctor(ctx: click.Context, as_json: bool) -> None:
 
 for command in (
     *(new, solve),
-    *(compare, verify, report, manual, list_cases, list_backends),
+    *(compare, verify, report, manual, history, list_cases, list_backends),
     *(sweep, fuzz, programs, run_conformance, export, run_doctor),
 ):
     main.add_command(command)

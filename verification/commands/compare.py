@@ -128,9 +128,9 @@ def compare(
     from verification.campaigns.unusable import with_unusable
     from verification.commands import screen, tables
     from verification.perform.processes import run_in_processes
-    from verification.report.reporting import TABLE, GrowingReport, write_report, write_table
+    from verification.report.reporting import GrowingReport, write_report
     from verification.store.provenance import describe
-    from verification.store.results import as_table, export
+    from verification.store.results import RESULTS, as_table, export
     from verification.store.store import NAME
     from verification.verdicts.tally import tally
 
@@ -165,7 +165,6 @@ def compare(
                 show_stored_failures,
             )
         results = as_table(outcome.record() for outcome in outcomes)
-        write_table(outcomes, out)
         about = describe(run.backend for run in runs)
         page = write_report(outcomes, about, out)
     count = tally(outcomes)
@@ -176,6 +175,7 @@ def compare(
             "cases": [one.record() for one in summaries(outcomes)],
             "settings": set_options.to_dict("records"),
             "noise": noise(results).record(),
+            "rates": analysis.rates(results, ["backend"]).to_dict("records"),
             "couplings": analysis.couplings(results).to_dict("records"),
             "report": str(page),
             "machine": about,
@@ -183,13 +183,14 @@ def compare(
         }
         print_json(document)
     else:
-        places = {"Report": page, "Results": out / TABLE}
+        places = {"Report": page, "Results": out / RESULTS}
         after = f"{_after(cases, first_look)}{'' if full else '; --full prints every run'}"
         console = tables.table_console()
         if full:
             tables.show_results(console, outcomes)
         else:
             screen.show_overview(console, summaries(outcomes))
+        screen.show_rates(console, analysis.rates(results, ["backend"]))
         if couplings:
             tables.show_couplings(console, analysis.couplings(results))
         screen.show_end(console, count.text, places, after)

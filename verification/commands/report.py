@@ -1,4 +1,4 @@
-"""The commands ``lacore report`` and ``lacore manual``."""
+"""The commands ``lacore report``, ``lacore manual`` and ``lacore history``."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -56,9 +56,9 @@ def report(
     results.csv contains all runs.
     """
     from verification.commands import screen, tables
-    from verification.report.reporting import TABLE, write_report
+    from verification.report.reporting import write_report
     from verification.store.logs import copy_logs
-    from verification.store.results import as_table, export, load_outcomes
+    from verification.store.results import load_outcomes
     from verification.store.store import file_of, sessions
     from verification.verdicts.tally import tally
 
@@ -73,7 +73,6 @@ def report(
     about = list(sessions(file_of(results)).values())[-1]
     folder = out or (results.parent if results.is_file() else results)
     copy_logs(outcomes, file_of(results).parent, folder)
-    export(as_table(outcome.record() for outcome in outcomes), folder / TABLE)
     page = write_report(outcomes, about, folder, most)
     if as_json:
         print_json({"summary": vars(tally(outcomes)), "report": str(page)})
@@ -130,6 +129,57 @@ def manual(
         return
     after = "open the manual in a browser; each page shows how to run its case"
     screen.show_end(tables.table_console(), tally(outcomes).text, {"Manual": page}, after)
+
+
+@click.command(short_help="Compare stored results of several versions.")
+@click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True)
+@out_option("reports/history", "Folder for the page.")
+@json_option
+@click.pass_context
+def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: bool) -> None:
+    """Compare stored results of several versions of lacore or of solvers.
+
+    RESULTS are two or more folders of `compare`, `verify` or `sweep`, or files results.csv, from
+    the oldest to the newest. The versions and the date of results.csv are read from
+    provenance.json in the same folder.
+
+    For each backend and version, the command prints how many runs are claimed, certified and
+    correct, the geometric mean of the solve times and the largest error. It lists the runs whose
+    verdict or load factor changed, and writes a page with tables and charts.
+
+    Exit code: 0, or 1 if a run passes in one version and fails in the next, 2 for invalid input.
+
+    \b
+    Examples:
+      lacore history reports/0.3 reports/0.4
+      lacore history old/results.csv reports/compare --out /tmp/history
+    """  # noqa: D301  # click reads the backspace
+    from verification.analysis.history import history as compare_versions
+    from verification.commands import screen, tables
+    from verification.report.files import write
+    from verification.report.studies.history import history_report
+    from verification.store.versions import load_versions
+
+    versions = load_versions(results)
+    found = compare_versions({own.name: own.results for own in versions})
+    page = write(history_report(versions, found), out)
+    if as_json:
+        document = {
+            "versions": [
+                {"name": own.name, "runs": len(own.results), "only": found.only[own.name]}
+                | {"provenance": dict(own.provenance)}
+                for own in versions
+            ],
+            "backends": found.backends.to_dict("records"),
+            "changes": found.changes.to_dict("records"),
+            "worse": found.worse,
+            "report": str(page),
+        }
+        print_json(document)
+    else:
+        screen.show_history(tables.table_console(), versions, found)
+        click.echo(f"Report:  {page}")
+    ctx.exit(1 if found.worse else 0)
 
 
 def _similar(results: Path) -> list[str]:

@@ -4,19 +4,24 @@ from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
 from textwrap import wrap
 
+import pandas as pd
 from rich.console import Console
 
+from verification.analysis.history import History
 from verification.analysis.summary import DISCRETE, Shortfall, VariantSummary
 from verification.case import SOLVER
 from verification.commands.tables import print_line
+from verification.store.versions import Version
 from verification.verdicts.words import FAIL, NO_RESULT, PASS, SKIPPED
 
 LINES = 60
 """That an answer takes at most."""
 WIDTH = 120
 """Characters of a line."""
-_VARIANTS = 46  # lines for cases; with more variants each case gets one
+_VARIANTS = 42  # lines for cases; with more variants each case gets one
 _NAMES = 8  # of them for names alone, where cases are still more
+_RATES = 4  # lines for the rates of backends
+_CHANGES = 20  # lines for runs that changed from one version to the next
 _REASONS = 7  # lines for what fell short
 _NAME = 30
 _STYLES = {PASS: "", FAIL: "bold red"}
@@ -104,6 +109,56 @@ def show_shortfalls(console: Console, shortfalls: Sequence[Shortfall]) -> None:
         print_line(console, text, style)
     if len(lines) > _REASONS:
         print_line(console, f"... and {len(lines) - _REASONS} more lines: see --full", "dim")
+
+
+def show_rates(console: Console, rates: pd.DataFrame) -> None:
+    """Print how many runs of each backend are claimed, certified and correct, in a few lines.
+
+    Args:
+        console: To print to.
+        rates: From `verification.analysis.rates`, one row for each backend.
+    """
+    counts = [
+        f"{own['backend']} {own['claimed']}, {own['certified']}, {own['correct']} of {own['runs']}"
+        for own in rates.to_dict("records")
+    ]
+    text = f"claimed, certified and correct runs: {'; '.join(counts)}" if counts else ""
+    lines = wrap(text, WIDTH, subsequent_indent="  ", max_lines=_RATES, placeholder=" ...")
+    for line in lines:
+        print_line(console, line, "dim")
+
+
+_VERSION = "{:30} {:24} {:>9} {:>9} {:>9} {:>9} {:>10} {:>10}".format
+
+
+def show_history(console: Console, versions: Sequence[Version], found: History) -> None:
+    """Print the versions, the rates of each backend in each of them, and the runs that changed."""
+    for own in versions:
+        about = f"lacore {own.lacore or 'unknown'}, {own.date or 'unknown date'}"
+        print_line(console, f"{own.name}: {about}, {len(own.results)} runs, {own.place}")
+    heads = ("claimed %", "certified", "correct", "mean s", "max error %")
+    print_line(console, _VERSION("\nbackend", "results", "runs", *heads), "bold")
+    for row in found.backends.to_dict("records"):
+        shares = (row["success_rate"], row["certified_rate"], row["correctness_rate"])
+        cells = (*(_shown(100 * share, ".1f") for share in shares), _shown(row["mean_time"], ".3g"))
+        name, version = _cut(row["backend"], 30), _cut(row["version"], 24)
+        error = _shown(100 * row["worst_error"], ".3g")
+        print_line(console, _VERSION(name, version, str(row["runs"]), *cells, error))
+    print_line(console, f"\n{len(found.changes)} runs changed, {found.worse} pass and now FAIL", "")
+    for row in found.changes.head(_CHANGES).to_dict("records"):
+        run = f"{row['case']}:{row['variant']} {row['mesh']} {row['backend']} {row['coupling']}"
+        values = (_shown(row[f"load_factor_{when}"], ".7g") for when in ("before", "after"))
+        verdicts = f"{row['verdict_before']} -> {row['verdict_after']}"
+        text = f"  {run}: {verdicts}, {' -> '.join(values)} ({row['before']} -> {row['after']})"
+        print_line(console, text, _STYLES.get(row["verdict_after"], "dim"))
+    if len(found.changes) > _CHANGES:
+        print_line(
+            console, f"  ... and {len(found.changes) - _CHANGES} more: see the report", "dim"
+        )
+
+
+def _shown(value: float, form: str) -> str:
+    return format(value, form) if isfinite(value) else "-"
 
 
 def show_end(console: Console, count: str, places: Mapping[str, object], after: str) -> None:

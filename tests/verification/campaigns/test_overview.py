@@ -11,6 +11,7 @@ from rich.console import Console
 
 import lacore as la
 from verification import progress
+from verification.analysis import rates
 from verification.analysis.summary import summaries
 from verification.campaigns.comparison import capabilities, is_regularised, plan
 from verification.campaigns.overview import LARGE, everything, overview, variants
@@ -20,6 +21,7 @@ from verification.commands import screen
 from verification.perform.one_run import lost, run_here
 from verification.runs.outcome import Outcome
 from verification.runs.row import Row
+from verification.store.results import as_table
 from verification.verdicts.words import FAIL, NO_REFERENCE, NO_RESULT, PASS
 
 DEFAULT = [case for case in catalogue().values() if not case.on_demand]
@@ -141,6 +143,7 @@ def test_an_answer_is_one_screen(chosen, verdict):
     console = Console(file=io.StringIO(), width=200)
     outcomes = [answered(run, verdict) for run in runs]
     screen.show_overview(console, summaries(outcomes))
+    screen.show_rates(console, rates(as_table(one.record() for one in outcomes), ["backend"]))
     screen.show_end(console, "counts", {"Report": "index.html", "Results": "results.csv"}, "more")
     lines = console.file.getvalue().splitlines()
     assert len(lines) <= screen.LINES == 60

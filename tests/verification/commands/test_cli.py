@@ -143,6 +143,7 @@ def test_json_is_one_strict_document(tmp_path):
         "failed": 0,
         "skipped": 0,
         "no_result": 0,
+        "bound_only": 0,
         "no_reference": 0,
     }
     (first, _) = document["rows"]

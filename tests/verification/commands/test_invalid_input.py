@@ -9,7 +9,10 @@ from verification.commands import cli
 from verification.problems import starters
 
 COMMANDS = list(cli.main.commands)
-NEEDED = {"solve": ["FILE.toml"], "report": ["DIR"], "sweep": ["CASE"], "programs": ["BACKEND"]}
+NEEDED = {
+    **{"solve": ["FILE.toml"], "report": ["DIR"], "sweep": ["CASE"], "programs": ["BACKEND"]},
+    "history": ["RESULTS"],
+}
 """Arguments of the commands that need one."""
 
 

@@ -1,0 +1,106 @@
+"""The command ``lacore history``: stored results of several versions."""
+
+import json
+import shutil
+
+import pandas as pd
+import pytest
+
+from tests.verification.command_line import lacore
+
+RUN = ("wall-1:mu-0.65", "--backends", "clarabel,highs")
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """Results of a comparison, and the table of an older one in which one run had another value."""
+    place = tmp_path_factory.mktemp("history")
+    new, old = place / "new", place / "old"
+    assert lacore("compare", *RUN, "--out", new).exit_code == 0
+    old.mkdir()
+    table = pd.read_csv(new / "results.csv")
+    table.loc[table["backend"] == "highs", ["load_factor", "verdict"]] = [9.0, "FAIL"]
+    table.to_csv(old / "results.csv", index=False)
+    about = json.loads((new / "provenance.json").read_text())
+    about |= {"packages": "lacore 0.1.0, highspy 1.0", "date": "2020-01-01 00:00 UTC"}
+    (old / "provenance.json").write_text(json.dumps(about))
+    return old, new
+
+
+def test_a_table_and_a_page_compare_versions(stored, tmp_path):
+    result = lacore("history", *stored, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "old: lacore 0.1.0, 2020-01-01 00:00 UTC" in result.stdout
+    assert "FAIL -> pass, 9 -> " in result.stdout
+    assert max(map(len, result.stdout.splitlines())) <= 160
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "Packages that changed" in page
+    assert (tmp_path / "tables" / "changes.csv").is_file()
+
+
+def test_one_document_has_the_same(stored, tmp_path):
+    document = json.loads(lacore("history", *stored, "--out", tmp_path, "--json").stdout)
+    assert [own["name"] for own in document["versions"]] == ["old", "new"]
+    assert {own["backend"] for own in document["changes"]} == {"highs"}
+    assert {own["backend"] for own in document["backends"]} == {"clarabel", "highs"}
+    assert document["worse"] == 0
+
+
+def test_a_run_that_fails_now_is_exit_code_1(stored, tmp_path):
+    old, new = stored
+    result = lacore("history", new, old, "--out", tmp_path)
+    assert result.exit_code == 1
+    assert "2 pass and now FAIL" in result.stdout
+
+
+def test_a_store_and_its_table_are_the_same_results(stored, tmp_path):
+    _, new = stored
+    document = json.loads(
+        lacore("history", new, new / "results.csv", "--out", tmp_path, "--json").stdout
+    )
+    assert document["changes"] == []
+    assert [own["only"] for own in document["versions"]] == [0, 0]
+
+
+def test_a_table_without_provenance_is_accepted(stored, tmp_path):
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    shutil.copy(stored[0] / "results.csv", alone)
+    result = lacore("history", alone, stored[1], "--out", tmp_path / "page")
+    assert "alone: lacore unknown, unknown date" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["{new}"], "two versions"),
+        (["{new}", "{new}"], "is given twice"),
+        (["{new}", "{new}/results.sqlite"], "is given twice"),
+        (["{new}", "no-such-folder"], "there is no such folder or file"),
+        (["{new}", "{empty}"], "contains no results (results.sqlite or results.csv)"),
+        (["{new}", "{empty}/text.csv"], "has no column 'case'"),
+        (["{new}", "{empty}/nothing.csv"], "is not a table"),
+        (["{new}", "{empty}/provenance.json"], "is not a file with results"),
+    ],
+)
+def test_invalid_input_is_one_sentence(stored, tmp_path, words, said):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    if "empty}/" in words[-1]:
+        (empty / "text.csv").write_text("a,b\n1,2\n")
+        (empty / "nothing.csv").write_text("")
+        (empty / "provenance.json").write_text("{}")
+    given = [word.format(new=stored[1], empty=empty) for word in words]
+    result = lacore("history", *given, "--out", tmp_path / "page")
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "page").exists()
+
+
+def test_damaged_provenance_is_named(stored, tmp_path):
+    shutil.copy(stored[0] / "results.csv", tmp_path)
+    (tmp_path / "provenance.json").write_text("{")
+    result = lacore("history", tmp_path, stored[1], "--out", tmp_path / "page")
+    assert result.exit_code == 2
+    assert "is not a JSON file" in result.stderr
