@@ -288,11 +288,9 @@ class Cards:
 class Filters:
     """Controls that search, filter and order the cards of a page; its address keeps their state.
 
-    A chosen solver also hides the rows of other solvers in tables with a column ``backend``.
-
-    Attributes:
+    Attributes: A solver also hides the rows of others in tables with a column ``backend``.
         tags, verdicts, solvers: Values to choose from.
-        order: Name of the order in which the cards are listed; empty on a page without cards.
+        order: Name of the order of the cards; empty on a page without cards.
     """
 
     tags: Sequence[str]
