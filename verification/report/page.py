@@ -39,7 +39,7 @@ from verification.report.charts.figures import sweep_chart
 from verification.report.description import counted, description, lead
 from verification.report.drawing import Drawn, Subject, brackets, mechanisms, sketch
 from verification.report.files import INDEX, case_files
-from verification.report.limit_state import results_table
+from verification.report.limit_state import results_table, times_table
 from verification.report.overview import answers, cards, filters, first_thumbnail, solver_filter
 from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
@@ -318,6 +318,7 @@ def results_of(
     blocks += beside_table(case, outcomes)
     if not (proven | ranges).all():
         blocks.append(results_table(results[~(proven | ranges)]))
+        blocks.append(Details("Times", [times_table(results[~(proven | ranges)])]))
     if case.path is not None:
         blocks.append(paths_table(results))
     blocks.append(Details("Reasons for the verdicts", [reasons_table(results)]))
