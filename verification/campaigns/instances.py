@@ -12,14 +12,13 @@ import lacore as la
 from lacore.backend import Writes, check_capable
 from lacore.errors import CapabilityError, require_known
 from lacore.program import POWER, associated_contact, dimensionless
-from verification.campaigns.comparison import check_names, pick
+from verification.campaigns.comparison import capabilities, check_names, pick
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue
 from verification.runs.commands import instance_name
 
 INDEX = "index.csv"
 _CLOSE = 1e-7  # residual below which a value is known well enough to be compared to 1e-6
-_OTHER = "interior_point"
 
 
 @dataclass(frozen=True)
@@ -113,13 +112,29 @@ def _table(rows: Sequence[Instance]) -> pd.DataFrame:
 
 
 def _solved(problem: la.Problem) -> la.LimitState:
-    """The state of the associated problem; by another solver where its residual is smaller."""
+    """The state of the associated problem, by the exact backend with the smallest residual.
+
+    Others than the default one are tried only until the residual is small enough.
+    """
     state = la.solve(problem, coupling="associated")
-    if state.status is not la.Status.SOLVED or _residual(state) <= _CLOSE:
-        return state
-    other = la.solve(problem, _OTHER, "associated")
-    better = other.status is la.Status.SOLVED and _residual(other) < _residual(state)
-    return other if better else state
+    for name in _exact_backends():
+        if state.status is not la.Status.SOLVED or _residual(state) <= _CLOSE:
+            return state
+        with suppress(CapabilityError):
+            other = la.solve(problem, name, "associated")
+            if other.status is la.Status.SOLVED and _residual(other) < _residual(state):
+                state = other
+    return state
+
+
+def _exact_backends() -> list[str]:
+    """Backends of the exact program that can run here, without those that are parts of another."""
+    with_parts = [name for name in la.backend_names() if ":" not in name]
+    return [
+        name
+        for name in with_parts
+        if not capabilities(name).regularised and not la.find_backend(name).unavailable()
+    ]
 
 
 def _residual(state: la.LimitState) -> float:

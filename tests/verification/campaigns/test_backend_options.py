@@ -12,7 +12,7 @@ from verification.campaigns.comparison import plan
 
 
 def planned(couplings=()):
-    return plan(["shear-patch:sliding"], ["clarabel", "highs"], ["coarse"], couplings)
+    return plan(["prandtl-punch:smooth"], ["clarabel", "highs"], ["coarse"], couplings)
 
 
 def test_values_have_the_types_of_the_options():
