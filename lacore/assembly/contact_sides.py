@@ -35,9 +35,9 @@ def contact_sides(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarra
 
 
 def _pairs(discretisation: Discretisation) -> Iterator[tuple[str, str | None]]:
-    """Names of the bodies of interfaces, or of the planes of a path; None: an obstacle."""
-    for obstacle in discretisation.points.obstacles:
-        yield obstacle.body, None
+    """Names of the bodies of interfaces, those of a path first; None: an obstacle."""
+    for slave, *master in discretisation.points.met:
+        yield slave, next(iter(master), None)
     for interface in discretisation.problem.interfaces:
         slave, *master = (name for name, _ in interface.sides)
         yield slave, next(iter(master), None)

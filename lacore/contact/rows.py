@@ -53,7 +53,8 @@ class ContactPoints(Compact):
         names: of the interfaces and joints that `ContactRows.interface` counts.
         gap: along a path, distances from the obstacle where the step begins, m, shape (m,); None:
             all touch.
-        obstacles: the planes of a path, by `ContactRows.interface`; elsewhere none.
+        obstacles: those of a path, the first of `names`; elsewhere none.
+        met: along a path the slave of each of `names`, and its master where that is a body.
     """
 
     position: Floats
@@ -62,12 +63,13 @@ class ContactPoints(Compact):
     names: tuple[str, ...]
     gap: Floats | None = None
     obstacles: tuple[Obstacle, ...] = ()
+    met: tuple[tuple[str, ...], ...] = ()
 
     def kept(self, mask: Bools | Ints) -> "ContactPoints":
         """Those of a mask of shape (m,), or of numbers, in their order."""
         arrays = (self.position[mask], self.normal[mask], self.moving[mask])
         gap = None if self.gap is None else self.gap[mask]
-        return ContactPoints(*arrays, self.names, gap, self.obstacles)
+        return ContactPoints(*arrays, self.names, gap, self.obstacles, self.met)
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,84 +5,19 @@ Bernstein control values, as its velocity does: where ``gap + dt u_n >= 0`` hold
 of the edge is behind the plane at the end of the step.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
-from lacore.arrays import Floats, Sparse
+from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.contact.obstacles import Obstacle
-from lacore.contact.rows import ContactPoints
+from lacore.contact.rows import Laws
 from lacore.meshes.curved import EdgeCurves
 from lacore.paths.configuration import Configuration
-from lacore.program import ContactRows
+from lacore.paths.contact.stations import Station
 
 # Gauss rule on (0, 1): exact up to degree 5, and where the length of a curved edge is smooth.
 _PLACES, _WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2, np.array([5, 8, 5]) / 18
-
-
-def approaching_rows(
-    obstacles: Sequence[Obstacle],
-    bodies: Mapping[str, BodyDofs],
-    n: int,
-    begin: Configuration,
-    duration: float,
-) -> tuple[ContactRows, ContactPoints]:
-    """Rows of all obstacles for n unknowns, and where their points are.
-
-    Args:
-        obstacles: with their faces.
-        bodies: where the step is solved: weights are lengths there.
-        n: unknowns.
-        begin: where the step begins: distances are those there.
-        duration: of the step, s.
-    """
-    parts = [_obstacle(own, bodies[own.body], n, begin, duration) for own in obstacles]
-    places = np.concatenate([np.zeros((0, 2)), *(part.places for part in parts)])
-    weights, gaps = (
-        np.concatenate([np.zeros(0), *(getattr(part, name) for part in parts)])
-        for name in ("weights", "gaps")
-    )
-    x, y = (
-        csr_matrix(vstack([csr_matrix((0, n)), *(getattr(part, axis) for part in parts)]))
-        for axis in ("x", "y")
-    )
-    counts = [part.gaps.size for part in parts]
-
-    def each(values: Sequence[float]) -> Floats:
-        return np.repeat(np.array(values, dtype=float), counts)
-
-    normal = np.concatenate([np.zeros((0, 2)), *(part.normals for part in parts)])
-    away = gaps > np.repeat([own.near for own in obstacles], counts)
-    limit = each([own.law.limit for own in obstacles])
-    rows = ContactRows(
-        normal=_along(normal, x, y),
-        tangential=_along(np.stack([-normal[:, 1], normal[:, 0]], axis=1), x, y),
-        tangent_dim=1,
-        weights=weights,
-        coefficient=each([own.law.coefficient for own in obstacles]),
-        limit=np.where(away, 0.0, limit),  # what does not touch neither sticks nor rubs
-        dilatancy=np.zeros(gaps.size),
-        interface=np.repeat(np.arange(len(obstacles)), counts),
-        closing=gaps / duration if away.any() else None,
-    )
-    moving = np.column_stack([np.zeros(gaps.size, np.int64), np.full(gaps.size, -1)])
-    names = tuple(own.name for own in obstacles)
-    return rows, ContactPoints(places, normal, moving, names, gaps, tuple(obstacles))
-
-
-@dataclass(frozen=True)
-class _Part:
-    """Control values of the edges of one obstacle: those at vertices, then those at middles."""
-
-    places: Floats
-    weights: Floats
-    gaps: Floats
-    normals: Floats
-    x: Sparse
-    y: Sparse
 
 
 def gaps(obstacle: Obstacle, nodes: Floats, dofs: BodyDofs) -> Floats:
@@ -93,9 +28,15 @@ def gaps(obstacle: Obstacle, nodes: Floats, dofs: BodyDofs) -> Floats:
     return obstacle.shape.distance(np.concatenate([nodes[:, ends], controls], axis=1))
 
 
-def _obstacle(
-    own: Obstacle, dofs: BodyDofs, n: int, begin: Configuration, duration: float
-) -> _Part:
+def obstacle_station(own: Obstacle, dofs: BodyDofs, n: int, begin: Configuration) -> Station:
+    """Control values of the edges of an obstacle, those at vertices, then those at middles.
+
+    Args:
+        own: the obstacle.
+        dofs: of its body where the step is solved: weights are lengths there.
+        n: unknowns.
+        begin: where the step begins: distances are those there.
+    """
     start, middle, end = dofs.facet_nodes(own.facets)
     curves = EdgeCurves(dofs.nodes[:, start], dofs.nodes[:, middle], dofs.nodes[:, end])
     share = np.zeros((3, start.size))
@@ -124,17 +65,18 @@ def _obstacle(
         )
         for axis in (0, 1)
     )
-    return _Part(
+    gap = own.shape.distance(began)
+    laws = (own.law.coefficient, own.law.limit, 0.0, 0.0)
+    return Station(
+        name=own.name,
+        bodies=(own.body,),
         places=np.asarray(controls @ dofs.nodes.T),
-        weights=np.concatenate([weights, share[1]]),
-        gaps=own.shape.distance(began),
         normals=own.shape.normal(began).T,
+        weights=np.concatenate([weights, share[1]]),
+        gaps=gap,
+        laws=Laws(*(np.full(gap.size, float(value)) for value in laws)),
+        away=gap > own.near,
         x=x,
         y=y,
+        moving=np.column_stack([np.zeros(gap.size, np.int64), np.full(gap.size, -1)]),
     )
-
-
-def _along(direction: Floats, x: Sparse, y: Sparse) -> Sparse:
-    rows = csr_matrix(x.multiply(direction[:, :1]) + y.multiply(direction[:, 1:]))
-    rows.eliminate_zeros()
-    return rows

@@ -13,6 +13,10 @@ class Ending(Enum):
         " are long"
     )
     OVERLAP = "the next configuration is no mesh: see the message; mesh anew, or take smaller steps"
+    PENETRATION = (
+        "contact acts along edges that face each other, and a corner has none: give the corner a"
+        " short edge of its own that faces the other body, or take smaller steps"
+    )
     STANDSTILL = (
         "the control does not move in its direction: turn its direction around, or follow another"
         " point or a footing"

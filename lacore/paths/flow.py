@@ -23,8 +23,10 @@ from lacore.contact.rows import ContactPoints
 from lacore.contact.touching import Touching
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.paths.approach import approaching_rows
+from lacore.paths.approach import obstacle_station
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.pair_stations import pair_station
+from lacore.paths.contact.stations import gathered
 from lacore.paths.selection import Selected
 from lacore.paths.stage import Stage
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
@@ -92,9 +94,10 @@ class Flow(Compact):
 
     @property
     def velocity(self) -> dict[str, Floats]:
-        """It by body, shape (2, nodes), m/s."""
-        bodies = self.state.discretisation.bodies
-        return {name: self.motion[dofs.dofs] for name, dofs in bodies.items()}
+        """It by body, shape (2, nodes), m/s; of a rigid block x, y and rad/s, shape (3, 1)."""
+        d, u = self.state.discretisation, self.motion
+        moving = {name: u[dofs.dofs] for name, dofs in d.bodies.items()}
+        return moving | {name: dofs.motion(u) for name, dofs in d.assemblies.items()}
 
     @property
     def strain_rate(self) -> dict[str, Floats]:
@@ -106,7 +109,7 @@ class Flow(Compact):
         rates = {}
         for name, dofs, groups in by_body(d.bodies, d.full.groups):
             rates[name] = equivalent_rate(dofs, groups, self.motion)
-        return rates
+        return rates | {name: np.zeros((1, 1)) for name in d.assemblies}
 
     def hencky_strain(self, duration: float) -> dict[str, Floats]:
         """Equivalent logarithmic strain of a step about this moment, (elements, q) (T30).
@@ -120,7 +123,7 @@ class Flow(Compact):
             with np.errstate(divide="ignore", invalid="ignore"):
                 strain = deviatoric(2 * np.arctanh(principal / 2))
             strains[name] = np.where(np.isfinite(strain), strain, np.inf)
-        return strains
+        return strains | {name: np.zeros((1, 1)) for name in d.assemblies}
 
 
 def discretised(stage: Stage, moment: Moment) -> Discretisation:
@@ -134,7 +137,13 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
         _: Sequence[Interface], __: Sequence[Touching], unknowns: Unknowns
     ) -> tuple[ContactRows, ContactPoints]:
         bodies, n = unknowns.continua, unknowns.n
-        return approaching_rows(stage.obstacles, bodies, n, moment.begin, moment.duration)
+        stations = [
+            obstacle_station(own, bodies[own.body], n, moment.begin) for own in stage.obstacles
+        ]
+        if stage.pairs:
+            begin, now = map(stage.plane_bodies_at, (moment.begin, moment.at))
+            stations += [pair_station(own, unknowns.dofs, begin, now, n) for own in stage.pairs]
+        return gathered(stations, stage.obstacles, n, moment.duration)
 
     return discretise(stage.at(moment.at), contact)
 
@@ -157,6 +166,8 @@ def flow(
         InputError: see `discretised`.
     """
     problem = limit_problem(stage, moment)
+    if moment.pressed is not None and moment.pressed.size != problem.full.contact.count:
+        moment = replace(moment, pressed=None)  # bodies have slid on to other edges
     if before is not None:
         moment = replace(moment, slip=_slip(problem, before))
     state = solve(problem, **settings, pressed=moment.pressed, slip=moment.slip)
@@ -168,6 +179,8 @@ def _slip(problem: Discretisation, velocity: Mapping[str, Floats]) -> Floats:
     u = np.zeros(problem.full.n)
     for name, dofs in problem.bodies.items():
         u[dofs.dofs] = velocity[name]
+    for name, block in problem.assemblies.items():
+        u[block.offset : block.offset + block.count] = block.unknowns(velocity[name])
     return np.asarray(np.linalg.norm(problem.full.contact.slip(u), axis=1))
 
 

@@ -13,6 +13,7 @@ from lacore.conditions.footings import footings
 from lacore.limit.state import LimitState
 from lacore.paths import drift
 from lacore.paths.approach import gaps
+from lacore.paths.contact.overlap import overlap_and_touching
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending
 from lacore.paths.path import Event, Path, PathStep, Snapshot
@@ -106,6 +107,7 @@ class Log:
             max_strain=max(float(v.max()) for v in there.configuration.strain.values()),
             min_jacobian=jacobian,
             volume=volume,
+            overlap=self._contacts(here, there),
             error=stride.error,
             solves=solves,
             gap=state.certificate.gap,
@@ -128,20 +130,46 @@ class Log:
                 duration=stride.load.duration,
             )
         )
-        self._contacts(here, there)
         self._peak("peak load", "load_factor")
         # The load factor of a footing is a pressure on an area that changes.
         if footings(self.now.problem.reference_loads):
             self._peak("peak force", "force")
 
-    def _contacts(self, here: Here, there: Here) -> None:
-        """Points that came to an obstacle in the last step, and points that left one."""
+    def _contacts(self, here: Here, there: Here) -> float:
+        """Events of contact that closed or opened in a step; how deep bodies overlap after it."""
+        return max(self._obstacles(here, there), self._pairs(here, there))
+
+    def _pairs(self, here: Here, there: Here) -> float:
+        """Edges of two bodies that came to touch in a step, and that parted."""
+        if not self.now.pairs:
+            return 0.0
+        before, after = (self.now.plane_bodies_at(own.configuration) for own in (here, there))
+        deepest = 0.0
+        for pair in self.now.pairs:
+            _, touched = overlap_and_touching(pair, before)
+            depth, touching = overlap_and_touching(pair, after)
+            deepest = max(deepest, depth)
+            count = sum(side.edges.size for side in pair.sides)
+            for kind, edges in (
+                ("contact closed", touching - touched),
+                ("contact opened", touched - touching),
+            ):
+                if edges:
+                    what = f"{pair.name}: {len(edges)} of {count} edges"
+                    self.event(kind, there.step, there.travel, what)
+        return deepest
+
+    def _obstacles(self, here: Here, there: Here) -> float:
+        """Points that came to an obstacle in a step, and points that left one."""
+        deepest = 0.0
         for obstacle in self.now.obstacles:
             dofs = self.dofs[obstacle.body]
-            before, after = (
-                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs) <= obstacle.near
+            distances = [
+                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs)
                 for own in (here, there)
-            )
+            ]
+            deepest = max(deepest, -float(distances[1].min()))
+            before, after = (own <= obstacle.near for own in distances)
             for kind, count in (
                 ("contact closed", int(np.sum(after & ~before))),
                 ("contact opened", int(np.sum(before & ~after))),
@@ -149,6 +177,7 @@ class Log:
                 if count:
                     what = f"{obstacle.name}: {count} of {after.size} points"
                     self.event(kind, there.step, there.travel, what)
+        return deepest
 
     @property
     def on_these_meshes(self) -> list[PathStep]:

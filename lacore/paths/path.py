@@ -41,6 +41,7 @@ class PathStep(Compact):
         min_jacobian: least Bernstein coefficient of an element at the end of the step, per mean
             (T31); what is not above 0 may be inverted.
         volume: of all bodies at the end of the step, m^3 (m^2 of unit thickness).
+        overlap: how deep bodies overlap each other or obstacles at the end of the step, m.
         error: displacement by which the velocity changed against the step before, half of it, per
             body size.
         solves: limit problems with all their inner solves.
@@ -59,6 +60,7 @@ class PathStep(Compact):
     max_strain: float
     min_jacobian: float
     volume: float
+    overlap: float
     error: float
     solves: int
     gap: float

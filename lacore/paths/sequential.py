@@ -12,6 +12,7 @@ from lacore.contact.interfaces import Interface
 from lacore.errors import InputError, require_count, require_known, require_positive, typed
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
+from lacore.paths.contact.overlap import corner_inside
 from lacore.paths.control import Control, FootingTravel, gauge_of, unit_of
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
@@ -200,6 +201,7 @@ def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, l
     )
     jacobian = require_upright(walk.stage, there.configuration)
     volume = _volume(walk.stage, there)
+    _require_apart(walk.stage, there)
     _look(walk, stride, distance, there, log)
     log.step(here, there, stride, jacobian, volume, walk.solves, time.perf_counter() - begin)
     return there
@@ -261,6 +263,18 @@ def _load(walk: Walk, moment: Moment) -> float:
         return walk.flow(moment)[0].load_factor
     except PathEndError:
         return float("nan")
+
+
+def _require_apart(stage: Stage, there: Here) -> None:
+    """Raise `PathEndError` where a corner of one body is inside another."""
+    if not stage.pairs:
+        return
+    bodies = stage.plane_bodies_at(there.configuration)
+    if (found := corner_inside(stage.pairs, bodies)) is not None:
+        pair, depth, (x, y) = found
+        what = f"{pair.name}: a corner of one body is {depth:.3g} m inside the other"
+        message = f"{what} near ({x:.4g}, {y:.4g}); {Ending.PENETRATION.value}"
+        raise PathEndError(Ending.PENETRATION, message)
 
 
 def _volume(stage: Stage, there: Here) -> float:

@@ -1,11 +1,11 @@
-"""A problem made ready for a path: curved meshes, names for all boundaries, plane obstacles.
+"""A problem made ready for a path: curved meshes, names for all boundaries, contact.
 
 Boundaries are selected once, where the bodies are at the beginning; whatever stands or presses
 there goes with them.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, singledispatch
 from types import MappingProxyType
 from typing import Any
@@ -15,26 +15,42 @@ from skfem import Mesh
 
 from lacore.arrays import Floats, Ints
 from lacore.assembly.bonds import ties
-from lacore.bodies.any_body import numbered, of_kind
+from lacore.bodies.any_body import PlaneBody, numbered, of_kind
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
-from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry, vertex_at
+from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.following import moving_along
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
-from lacore.bodies.touching import TOUCH
 from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load, PointForce
 from lacore.conditions.water import PorePressure, StandingWater
-from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, Plane, RigidObstacle
+from lacore.contact.obstacles import Obstacle, RigidObstacle
 from lacore.errors import InputError
 from lacore.meshes.curved import signed_jacobians
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.pairs import Pair
+from lacore.paths.contact.poses import carried_along, placed, pose, require_single
+from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
-_STRAIGHT = 1e-9  # sine between edges of one plane
+
+@dataclass(frozen=True, repr=False)
+class ProblemOnPath(Problem):
+    """A problem whose bodies may meet others along a path, in contact that it does not state.
+
+    Attributes:
+        meets: edges of the bodies that may touch others, by body.
+    """
+
+    meets: Mapping[str, Ints] = field(default_factory=dict)
+
+    @property
+    def met(self) -> Mapping[str, Ints]:
+        """See `Problem.met`."""
+        return self.meets
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,26 +61,34 @@ class Stage(Compact):
         problem: the first configuration; every `where` is a name, and all interfaces are bonds, of
             nodes that move as one.
         obstacles: of the interfaces, those that touch and those that bodies may come to.
-        grips: nodes of the point forces, in their order among all reference, then dead loads.
-        interfaces: those of the obstacles, planes all of them, by names of boundaries.
+        pairs: of bodies that touch, or may come to do so.
+        grips: nodes of the point forces, in their order among all reference, then dead loads; -1 of
+            those on rigid blocks.
+        interfaces: those of the obstacles, then of the pairs, by names of boundaries.
     """
 
     problem: Problem
     obstacles: tuple[Obstacle, ...]
+    pairs: tuple[Pair, ...]
     grips: tuple[int, ...]
     interfaces: tuple[Interface, ...]
 
     @property
     def bodies(self) -> dict[str, Body]:
-        """The bodies where they are at the beginning."""
+        """The deformable bodies where they are at the beginning."""
         return of_kind(self.problem.bodies, Body)
+
+    @property
+    def rigid(self) -> dict[str, BlockAssembly]:
+        """The rigid blocks where they are at the beginning."""
+        return of_kind(self.problem.bodies, BlockAssembly)
 
     @cached_property
     def catches(self) -> bool:
-        """Whether a step can stop what dead loads alone collapse: by hardening, or at obstacles."""
+        """Whether a step can stop what dead loads alone collapse: by hardening, or by contact."""
         regions = [region for body in self.bodies.values() for region in body.regions]
         hardens = any(not region.form.surfaces for region in regions)
-        return hardens or bool(self.obstacles)
+        return hardens or bool(self.interfaces)
 
     @cached_property
     def turns(self) -> dict[str, Floats]:
@@ -81,8 +105,10 @@ class Stage(Compact):
             name: (body.mesh.nelements, SPACES[body.space].points.shape[1])
             for name, body in self.bodies.items()
         }
+        shapes |= dict.fromkeys(self.rigid, (1, 1))
+        nodes = {name: body.mesh.doflocs for name, body in self.bodies.items()}
         return Configuration(
-            nodes={name: body.mesh.doflocs for name, body in self.bodies.items()},
+            nodes=nodes | {name: pose(body) for name, body in self.rigid.items()},
             strain={name: np.zeros(shape) for name, shape in shapes.items()},
         )
 
@@ -98,6 +124,11 @@ class Stage(Compact):
         meshes = self.meshes_at(configuration)
         return {name: replace(body, mesh=meshes[name]) for name, body in self.bodies.items()}
 
+    def plane_bodies_at(self, configuration: Configuration) -> dict[str, PlaneBody]:
+        """All bodies on a configuration, rigid blocks too; see `at` for errors."""
+        rigid = {name: placed(body, configuration.nodes[name]) for name, body in self.rigid.items()}
+        return {**self.bodies_at(configuration), **rigid}
+
     def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
         """The unknowns of the bodies on a configuration, by name; see `at` for errors."""
         return numbered(self.bodies_at(configuration), BodyDofs.at)
@@ -108,13 +139,19 @@ class Stage(Compact):
         Raises:
             InputError: a mesh that is inverted or overlaps there.
         """
-        bodies = self.bodies_at(configuration)
+        bodies = self.plane_bodies_at(configuration)
         grips = iter(self.grips)
 
         def gripped(load: Load) -> Load:
-            if not isinstance(load, PointForce):
+            if not isinstance(load, PointForce) or load.point is None:
                 return load
-            x, y = configuration.nodes[load.body][:, next(grips)].tolist()
+            nodes, grip = configuration.nodes[load.body], next(grips)
+            if grip < 0:
+                point = np.reshape(load.point, (2, 1))
+                place = carried_along(self.rigid[load.body], nodes, point)[:, 0]
+            else:
+                place = nodes[:, grip]
+            x, y = place.tolist()
             return replace(load, at=(x, y))
 
         return replace(
@@ -158,13 +195,14 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     """A problem made ready for a path.
 
     Args:
-        problem: its bodies deform; they get curved elements, of an isoparametric space.
-        approaching: more interfaces with planes, which the bodies need not touch yet.
+        problem: bodies that deform, which get curved elements, of an isoparametric space, and
+            single rigid blocks.
+        approaching: more interfaces, whose sides need not touch yet.
 
     Raises:
-        InputError: bodies that do not deform, plane stress, contact of bodies that are not bonded
-            edge by edge, obstacles that are no planes or dilate or are the same for one edge,
-            bodies that begin behind one.
+        InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
+            edges that do not match, contact that dilates or holds in tension, two obstacles of one
+            face for one edge, bodies that begin behind an obstacle or in each other.
     """
     if not isinstance(approaching, Sequence) or isinstance(approaching, str):
         raise InputError("approaching", approaching, "not a list", "put it in [ ]")
@@ -173,57 +211,96 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
             raise InputError(
                 f"approaching[{index}]", interface, "not an interface", "give lacore.Interface"
             )
-    for field, load in problem.loads.items():
-        _check_load(load, field)
-    bodies = {name: _curved(name, body) for name, body in problem.bodies.items()}
-    names = _Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
+    for place, load in problem.loads.items():
+        _check_load(load, place)
+    rigid = of_kind(problem.bodies, BlockAssembly)
+    for name, block in rigid.items():
+        require_single(name, block)
+    bodies = {n: _curved(n, body) for n, body in problem.bodies.items() if n not in rigid}
+    names = Names({name: dict(body.mesh.boundaries or {}) for name, body in bodies.items()})
 
     def renamed(part: Any) -> Any:
         if part.boundary is None:
             return part
         kind = type(part).__name__
+        if part.body in rigid:
+            return _of_block(part, kind)
         return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
 
     reference = [renamed(load) for load in problem.reference_loads]
     dead = [renamed(load) for load in problem.dead_loads]
     supports = [renamed(support) for support in problem.supports]
     bonds = [own for own in problem.interfaces if _ties(own)]
-    interfaces = [*(own for own in problem.interfaces if not _ties(own)), *approaching]
-    obstacles = tuple(_obstacle(interface, bodies, names) for interface in interfaces)
+    fields = {
+        f"Problem.interfaces[{index}]": own
+        for index, own in enumerate(problem.interfaces)
+        if not _ties(own)
+    } | {f"approaching[{index}]": own for index, own in enumerate(approaching)}
+    facing = [own for own in fields.values() if own.obstacle is not None]
+    obstacles = tuple(obstacle_of(interface, bodies, names) for interface in facing)
+    pairs = tuple(
+        pair_of(interface, {**bodies, **rigid}, names, where)
+        for where, interface in fields.items()
+        if interface.obstacle is None
+    )
     sides = [
-        [
-            (name, names.of(bodies[name], name, where, "Interface.slave"))
-            for name, where in own.sides
-        ]
-        for own in bonds
+        [(name, _bonded(bodies, names, name, where)) for name, where in own.sides] for own in bonds
     ]
     for name, body in bodies.items():
         mesh = body.mesh.with_boundaries(names.known[name])
         bodies[name] = replace(body, mesh=mesh)
     grips = [
-        vertex_at(bodies[load.body], load.point, "PointForce.at")
+        -1 if load.body in rigid else vertex_at(bodies[load.body], load.point, "PointForce.at")
         for load in (*reference, *dead)
         if load.point is not None
     ]
-    _check_once(obstacles, bodies)
+    check_once(obstacles, bodies)
     bonded = [
         Interface(one, other, own.law) for own, (one, other) in zip(bonds, sides, strict=True)
     ]
-    ready = Problem(MappingProxyType(bodies), reference, supports, bonded, dead)
+    meets: dict[str, Ints] = {}
+    for side in (side for pair in pairs for side in pair.sides):
+        meets[side.body] = np.union1d(meets.get(side.body, side.edges), side.edges)
+    every: dict[str, PlaneBody] = {**bodies, **rigid}
+    ready = ProblemOnPath(MappingProxyType(every), reference, supports, bonded, dead, meets)
     _check_tied(ready)
     return Stage(
         problem=ready,
         obstacles=obstacles,
+        pairs=pairs,
         grips=tuple(grips),
-        interfaces=tuple(
-            Interface(
-                (own.body, own.where),
-                RigidObstacle(shape=own.shape),
-                interface.friction,
-            )
-            for own, interface in zip(obstacles, interfaces, strict=True)
+        interfaces=(
+            *(
+                Interface((own.body, own.where), RigidObstacle(shape=own.shape), one.friction)
+                for own, one in zip(obstacles, facing, strict=True)
+            ),
+            *(pair.interface for pair in pairs),
         ),
     )
+
+
+def _of_block(part: Any, kind: str) -> Any:
+    """A load or support of a whole rigid block: a function of coordinates would lose it."""
+    if callable(part.where):
+        raise InputError(
+            f"{kind}.where",
+            None,
+            f"a function of coordinates, and the rigid block {part.body!r} moves away from them",
+            "give the name of the block, 'block' of a lacore.RigidBlock, or a PointForce",
+        )
+    return part
+
+
+def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> str:
+    """The boundary of a side that is bonded."""
+    if name not in bodies:
+        raise InputError(
+            "Interface.friction",
+            "BOND",
+            f"along a path bodies that deform are bonded, and {name!r} is rigid",
+            "give a friction, lacore.STICK for one that does not slip",
+        )
+    return names.of(bodies[name], name, where, "Interface.slave")
 
 
 def _ties(interface: Interface) -> bool:
@@ -243,54 +320,13 @@ def _check_tied(problem: Problem) -> None:
             )
 
 
-def _check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:
-    """No part of a boundary comes to one face twice, under two laws of friction."""
-    for place, own in enumerate(obstacles):
-        for other in obstacles[:place]:
-            if own.body != other.body or not np.intersect1d(own.facets, other.facets).size:
-                continue
-            if not _same(own, other, bodies[own.body].mesh):
-                continue
-            raise InputError(
-                "approaching",
-                own.name,
-                f"shares boundary edges and the plane with interface {other.name!r}",
-                "give each part of a boundary one interface with a plane",
-            )
-
-
-def _same(own: Obstacle, other: Obstacle, mesh: Mesh) -> bool:
-    """Whether two obstacles are one and the same face, seen from what they share."""
-    places = mesh.p[:, np.unique(mesh.facets[:, np.intersect1d(own.facets, other.facets)])]
-    first, second = own.shape.normal(places), other.shape.normal(places)
-    turned = np.abs(first[0] * second[1] - first[1] * second[0]).max() > _STRAIGHT
-    opposed = np.sum(first * second, axis=0).min() < 0
-    apart = np.abs(own.shape.distance(places) - other.shape.distance(places)).max() > own.touch
-    return not (turned or opposed or apart)
-
-
-@dataclass
-class _Names:
-    """Boundaries by body and name; parts without one get one."""
-
-    known: dict[str, dict[str, Ints]]
-
-    def of(self, body: Body, owner: str, where: Where, kind: str) -> str:
-        if isinstance(where, str):
-            return where
-        facets = boundary_facets(body, where, f"{kind}.where")
-        name = f"part {len(self.known[owner])}"
-        self.known[owner][name] = facets
-        return name
-
-
 def _curved(name: str, body: object) -> Body:
     if not isinstance(body, Body):
         raise InputError(
             f"Problem.bodies[{name!r}]",
             type(body).__name__,
-            "a path follows bodies that deform",
-            "give a lacore.Body; rigid tools are a RigidFooting or a RigidObstacle",
+            "a path follows deformable bodies and single rigid blocks in the plane",
+            "give a lacore.Body or a lacore.RigidBlock",
         )
     if body.kinematics not in ("plane_strain", "axisymmetric"):
         raise InputError(
@@ -321,77 +357,3 @@ def _quadratic(mesh: Mesh, space: VelocitySpace) -> Mesh:
     curved = curved.with_boundaries({n: np.asarray(f) for n, f in (mesh.boundaries or {}).items()})
     regions = {n: np.asarray(own) for n, own in (mesh.subdomains or {}).items()}
     return curved.with_subdomains(regions) if regions else curved
-
-
-def _obstacle(interface: Interface, bodies: Mapping[str, Body], names: "_Names") -> Obstacle:
-    name, where = interface.slave
-    if name not in bodies:
-        raise InputError("Interface.slave", name, "no such body", f"give one of {sorted(bodies)}")
-    if interface.obstacle is None:
-        raise InputError(
-            "Interface.master",
-            interface.name,
-            "along a path bodies touch plane obstacles, and each other where they are bonded",
-            "give a lacore.RigidObstacle(point=..., normal=...), or lacore.BOND",
-        )
-    if interface.bonded:
-        raise InputError(
-            "Interface.friction",
-            interface.law,
-            "along a path no obstacle is bonded: they are come to, and left",
-            "hold the boundary by a Fix",
-        )
-    if interface.law.terms().tension > 0:
-        raise InputError(
-            "Interface.friction",
-            interface.law,
-            "what sticks in tension along a path is not followed: where it has opened it would hold"
-            " what comes back",
-            "leave the tension out",
-        )
-    if interface.law.terms().dilatancy > 0:
-        raise InputError(
-            "Interface.friction",
-            interface.law,
-            "sliding would lift the body off, and each other step would be without friction",
-            "take lacore.Coulomb(mu), which slides along the obstacle",
-        )
-    body = bodies[name]
-    facets = boundary_facets(body, where, "Interface.slave")
-    found = Obstacle(
-        name=interface.name,
-        body=name,
-        where=names.of(body, name, where, "Interface.slave"),
-        facets=facets,
-        shape=interface.face or _plane_along(interface, body, facets),
-        law=interface.law.terms(),
-        size=body.size,
-    )
-    mesh = body.mesh
-    nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
-    deepest = float(found.shape.distance(mesh.doflocs[:, nodes]).min())
-    if deepest < -found.touch:
-        raise InputError(
-            "Interface.slave",
-            interface.name,
-            f"begins {-deepest:.3g} m behind its obstacle",
-            "move the body or RigidObstacle.point, or turn RigidObstacle.normal around",
-        )
-    return found
-
-
-def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
-    """The plane of a straight boundary: an obstacle without one has the shape of the body."""
-    start, _, outward = facet_geometry(body, facets)
-    normal = -outward[:, 0]
-    bent = np.abs(normal[0] * outward[1] - normal[1] * outward[0]).max() > _STRAIGHT
-    places = body.mesh.doflocs[:, body.mesh.nvertices + facets]
-    off = np.abs(normal @ (places - start[:, :1])).max() > TOUCH * body.size
-    if bent or off:
-        raise InputError(
-            "Interface.master",
-            interface.name,
-            "the obstacle has the shape of a boundary that is not straight",
-            "give RigidObstacle(point=(x, y), normal=(nx, ny)), or an interface for each plane",
-        )
-    return Plane.through(start[:, 0], normal)

@@ -30,6 +30,8 @@ def check_contacts(problem: "Problem") -> None:
         for (name, _), edges in sides:
             field = f"Problem.interfaces[{index}]"
             touched[name].append(Touched(field, interface.name, edges, alone))
+    for name, edges in problem.met.items():
+        touched[name].append(Touched("Problem.interfaces", name, edges, False))
     _check_bonds(problem)
     _check_sharing(problem)
     _check_joined(problem)
@@ -86,7 +88,7 @@ def _places(problem: "Problem", name: str, edges: Ints, normal: Floats) -> list[
 
 def _check_joined(problem: "Problem") -> None:
     """Each of several bodies has an interface or a support."""
-    held = {support.body for support in problem.supports}
+    held = {support.body for support in problem.supports} | set(problem.met)
     held |= {name for interface in problem.interfaces for name, _ in interface.sides}
     held |= {footing.body for footing in footings(problem.loads.values())}
     loose = [name for name in problem.bodies if name not in held]

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from lacore import views
+from lacore.arrays import Ints
 from lacore.bodies.any_body import KINDS, AnyBody
 from lacore.conditions.loads import Fix, Load, acts
 from lacore.contact.interfaces import Interface
@@ -202,6 +203,11 @@ class Problem(Shown):
             where_touching(interface, self.bodies, f"Problem.interfaces[{index}]")
             for index, interface in enumerate(self.interfaces)
         )
+
+    @property
+    def met(self) -> Mapping[str, Ints]:
+        """Edges by body that other bodies may meet, in contact that is stated elsewhere: none."""
+        return {}
 
     @property
     def segments(self) -> tuple[Segments, ...]:

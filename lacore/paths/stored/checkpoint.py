@@ -61,7 +61,7 @@ def identity(stage: Stage, settings: Mapping[str, Any], said: Mapping[str, Any])
         "bodies": stage.bodies,
         "supports": problem.supports,
         "loads": [problem.reference_loads, problem.dead_loads, stage.grips],
-        "interfaces": [*stage.obstacles, *problem.interfaces],
+        "interfaces": [*stage.obstacles, *stage.pairs, *problem.interfaces],
         **said,
         **settings,
         **solver,

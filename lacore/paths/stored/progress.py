@@ -92,7 +92,7 @@ def _check_rows(progress: Progress) -> None:
             raise WrongFieldError(f"row {number}, load_factor", "is not the sum of its powers")
         for name in ("volume", "min_jacobian"):
             _positive(f"row {number}, {name}", getattr(row, name))
-        if min(row.seconds, row.max_strain) < 0 or row.error < 0:
+        if min(row.seconds, row.max_strain, row.overlap) < 0 or row.error < 0:
             raise WrongFieldError(f"row {number}", "has a negative size")
     if here.travel != rows[-1].end:
         raise WrongFieldError("here.travel", "is not the end of the last step")

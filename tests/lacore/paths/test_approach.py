@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lacore.meshes.curved import EdgeCurves
-from lacore.paths.approach import approaching_rows, gaps
+from lacore.paths.approach import gaps, obstacle_station
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.stations import gathered
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.stage import staged
 from tests.lacore.paths.path_billets import billet, quad_billet
@@ -38,7 +39,9 @@ def test_rows_are_how_distances_change(setting, seed):
     velocity = rng.uniform(-1, 1, dofs.nodes.shape)
     unknowns = np.zeros(dofs.dofs.max() + 1)
     unknowns[dofs.dofs] = velocity
-    rows, _ = approaching_rows(stage.obstacles, {"billet": dofs}, unknowns.size, begin, DURATION)
+    n, obstacles = unknowns.size, stage.obstacles
+    stations = [obstacle_station(own, dofs, n, begin) for own in obstacles]
+    rows, _ = gathered(stations, obstacles, n, DURATION)
     before, after = (
         np.concatenate([gaps(own, nodes, dofs) for own in stage.obstacles])
         for nodes in (begin.nodes["billet"], begin.nodes["billet"] + DURATION * velocity)

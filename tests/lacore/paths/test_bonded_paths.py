@@ -118,18 +118,12 @@ def test_new_meshes_have_to_match_too():
     assert [own.name for own in new.problem.interfaces] == ["top.bottom|low.top"]
 
 
-def without(problem, friction):
-    contact, seam = problem.interfaces
-    return replace(problem, interfaces=[contact, replace(seam, friction=friction)])
-
-
 WRONG = {
     "matching": (lambda: flat(3)[0], (), r"do not match.*lacore\.matching"),
-    "rubbing": (lambda: without(flat()[0], 0.3), (), "each other where they are bonded"),
     "obstacle": (
         lambda: billet()[0],
         [la.Interface(("billet", "right"), PLATEN, la.BOND)],
-        "no obstacle is bonded.*hold the boundary by a Fix",
+        "may open and close along a path is not bonded.*hold the boundary by a Fix",
     ),
 }
 

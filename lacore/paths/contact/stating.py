@@ -1,0 +1,202 @@
+"""Interfaces of a path as they are given: obstacles, pairs of bodies, and what is refused."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import Mesh
+
+from lacore.arrays import Ints
+from lacore.bodies.any_body import PlaneBody, of_kind
+from lacore.bodies.continuum.body import Body
+from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
+from lacore.bodies.touching import TOUCH
+from lacore.conditions.where import Where
+from lacore.contact.interfaces import Interface
+from lacore.contact.obstacles import Obstacle, Plane
+from lacore.errors import InputError
+from lacore.paths.contact.meeting import SHARES, meeting
+from lacore.paths.contact.overlap import DEEPEST, corner_inside
+from lacore.paths.contact.pair_stations import outlines
+from lacore.paths.contact.pairs import Pair, Side, misfit
+
+_STRAIGHT = 1e-9  # sine between edges of one plane
+
+
+@dataclass
+class Names:
+    """Boundaries by body and name; parts without one get one."""
+
+    known: dict[str, dict[str, Ints]]
+
+    def of(self, body: Body, owner: str, where: Where, kind: str) -> str:
+        """The name of a part of a body, a new one where it has none."""
+        if isinstance(where, str):
+            return where
+        facets = boundary_facets(body, where, f"{kind}.where")
+        name = f"part {len(self.known[owner])}"
+        self.known[owner][name] = facets
+        return name
+
+
+def check_law(interface: Interface) -> None:
+    """Raise `InputError` for a law that a path does not follow."""
+    if interface.bonded:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "an interface that may open and close along a path is not bonded",
+            "hold the boundary by a Fix, or bond bodies edge by edge in Problem.interfaces",
+        )
+    if interface.law.terms().tension > 0:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "what sticks in tension along a path is not followed: where it has opened it would hold"
+            " what comes back",
+            "leave the tension out",
+        )
+    if interface.law.terms().dilatancy > 0:
+        raise InputError(
+            "Interface.friction",
+            interface.law,
+            "sliding would lift the body off, and each other step would be without friction",
+            "take lacore.Coulomb(mu), which slides along the surface",
+        )
+
+
+def obstacle_of(interface: Interface, bodies: Mapping[str, Body], names: Names) -> Obstacle:
+    """The obstacle of an interface, and the part of a body that may touch it.
+
+    Raises:
+        InputError: no such body, a law that a path does not follow, a body behind its obstacle.
+    """
+    name, where = interface.slave
+    if name not in bodies:
+        raise InputError(
+            "Interface.slave",
+            name,
+            "no deformable body, and along a path no other touches an obstacle",
+            f"give one of {sorted(bodies)}, or hold the rigid block by a lacore.Fix",
+        )
+    check_law(interface)
+    body = bodies[name]
+    facets = boundary_facets(body, where, "Interface.slave")
+    found = Obstacle(
+        name=interface.name,
+        body=name,
+        where=names.of(body, name, where, "Interface.slave"),
+        facets=facets,
+        shape=interface.face or _plane_along(interface, body, facets),
+        law=interface.law.terms(),
+        size=body.size,
+    )
+    mesh = body.mesh
+    nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
+    deepest = float(found.shape.distance(mesh.doflocs[:, nodes]).min())
+    if deepest < -found.touch:
+        raise InputError(
+            "Interface.slave",
+            interface.name,
+            f"begins {-deepest:.3g} m behind its obstacle",
+            "move the body or RigidObstacle.point, or turn RigidObstacle.normal around",
+        )
+    return found
+
+
+def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:
+    """The plane of a straight boundary: an obstacle without one has the shape of the body."""
+    start, _, outward = facet_geometry(body, facets)
+    normal = -outward[:, 0]
+    bent = np.abs(normal[0] * outward[1] - normal[1] * outward[0]).max() > _STRAIGHT
+    places = body.mesh.doflocs[:, body.mesh.nvertices + facets]
+    off = np.abs(normal @ (places - start[:, :1])).max() > TOUCH * body.size
+    if bent or off:
+        raise InputError(
+            "Interface.master",
+            interface.name,
+            "the obstacle has the shape of a boundary that is not straight",
+            "give RigidObstacle(point=(x, y), normal=(nx, ny)), or an interface for each plane",
+        )
+    return Plane.through(start[:, 0], normal)
+
+
+def pair_of(
+    interface: Interface, bodies: Mapping[str, PlaneBody], names: Names, field: str
+) -> Pair:
+    """Two bodies that may touch.
+
+    Raises:
+        InputError: no such body or boundary, a law that a path does not follow, bodies that
+            overlap where the path begins.
+    """
+    check_law(interface)
+    deforming = of_kind(bodies, Body)
+    sides: list[Side] = []
+    given: list[tuple[str, Where]] = []
+    for which, (name, where) in zip(("slave", "master"), interface.sides, strict=True):
+        if name not in bodies:
+            raise InputError(
+                f"Interface.{which}", name, "no such body", f"give one of {sorted(bodies)}"
+            )
+        side = Side.of(name, bodies[name], where, f"{field}.{which}")
+        if name in deforming:
+            given.append((name, names.of(deforming[name], name, where, f"Interface.{which}")))
+        else:
+            given.append((name, where))
+        sides.append(side)
+    one, other = sides
+    pair = Pair(
+        interface=Interface(given[0], given[1], interface.law),
+        slave=one,
+        master=other,
+        size=min(bodies[side.body].size for side in (one, other)),
+        misfit=max(misfit(bodies[side.body], side.edges) for side in (one, other)),
+    )
+    facing = meeting(*outlines(pair, bodies), DEEPEST * pair.size)
+    gaps = facing.gaps()
+    allowed = max(pair.near, *(TOUCH * bodies[side.body].size for side in pair.sides))
+    if gaps.min(initial=0.0) < -allowed:
+        deepest = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
+        x, y = facing.places(SHARES[deepest[0]])[0][:, deepest[1]].tolist()
+        raise InputError(
+            field,
+            interface.name,
+            f"its two sides overlap by {-gaps.min():.3g} m near ({x:.4g}, {y:.4g})",
+            "move one of the bodies so that they touch or are apart",
+        )
+    if (found := corner_inside([pair], bodies)) is not None:
+        _, depth, (x, y) = found
+        raise InputError(
+            field,
+            interface.name,
+            f"a corner of one body is {depth:.3g} m inside the other near ({x:.4g}, {y:.4g})",
+            "move one of the bodies so that they touch or are apart",
+        )
+    return pair
+
+
+def check_once(obstacles: Sequence[Obstacle], bodies: Mapping[str, Body]) -> None:
+    """No part of a boundary comes to one face twice, under two laws of friction."""
+    for place, own in enumerate(obstacles):
+        for other in obstacles[:place]:
+            if own.body != other.body or not np.intersect1d(own.facets, other.facets).size:
+                continue
+            if not _same(own, other, bodies[own.body].mesh):
+                continue
+            raise InputError(
+                "approaching",
+                own.name,
+                f"shares boundary edges and the plane with interface {other.name!r}",
+                "give each part of a boundary one interface with a plane",
+            )
+
+
+def _same(own: Obstacle, other: Obstacle, mesh: Mesh) -> bool:
+    """Whether two obstacles are one and the same face, seen from what they share."""
+    places = mesh.p[:, np.unique(mesh.facets[:, np.intersect1d(own.facets, other.facets)])]
+    first, second = own.shape.normal(places), other.shape.normal(places)
+    turned = np.abs(first[0] * second[1] - first[1] * second[0]).max() > _STRAIGHT
+    opposed = np.sum(first * second, axis=0).min() < 0
+    apart = np.abs(own.shape.distance(places) - other.shape.distance(places)).max() > own.touch
+    return not (turned or opposed or apart)
