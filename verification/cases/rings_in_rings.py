@@ -1,0 +1,120 @@
+r"""A tube shrunk into another one without friction is blown up: the two are one thick tube.
+
+      r = 1        r = 1.5        r = 2
+        +------------++------------+  u_z = 0
+    p ->|   inner    ||   outer    |
+    p ->|            ||            |  free
+        +------------++------------+  u_z = 0
+        |               smooth contact   z
+        |--> bore: a from 1 to 1.5       |__ r
+
+A slice of the axisymmetric bodies (r, z), without axial motion; each has its own mesh, and contact
+carries the pressure between them. It is never in tension, so the two tubes stay together, and no
+shear acts there in the whole tube either: the closed form is that of one thick tube, also where
+the elements of the two do not match, and whichever of the two is the slave.
+"""
+
+import lacore as la
+from verification.case import Band, Case, Reference, Variant
+from verification.case.following import Following, last_load
+from verification.cases import hardening_cylinder
+from verification.cases.hardening_cylinder import HEIGHT, INNER, OUTER, TRAVEL
+from verification.cases.shared.exact_paths import cylinder, pressure
+from verification.cases.shared.hardening_laws import LAWS
+
+JOINT = 1.5  # m, the radius at which the two tubes touch
+_VOLUME = 0.02  # of a step of leapfrog, as in the case of one tube
+
+
+def build(n: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> la.Problem:
+    """Half of n columns for each tube; the outer one has its own number of rows."""
+
+    def tube(inner: float, outer: float, ny: int) -> la.Body:
+        mesh = la.meshes.quadrilaterals(
+            (inner, outer), (0, HEIGHT), n // 2, ny, grade_x=(inner, outer / inner)
+        )
+        metal = la.VonMises(hardening=LAWS[law])
+        return la.Body(mesh, metal, kinematics="axisymmetric", space="q2")
+
+    bodies = {"inner": tube(INNER, JOINT, 1), "outer": tube(JOINT, OUTER, rows)}
+    sides = [("inner", "right"), ("outer", "left")]
+    one, other = sides if slave == "inner" else sides[::-1]
+    return la.Problem(
+        bodies=bodies,
+        supports=[la.Fix(name, side, "y") for name in bodies for side in ("bottom", "top")],
+        interfaces=[la.Interface(one, other, la.SMOOTH)],
+        reference_loads=[la.Pressure("inner", "left")],
+    )
+
+
+def path(law: str, rows: int, slave: str, steps: int, scheme: str) -> Following:
+    """The bore moves outwards by half of its radius."""
+    whole = cylinder(LAWS[law], INNER, OUTER)
+    return Following(
+        TRAVEL,
+        steps,
+        scheme,
+        la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0)),
+        exact=lambda travel: pressure(whole, INNER + travel),
+        volume=_VOLUME,
+    )
+
+
+def reference(law: str, rows: int, slave: str, steps: int, scheme: str) -> Reference:
+    """The pressure on one thick tube at the last load."""
+    at = last_load(TRAVEL, steps, scheme)
+    return Reference(
+        pressure(cylinder(LAWS[law], INNER, OUTER), INNER + at),
+        "p = (2/sqrt3) int_a^b sigma_Y dr/r, eb = (2/sqrt3) ln(r/R)",
+        "Hill, The Mathematical Theory of Plasticity; by hand (T33)",
+        "exact",
+    )
+
+
+def band(elements: int, law: str, rows: int, slave: str, steps: int, scheme: str) -> Band:
+    """That of one tube of as many columns: contact adds nothing."""
+    columns = 2 * elements // (1 + rows)
+    whole = hardening_cylinder.band(columns, law, steps, scheme)
+    return Band(
+        whole.below,
+        whole.above,
+        "That of the case hardening-cylinder with as many columns of elements. Contact adds no"
+        f" error: {whole.reason}",
+    )
+
+
+CASE = Case(
+    id="rings-in-rings",
+    title="Two hardening tubes in contact, blown up",
+    tags=("hardening", "continuum", "contact", "axisymmetric", "path", "closed form"),
+    unit="pressure / s0",
+    explanation=__doc__,
+    hand_calculation=f"""\
+joint:        pressure only, q = (2/sqrt3) int_c^b sigma_Y dr/r > 0
+volumes:      r^2 - R^2 = a^2 - A^2       (u_z = 0), in both tubes
+strain:       eb = (2/sqrt3) ln(r/R)
+equilibrium:  dp/dr = (2/sqrt3) sigma_Y(eb)/r, p continuous at the joint
+              p = (2/sqrt3) int_a^b sigma_Y dr/r: that of one tube
+linear-3:     a = 1: {pressure(cylinder(LAWS["linear-3"], INNER, OUTER), 1.0):.6f}
+              a = 1.5: {pressure(cylinder(LAWS["linear-3"], INNER, OUTER), 1.5):.6f}
+""",
+    meshes={"coarse": {"n": 8}, "medium": {"n": 16}, "fine": {"n": 32}},
+    build=build,
+    reference=reference,
+    band=band,
+    bracket=None,
+    path=path,
+    variants=tuple(
+        Variant(
+            f"{law}-{'matching' if rows == 1 else 'non-matching'}-{slave}",
+            {"law": law, "rows": rows, "slave": slave, "steps": 20, "scheme": "leapfrog"},
+            meshes=("coarse",),
+        )
+        for law, rows, slave in (
+            ("linear-3", 1, "inner"),
+            ("linear-3", 2, "inner"),
+            ("linear-3", 2, "outer"),
+            ("voce", 2, "inner"),
+        )
+    ),
+)

@@ -1,0 +1,134 @@
+r"""A hollow sphere inside another one is blown up: the two are one thick sphere.
+
+        z
+        | axis
+        o - _
+        o -_  ` .
+        o   `.   `.     inner shell: r from 1 to 1.5
+        o _   `.   \    outer shell: r from 1.5 to 2
+          ` .  <-\  \
+          p    `. |  |  Coulomb contact between the two
+          -->   \ |  |
+    ------------ o o o --- r
+                  u_z = 0
+
+Axisymmetric, a quarter of a meridian section. All particles move along rays, so that nothing slips
+between the shells whatever the friction, and the closed form is that of one thick sphere. The
+contact surface is curved: where the elements of the two shells do not match, their edges are
+different parabolas through the same circle, up to 2e-5 m apart. Without friction each shell could
+change its shape at nearly the same pressure (T32); friction holds the shells together.
+"""
+
+from math import pi
+
+import lacore as la
+from verification.case import Band, Case, Reference, Variant
+from verification.case.following import Following, last_load
+from verification.cases import hardening_sphere
+from verification.cases.hardening_sphere import TRAVEL
+from verification.cases.shared.cavities import INNER, OUTER, on_rays
+from verification.cases.shared.exact_paths import pressure, sphere
+from verification.cases.shared.hardening_laws import LAWS
+
+JOINT = 1.5  # m, the radius at which the two shells touch
+_FRICTION = 0.2
+
+
+def build(
+    n_radial: int, n_angular: int, law: str, outer: int, slave: str, steps: int, scheme: str
+) -> la.Problem:
+    """Half of n_radial elements across each shell, `outer` of 8 along the outer one."""
+
+    def shell(low: float, high: float, along: int) -> la.Body:
+        cells = la.meshes.quadrilaterals(
+            (low, high), (0, pi / 2), n_radial // 2, along, grade_x=(low, high / low)
+        )
+        mesh = la.meshes.isoparametric(cells, on_rays)
+        metal = la.VonMises(hardening=LAWS[law])
+        return la.Body(mesh, metal, kinematics="axisymmetric", space="q2")
+
+    along = n_angular * outer // 8
+    bodies = {"inner": shell(INNER, JOINT, n_angular), "outer": shell(JOINT, OUTER, along)}
+    return la.Problem(
+        bodies=bodies,
+        supports=[la.Fix(name, "bottom", "y") for name in bodies],
+        reference_loads=[la.Pressure("inner", "left")],
+    )
+
+
+def path(law: str, outer: int, slave: str, steps: int, scheme: str) -> Following:
+    """The equator of the bore moves outwards by half of its radius."""
+    whole = sphere(LAWS[law], INNER, OUTER)
+    sides = [("inner", "right"), ("outer", "left")]
+    one, other = sides if slave == "inner" else sides[::-1]
+    return Following(
+        TRAVEL,
+        steps,
+        scheme,
+        la.PointTravel("inner", (INNER, 0.0), (1.0, 0.0)),
+        exact=lambda travel: pressure(whole, INNER + travel),
+        approaching=[la.Interface(one, other, _FRICTION)],
+    )
+
+
+def reference(law: str, outer: int, slave: str, steps: int, scheme: str) -> Reference:
+    """The pressure on one thick sphere at the last load."""
+    at = last_load(TRAVEL, steps, scheme)
+    return Reference(
+        pressure(sphere(LAWS[law], INNER, OUTER), INNER + at),
+        "p = 2 int_a^b sigma_Y dr/r, eb = 2 ln(r/R)",
+        "Hill, The Mathematical Theory of Plasticity; by hand (T33)",
+        "exact",
+    )
+
+
+def band(elements: int, law: str, outer: int, slave: str, steps: int, scheme: str) -> Band:
+    """That of one sphere whose elements are all as wide as those of the coarser shell."""
+    coarser = elements * 2 * min(outer, 8) // (8 + outer)
+    whole = hardening_sphere.band(coarser, law, steps, scheme)
+    return Band(
+        whole.below,
+        whole.above,
+        "That of the case hardening-sphere with the number of elements that the coarser shell would"
+        f" give the whole sphere. Contact adds no error: {whole.reason}",
+    )
+
+
+_WHOLE = sphere(LAWS["linear-3"], INNER, OUTER)
+
+CASE = Case(
+    id="shells-in-shells",
+    title="Two hardening spherical shells in contact, blown up",
+    tags=("hardening", "continuum", "contact", "Coulomb", "axisymmetric", "path", "closed form"),
+    unit="pressure / s0",
+    explanation=__doc__,
+    hand_calculation=f"""\
+joint:        pressure only, q = 2 int_c^b sigma_Y dr/r > 0; no slip
+volumes:      r^3 - R^3 = a^3 - A^3, in both shells
+strain:       eb = 2 ln(r/R)
+equilibrium:  dp/dr = 2 sigma_Y(eb)/r, p continuous at the joint
+              p = 2 int_a^b sigma_Y dr/r: that of one sphere
+linear-3:     a = 1: {pressure(_WHOLE, 1.0):.6f}, a = 1.5: {pressure(_WHOLE, 1.5):.6f}
+""",
+    meshes={
+        "coarse": {"n_radial": 4, "n_angular": 8},
+        "medium": {"n_radial": 8, "n_angular": 16},
+    },
+    build=build,
+    reference=reference,
+    band=band,
+    bracket=None,
+    path=path,
+    variants=tuple(
+        Variant(
+            f"{law}-{'matching' if outer == 8 else 'non-matching'}-{slave}",
+            {"law": law, "outer": outer, "slave": slave, "steps": 20, "scheme": "leapfrog"},
+            meshes=("coarse",),
+        )
+        for law, outer, slave in (
+            ("linear-3", 8, "inner"),
+            ("linear-3", 6, "inner"),
+            ("linear-3", 6, "outer"),
+        )
+    ),
+)
