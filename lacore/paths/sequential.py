@@ -52,8 +52,9 @@ def sequential(
     and closes. Yang, Computers & Structures 33 (1989) 1171; Corradi & Panzeri, CMAME 193 (2004).
 
     Args:
-        problem: at the beginning. Its bodies deform, in plane strain or axisymmetric. Elements
-            become curved, of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that
+        problem: at the beginning. Its bodies deform, in plane strain or axisymmetric, or are single
+            rigid blocks. Bodies touch each other by interfaces of any law that neither dilates nor
+            carries tension; where they do is searched in each step. Elements become curved, of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that
             no load factor is a strict bound. `VonMises(hardening=...)` says how they harden;
             criteria whose strength depends on pressure do not, and grow as their flow dilates.
         travel: how far to go, in units of the control, > 0.
@@ -62,8 +63,8 @@ def sequential(
             hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
             ``implicit-euler`` (order 1, iterated); T30.
         control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
-        approaching: interfaces with obstacles, planes or shapes, that bodies do not touch yet, or
-            in part. How a corner that two interfaces share splits its reaction between them has no
+        approaching: interfaces with obstacles, planes or shapes, or of two bodies, that do not
+            touch yet, or in part. How a corner that two interfaces share splits its reaction between them has no
             meaning.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening
