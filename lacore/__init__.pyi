@@ -71,6 +71,7 @@ from .materials.von_mises import VonMises as VonMises
 from .paths.control import FootingTravel as FootingTravel
 from .paths.control import PointTravel as PointTravel
 from .paths.control import Time as Time
+from .paths.control import ToolTravel as ToolTravel
 from .paths.pace import AdaptiveSteps as AdaptiveSteps
 from .paths.path import Path as Path
 from .paths.selection import LeastNorm as LeastNorm

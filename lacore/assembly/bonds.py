@@ -155,7 +155,7 @@ def without_bonds(problem: Problem, rigid: Mapping[str, RigidParts], force: Floa
 
 
 def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Ints:
-    """Parts of unknowns, shape (n,), where what is bonded has its equilibrium as one.
+    """Parts of unknowns, shape (n,), where what moves as one has its equilibrium as one.
 
     Args:
         parts: without bonds.
@@ -169,6 +169,8 @@ def joined_parts(parts: Ints, problem: Problem, dofs: Mapping[str, Dofs]) -> Int
             pairs.append(
                 np.stack([parts[_unknowns(dofs[own], edges)] for (own, _), edges in meeting])
             )
+    together = np.array([parts[dofs[name].offset] for name in problem.driven], dtype=np.int64)
+    pairs.append(np.stack([together[:-1], together[1:]]))
     one, other = np.concatenate(pairs, axis=1)
     count = int(parts.max(initial=-1)) + 1
     graph = csr_matrix((np.ones(one.size), (one, other)), shape=(count, count))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import block_diag, csr_matrix
+from scipy.sparse import block_diag, csr_matrix, hstack
 
 from lacore.arrays import Bools, Sparse
 from lacore.assembly.bonds import Ties, rigid_basis, supports_of
@@ -14,7 +14,10 @@ from lacore.bodies.continuum.held import footing_of, support_of
 from lacore.bodies.continuum.slip import Slip
 from lacore.bodies.continuum.solid.holding import solid_free_basis
 from lacore.conditions.elimination import free_basis, held, join
+from lacore.errors import InputError
 from lacore.problem.problem import Problem
+
+_ADMISSIBLE = 1e-9  # of a motion: what supports may leave of it by round-off
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
     Raises:
         InputError: a footing that cannot move, a polygon held in place of an arc.
     """
-    rigid = rigid_basis(problem, unknowns.rigid, unknowns.n)
+    rigid = _driven(rigid_basis(problem, unknowns.rigid, unknowns.n), problem, unknowns)
     if unknowns.continua and unknowns.dimension == 3:
         footings = tuple(unknowns.footings)
         deforming, nodes = solid_free_basis(unknowns.continua, problem.supports, footings)
@@ -44,6 +47,38 @@ def held_by(problem: Problem, unknowns: Unknowns, slipping: Mapping[str, Slip], 
         deforming, nodes = _in_plane(problem, unknowns, slipping, tied)
     basis = csr_matrix(block_diag([deforming, rigid], format="csr"))
     return Held(csr_matrix(basis[:, column_order(basis, unknowns.jointed)]), nodes)
+
+
+def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
+    """A basis in which rigid blocks that are driven move by their motions, all by one unknown.
+
+    Args:
+        basis: what supports leave free of rigid bodies.
+        problem: whose blocks may be driven.
+        unknowns: of all bodies.
+
+    Raises:
+        InputError: a support holds a block that is driven.
+    """
+    if not problem.driven:
+        return basis
+    first = unknowns.n - basis.shape[0]
+    column, kept = np.zeros(basis.shape[0]), np.ones(basis.shape[1], dtype=bool)
+    for name, motion in problem.driven.items():
+        dofs = unknowns.assemblies[name]
+        rows = np.arange(dofs.count) + dofs.offset - first
+        free, wanted = basis[rows].toarray(), dofs.unknowns(motion[:, None])
+        possible = free @ np.linalg.lstsq(free, wanted, rcond=None)[0]
+        if np.linalg.norm(possible - wanted) > _ADMISSIBLE * np.linalg.norm(wanted):
+            raise InputError(
+                f"ToolTravel.velocity[{name!r}]",
+                tuple(motion.tolist()),
+                "a support holds the block against this motion",
+                "leave the support out, or give a velocity that it allows",
+            )
+        column[rows] = wanted
+        kept &= ~np.any(free, axis=0)
+    return csr_matrix(hstack([basis[:, kept], csr_matrix(column[:, None])], format="csr"))
 
 
 def _in_plane(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -11,10 +11,11 @@ import numpy as np
 from lacore.arrays import Floats
 from lacore.assembly.discretisation import Discretisation
 from lacore.bodies.any_body import of_kind
+from lacore.bodies.blocks.block_assembly import BlockAssembly
 from lacore.bodies.continuum.body import Body
 from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.conditions.footings import footings
-from lacore.errors import InputError, is_plane_vector, require_range
+from lacore.errors import InputError, is_plane_vector, is_vector, require_range
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
@@ -47,7 +48,8 @@ def gauge_of(control: Control, problem: Problem) -> Gauge:
             "control",
             control,
             "not a control",
-            "give lacore.FootingTravel(), lacore.PointTravel(body, at, direction) or lacore.Time()",
+            "give lacore.FootingTravel(), lacore.PointTravel(body, at, direction),"
+            " lacore.ToolTravel({'tool': (x, y)}) or lacore.Time()",
         )
     return control.gauge(problem)
 
@@ -115,6 +117,71 @@ class PointTravel(Compact):
         node = vertex_at(body, self.at, "PointTravel.at")  # vertices are the first nodes
         along = np.array(self.direction) / np.linalg.norm(self.direction)
         return lambda d, velocity: float(along @ velocity[d.bodies[self.body].dofs[:, node]])
+
+
+@dataclass(frozen=True, repr=False)
+class ToolTravel(Compact):
+    """How far rigid tools have moved together, each by its own velocity, m.
+
+    The tools are rigid blocks of the problem, and move in no other way; the reference load is a
+    force on one or more of them, which does power. `Path.history` has as ``force`` the power that
+    drives all tools per travel, and `Path.tool_forces` what contact exerts on each.
+
+    Attributes:
+        velocity: by body (x, y): how far its centroid moves per travel; or (x, y, turn) with the
+            angle by which it turns per travel, rad/m, anticlockwise.
+
+    Example:
+        >>> closing = la.ToolTravel({"lower": (0, 1), "upper": (0, -1)})
+    """
+
+    unit: ClassVar[str] = "m"
+    velocity: Mapping[str, tuple[float, ...]]
+
+    def motions(self, problem: Problem) -> dict[str, Floats]:
+        """Of the tools, x, y and turn, (3,) each.
+
+        Raises:
+            InputError: no such rigid block, or no velocity.
+        """
+        if not isinstance(self.velocity, Mapping) or not self.velocity:
+            raise InputError(
+                "ToolTravel.velocity",
+                self.velocity,
+                "names no tool",
+                "give {'tool': (x, y)} with the names of rigid blocks",
+            )
+        tools = of_kind(problem.bodies, BlockAssembly)
+        found = {}
+        for name, own in self.velocity.items():
+            field = f"ToolTravel.velocity[{name!r}]"
+            if name not in tools:
+                mend = f"give one of {sorted(tools)}" if tools else "add a lacore.RigidBlock"
+                raise InputError(field, own, "no rigid block has this name", mend)
+            if not is_vector(own) or len(own) not in (2, 3):
+                raise InputError(field, own, "not a velocity", "give (x, y), or (x, y, turn)")
+            found[name] = np.array([*own, 0.0][:3], dtype=float)
+        if not any(np.any(own) for own in found.values()):
+            raise InputError(
+                "ToolTravel.velocity", self.velocity, "moves no tool", "give a velocity != 0"
+            )
+        return found
+
+    def gauge(self, problem: Problem) -> Gauge:
+        """See `Control`."""
+        motions = self.motions(problem)
+        name = next(name for name, own in motions.items() if np.any(own))
+        motion = motions[name]
+
+        def speed(d: Discretisation, velocity: Floats) -> float:
+            return float(motion @ d.assemblies[name].motion(velocity)[:, 0] / (motion @ motion))
+
+        return speed
+
+
+def driven_by(control: Control, problem: Problem) -> dict[str, Floats]:
+    """Motions of the tools that a control drives, see `Problem.driven`; none of most."""
+    return control.motions(problem) if isinstance(control, ToolTravel) else {}
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,6 +16,7 @@ from lacore.arrays import Floats
 from lacore.errors import InputError
 from lacore.limit.state import LimitState
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.block_forces import block_forces
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
@@ -222,6 +223,17 @@ class Path(Shown):
         if self.last is not None and snapshot.step == self.snapshots[-1].step:
             return self.last
         return flow(self.stage_of(snapshot), snapshot.moment, self.settings).state
+
+    def tool_forces(self, step: int = -1) -> pd.DataFrame:
+        """What contact exerts on each rigid block in a step: force [N/m] and moment [N].
+
+        One row a block: ``body``, ``f_x``, ``f_y`` and ``moment`` about the centroid,
+        anticlockwise. They belong to the limit problem as it was solved, see `state`.
+
+        Raises:
+            InputError: see `state`.
+        """
+        return block_forces(self.state(step))
 
     def problem(self, step: int = -1) -> Problem:
         """The problem on the bodies of a `snapshot`: the last by default.

@@ -55,11 +55,12 @@ def restaged(
     if not isinstance(meshes, Mapping) or not meshes:
         raise InputError("remesh", meshes, "returned no meshes", "return {'body': mesh}")
     now = stage.at(configuration)
-    bodies = of_kind(now.bodies, Body)
+    deforming = of_kind(now.bodies, Body)
+    bodies = dict(now.bodies)
     for name, mesh in meshes.items():
-        require_known("remesh", name, bodies)
-        bodies[name] = _on(name, bodies[name], mesh, stage.obstacles)
-    new = staged(replace(now, bodies=bodies), stage.interfaces)
+        require_known("remesh", name, deforming)
+        bodies[name] = _on(name, deforming[name], mesh, stage.obstacles)
+    new = staged(replace(now, bodies=bodies), stage.interfaces, stage.problem.driven)
     start = new.start
     before, after = stage.dofs_at(configuration), new.dofs_at(start)
     strain = {

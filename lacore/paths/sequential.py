@@ -13,7 +13,7 @@ from lacore.errors import InputError, require_count, require_known, require_posi
 from lacore.limit.engines import engine_for
 from lacore.paths import drift
 from lacore.paths.contact.overlap import corner_inside
-from lacore.paths.control import Control, FootingTravel, gauge_of, unit_of
+from lacore.paths.control import Control, FootingTravel, driven_by, gauge_of, unit_of
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.logbook import Log
@@ -54,18 +54,20 @@ def sequential(
     Args:
         problem: at the beginning. Its bodies deform, in plane strain or axisymmetric, or are single
             rigid blocks. Bodies touch each other by interfaces of any law that neither dilates nor
-            carries tension; where they do is searched in each step. Elements become curved, of the space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that
-            no load factor is a strict bound. `VonMises(hardening=...)` says how they harden;
-            criteria whose strength depends on pressure do not, and grow as their flow dilates.
+            carries tension; where they do is searched in each step. Elements become curved, of the
+            space ``p2-gauss`` (triangles) or ``q2`` (quadrilaterals), so that no load factor is a
+            strict bound. `VonMises(hardening=...)` says how they harden; criteria whose strength
+            depends on pressure do not, and grow as their flow dilates.
         travel: how far to go, in units of the control, > 0.
         steps: how many equal ones, or `AdaptiveSteps`.
         scheme: ``leapfrog`` (order 2, one solve a step), ``explicit`` (order 1, does not see
             hardening within a step), ``implicit-midpoint`` (order 2, iterated, keeps areas),
             ``implicit-euler`` (order 1, iterated); T30.
-        control: what the travel is of: `FootingTravel` (the default), `PointTravel` or `Time`.
+        control: what the travel is of: `FootingTravel` (the default), `PointTravel`, `ToolTravel`
+            of rigid blocks with given velocities, or `Time`.
         approaching: interfaces with obstacles, planes or shapes, or of two bodies, that do not
-            touch yet, or in part. How a corner that two interfaces share splits its reaction between them has no
-            meaning.
+            touch yet, or in part. How a corner that two interfaces share splits its reaction
+            between them has no meaning.
         selection: `LeastNorm` moves the bodies by the most regular of all velocities of nearly the
             same load, at the cost of one or two more solves each time. By default hardening
             decides alone; an event ``velocity not unique`` says where that is not enough (T32).
@@ -118,8 +120,8 @@ def sequential(
             "sliding would lift bodies off, and each other step would be without friction",
             "take 'certified'",
         )
-    stage = staged(problem, approaching)
     control = FootingTravel() if control is None else control
+    stage = staged(problem, approaching, driven_by(control, problem))
     gauge = gauge_of(control, stage.problem)
     settings = {
         "backend": backend,

@@ -43,14 +43,21 @@ class ProblemOnPath(Problem):
 
     Attributes:
         meets: edges of the bodies that may touch others, by body.
+        drives: motions of the tools that move together, see `Problem.driven`.
     """
 
     meets: Mapping[str, Ints] = field(default_factory=dict)
+    drives: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def met(self) -> Mapping[str, Ints]:
         """See `Problem.met`."""
         return self.meets
+
+    @property
+    def driven(self) -> Mapping[str, Floats]:
+        """See `Problem.driven`."""
+        return self.drives
 
 
 @dataclass(frozen=True, repr=False)
@@ -191,13 +198,18 @@ def _uniform(load: BodyForce, field: str) -> None:
         )
 
 
-def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
+def staged(
+    problem: Problem,
+    approaching: Sequence[Interface],
+    drives: Mapping[str, Floats] | None = None,
+) -> Stage:
     """A problem made ready for a path.
 
     Args:
         problem: bodies that deform, which get curved elements, of an isoparametric space, and
             single rigid blocks.
         approaching: more interfaces, whose sides need not touch yet.
+        drives: motions of the tools that move together, see `Problem.driven`; None of none.
 
     Raises:
         InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
@@ -262,7 +274,9 @@ def staged(problem: Problem, approaching: Sequence[Interface]) -> Stage:
     for side in (side for pair in pairs for side in pair.sides):
         meets[side.body] = np.union1d(meets.get(side.body, side.edges), side.edges)
     every: dict[str, PlaneBody] = {**bodies, **rigid}
-    ready = ProblemOnPath(MappingProxyType(every), reference, supports, bonded, dead, meets)
+    ready = ProblemOnPath(
+        MappingProxyType(every), reference, supports, bonded, dead, meets, drives or {}
+    )
     _check_tied(ready)
     return Stage(
         problem=ready,

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from lacore import views
-from lacore.arrays import Ints
+from lacore.arrays import Floats, Ints
 from lacore.bodies.any_body import KINDS, AnyBody
 from lacore.conditions.loads import Fix, Load, acts
 from lacore.contact.interfaces import Interface
@@ -207,6 +207,11 @@ class Problem(Shown):
     @property
     def met(self) -> Mapping[str, Ints]:
         """Edges by body that other bodies may meet, in contact that is stated elsewhere: none."""
+        return {}
+
+    @property
+    def driven(self) -> Mapping[str, Floats]:
+        """Motions of rigid blocks that move as one, u_x, u_y, turn by body, (3,): none."""
         return {}
 
     @property

@@ -12,10 +12,11 @@ import numpy as np
 import lacore as la
 from lacore.arrays import Floats
 from lacore.paths.configuration import Configuration
-from lacore.paths.control import gauge_of
+from lacore.paths.control import driven_by, gauge_of
 from lacore.paths.flow import Moment, flow_of, limit_problem
 from lacore.paths.path import Snapshot
 from lacore.paths.stage import Stage, staged
+from verification.case.following import Following
 from verification.evidence.limit_state import Proof, packed, recheck, restored_on, unpacked
 from verification.runs.outcome import Evidence
 from verification.runs.row import Row
@@ -47,8 +48,8 @@ def recheck_step(run: Run, row: Row, evidence: Evidence) -> Proof:
         ValueError: there is no state, or it is not one of this path.
     """
     stated = run.case.following_of(run.variant)
-    stage = staged(run.problem(), stated.approaching)
-    moment, duration = _unpacked(evidence.arrays, list(stage.bodies))
+    stage = _stage(run, stated)
+    moment, duration = _unpacked(evidence.arrays, list(stage.start.nodes))
     discretisation = limit_problem(stage, moment)
     point = unpacked(evidence.arrays)
     state = restored_on(discretisation, run, row, evidence)
@@ -65,9 +66,15 @@ def last_shape(run: Run, evidence: Evidence) -> tuple[Stage, Configuration]:
     Raises:
         ValueError: There is no state.
     """
-    stage = staged(run.problem(), run.case.following_of(run.variant).approaching)
-    moment, _ = _unpacked(evidence.arrays, list(stage.bodies))
+    stage = _stage(run, run.case.following_of(run.variant))
+    moment, _ = _unpacked(evidence.arrays, list(stage.start.nodes))
     return stage, moment.at
+
+
+def _stage(run: Run, stated: Following) -> Stage:
+    """The problem of a run, made ready for its path."""
+    problem = run.problem()
+    return staged(problem, stated.approaching, driven_by(stated.control, problem))
 
 
 def _unpacked(data: bytes, bodies: list[str]) -> tuple[Moment, float]:
