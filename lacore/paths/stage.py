@@ -133,8 +133,11 @@ class Stage(Compact):
 
     def plane_bodies_at(self, configuration: Configuration) -> dict[str, PlaneBody]:
         """All bodies on a configuration, rigid blocks too; see `at` for errors."""
-        rigid = {name: placed(body, configuration.nodes[name]) for name, body in self.rigid.items()}
-        return {**self.bodies_at(configuration), **rigid}
+        return {**self.bodies_at(configuration), **self.blocks_at(configuration)}
+
+    def blocks_at(self, configuration: Configuration) -> dict[str, BlockAssembly]:
+        """The rigid blocks on a configuration, by name."""
+        return {name: placed(body, configuration.nodes[name]) for name, body in self.rigid.items()}
 
     def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
         """The unknowns of the bodies on a configuration, by name; see `at` for errors."""

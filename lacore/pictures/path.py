@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Polygon
 from matplotlib.tri import Triangulation
 from skfem import Mesh
 
@@ -21,7 +21,9 @@ from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
 from lacore.conditions.footings import footings
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
+from lacore.paths.configuration import Configuration
 from lacore.paths.path import Path, Snapshot
+from lacore.paths.stage import Stage
 from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
@@ -51,6 +53,7 @@ _EVENTS = {
 }
 _LOAD, _PLASTIC, _FRICTION = "#222222", "#b35806", "#0072b2"
 FOOTING = _PLASTIC
+TOOL = "#d5d5d5"
 
 
 def plot_path(path: Path) -> Figure:
@@ -239,12 +242,13 @@ def _title(path: Path) -> str:
 
 def _box(path: Path) -> tuple[Floats, Floats]:
     """Corners of all that bodies come to, with a margin, m."""
-    nodes = [own for snap in path.snapshots for own in snap.configuration.nodes.values()]
+    nodes = [
+        snap.configuration.nodes[name] for snap in path.snapshots for name in path.stage.bodies
+    ]
     low = np.min([own.min(axis=1) for own in nodes], axis=0)
     high = np.max([own.max(axis=1) for own in nodes], axis=0)
-    margin = (_MARGIN + (PLANE_DEPTH if path.stage.obstacles else 0)) * float(
-        np.linalg.norm(high - low)
-    )
+    tools = path.stage.obstacles or path.stage.rigid
+    margin = (_MARGIN + (PLANE_DEPTH if tools else 0)) * float(np.linalg.norm(high - low))
     return low - margin, high + margin
 
 
@@ -274,11 +278,25 @@ def _lattice(mesh: Mesh, values: Floats) -> tuple[Floats, Floats, Ints]:
 
 
 def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
-    """Rigid footings, where they are."""
-    meshes, drawn = path.stage_of(snapshot).meshes_at(snapshot.configuration), False
+    """Rigid blocks and footings, where they are."""
+    stage, handles = path.stage_of(snapshot), list[Artist]()
+    draw_blocks(axes, stage, snapshot.configuration)
+    if stage.rigid:
+        handles.append(Patch(facecolor=TOOL, edgecolor=GROUND, label="rigid block"))
+    meshes, drawn = stage.meshes_at(snapshot.configuration), False
     for footing in footings(path.stage.problem.reference_loads):
         mesh = meshes[footing.body]
         lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(footing.where)]))
         axes.add_collection(LineCollection(lines, colors=FOOTING, linewidths=3.0, zorder=5))
         drawn = True
-    return [Line2D([], [], color=FOOTING, lw=3.0, label="rigid footing")] if drawn else []
+    if drawn:
+        handles.append(Line2D([], [], color=FOOTING, lw=3.0, label="rigid footing"))
+    return handles
+
+
+def draw_blocks(axes: Axes, stage: Stage, configuration: Configuration) -> None:
+    """Draw the rigid blocks on a configuration."""
+    for block in stage.blocks_at(configuration).values():
+        for corners in block.polygons.values():
+            shape = Polygon(corners, facecolor=TOOL, edgecolor=GROUND, lw=1.0, zorder=2.5)
+            axes.add_artist(shape)

@@ -14,7 +14,7 @@ from lacore.paths.path import Path
 from lacore.paths.stage import Stage
 from lacore.pictures.contact import PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
-from lacore.pictures.path import FOOTING
+from lacore.pictures.path import FOOTING, draw_blocks
 from lacore.pictures.thumbnails.paper import SIZE, Size, finish, paper
 
 
@@ -68,6 +68,7 @@ def thumbnail_of_shape(
         mesh = meshes[footing.body]
         lines = edge_lines(mesh, np.asarray(mesh.boundaries[str(footing.where)]))
         axes.add_collection(LineCollection(lines, colors=FOOTING, linewidths=3.0, zorder=5))
+    draw_blocks(axes, stage, configuration)
     corners = axes.dataLim.get_points()
     low, high = corners.min(axis=0), corners.max(axis=0)
     if stage.obstacles:

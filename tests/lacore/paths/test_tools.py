@@ -8,6 +8,7 @@ import pytest
 import lacore as la
 from lacore.paths.contact.poses import placed, pose
 from lacore.paths.ending import Ending
+from lacore.pictures.thumbnails.path import thumbnail_of_path
 from verification.cases.shared.exact_paths import strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)
@@ -145,3 +146,18 @@ def test_a_load_on_a_tool_goes_by_name():
     problem = replace(upset(), reference_loads=[la.Traction("up", above, (0, -1))])
     with pytest.raises(la.InputError, match=r"moves away from them.*name of the block"):
         pressed(problem, CLOSING)
+
+
+@pytest.mark.slow
+def test_pictures_show_tools(tmp_path):
+    path = pressed(upset(), CLOSING)
+    drawn = path.plot()
+    assert "rigid block" in {own.get_text() for axes in drawn.axes for own in _legend(axes)}
+    path.last.plot().savefig(tmp_path / "state.png")
+    path.animate(tmp_path / "path.gif")
+    thumbnail_of_path(path).savefig(tmp_path / "thumbnail.png")
+
+
+def _legend(axes):
+    legend = axes.get_legend()
+    return legend.get_texts() if legend else []
