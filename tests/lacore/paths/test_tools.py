@@ -50,13 +50,21 @@ def quarter(friction):
     )
 
 
-def pressed(problem, control, travel=0.1):
-    return la.sequential(problem, travel, 1, "implicit-midpoint", control=control)
+def pressed(problem, control, travel=0.1, scheme="implicit-midpoint"):
+    return la.sequential(problem, travel, 1, scheme, control=control)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.1])
-def test_two_platens_that_close_press_like_an_obstacle_at_rest(friction):
-    path, known = pressed(upset(friction), CLOSING), pressed(quarter(friction), None)
+@pytest.mark.parametrize(
+    ("friction", "scheme"),
+    [
+        (0.0, "implicit-midpoint"),
+        (0.1, "explicit"),
+        pytest.param(0.1, "implicit-midpoint", marks=pytest.mark.slow),
+    ],
+)
+def test_two_platens_that_close_press_like_an_obstacle_at_rest(friction, scheme):
+    path = pressed(upset(friction), CLOSING, scheme=scheme)
+    known = pressed(quarter(friction), None, scheme=scheme)
     assert path.status is Ending.REACHED, path.message
     force = float(known.history.force.iloc[0])
     if not friction:
@@ -71,7 +79,7 @@ def test_two_platens_that_close_press_like_an_obstacle_at_rest(friction):
 
 def test_only_the_relative_motion_of_tools_counts():
     moving = la.ToolTravel({"up": (0, -2), "low": (0, 0)})
-    one, other = (pressed(upset(0.1), control) for control in (CLOSING, moving))
+    one, other = (pressed(upset(0.1), control, scheme="explicit") for control in (CLOSING, moving))
     assert other.history.force.iloc[0] == pytest.approx(one.history.force.iloc[0], rel=SAME)
     low = other.snapshots[-1].configuration.nodes["low"]
     assert low == pytest.approx(other.snapshots[0].configuration.nodes["low"], abs=1e-12)

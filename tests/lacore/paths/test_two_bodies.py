@@ -11,7 +11,7 @@ from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.ending import Ending
 from lacore.paths.remeshing import restaged
 from lacore.paths.stage import staged
-from verification.cases.shared.exact_paths import cylinder, pressure, strip_force
+from verification.cases.shared.exact_paths import cylinder, pressure, sphere, strip_force
 
 LAW = la.hardening.Linear(1.0, 1.0)
 SAME = 1e-6  # relative: certificates hold to 1e-6
@@ -108,7 +108,7 @@ def neighbours(gap=0.05):
     problem = la.Problem(
         bodies,
         [la.RigidFooting("a", "top", (0, -1), rough=False)],
-        [la.Fix("a", "left", "x"), la.Fix("b", "right", "x")],
+        [la.Fix("a", "left", "x"), la.Fix("b", "right")],
         [la.Interface((name, "bottom"), floor, 0.0) for name in bodies],
     )
     return problem, [la.Interface(("a", "right"), ("b", "left"), 0.1)]
@@ -219,3 +219,44 @@ def test_pictures_and_files_of_two_bodies(tmp_path):
     path.plot().savefig(tmp_path / "path.png")
     path.last.plot().savefig(tmp_path / "state.png")
     path.to_vtu(tmp_path / "vtu")
+
+
+def shells(along, swapped=False):
+    """Two concentric quarter shells of other elements, smooth between them, and what approaches."""
+
+    def shell(low, high, n):
+        cells = la.meshes.quadrilaterals((low, high), (0, np.pi / 2), 2, n)
+        mesh = la.meshes.isoparametric(
+            cells, lambda x: x[0] * np.array([np.cos(x[1]), np.sin(x[1])])
+        )
+        metal = la.VonMises(hardening=la.hardening.Linear(1.0, 3.0))
+        return la.Body(mesh, metal, kinematics="axisymmetric", space="q2")
+
+    bodies = {"inner": shell(1, 1.5, 8), "outer": shell(1.5, 2, along)}
+    problem = la.Problem(
+        bodies, [la.Pressure("inner", "left")], [la.Fix(name, "bottom", "y") for name in bodies]
+    )
+    return problem, [between(("inner", "right"), ("outer", "left"), 0.0, swapped)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("along", [8, 6])
+def test_smooth_shells_are_one_sphere_if_the_most_regular_velocity_is_taken(along):
+    loads = []
+    for swapped in (False, True):
+        problem, approaching = shells(along, swapped)
+        path = la.sequential(
+            problem,
+            0.5,
+            20,
+            control=la.PointTravel("inner", (1, 0), (1, 0)),
+            approaching=approaching,
+            selection=la.LeastNorm(),
+        )
+        assert path.status is Ending.REACHED, path.message
+        loads.append(path.history.load_factor.to_numpy())
+    whole = sphere(la.hardening.Linear(1.0, 3.0))
+    exact = [pressure(whole, 1 + travel) for travel in path.history.travel]
+    # Steps: 0.043/20^2 of the case hardening-sphere; 1e-4 of the load by the choice of LeastNorm.
+    assert loads[0] == pytest.approx(exact, rel=2.1e-4)
+    assert loads[1] == pytest.approx(loads[0], rel=SAME)
