@@ -152,7 +152,7 @@ def test_each_case_has_its_picture_and_its_page(visit, compared):
 def test_figures_are_there_and_fit(visit, compared, page_of_case, width):
     profile = visit(compared, width=width).page
     page = visit(page_of_case, width=width).page
-    assert profile.locator("figure svg").count() == 3
+    assert profile.locator("figure svg").count() == 4
     assert page.locator("figure svg").count() == 1  # load factor against friction
     assert page.locator("figure img").count() >= 2
     figures = [*profile.locator("figure svg").all(), *page.locator("figure svg, figure img").all()]

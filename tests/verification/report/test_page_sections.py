@@ -93,11 +93,20 @@ def test_least_times_link_to_their_runs():
 
 
 def test_profile_names_both_filters():
-    (columns,) = solvers_section(refined(), "certificate", "drop", 600.0).blocks
-    (drawing,) = columns.right
+    _, columns = solvers_section(refined(), "certificate", "drop", 600.0).blocks
+    (drawing,) = columns.left
     assert "its certificate" in drawing.note
     assert "left out" in drawing.note
     assert "fast reaction" in drawing.chart.summary
+
+
+def test_data_profile_has_the_time_per_unknown():
+    _, columns = solvers_section(refined(), "certificate", "drop", 600.0).blocks
+    (drawing,) = columns.right
+    tips = [tip.text for tip in drawing.chart.tips if tip.text.startswith("fast")]
+    assert tips[0].startswith("fast reaction: 0 % within")
+    assert tips[1].startswith(f"fast reaction: 33.3 % within {10 * 0.001 / 41:.3g}")
+    assert "left out" not in drawing.chart.summary
 
 
 def test_lines_are_named_by_what_tells_them_apart():

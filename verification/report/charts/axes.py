@@ -54,6 +54,7 @@ class Axis:
 
 ELEMENTS = Axis("n_elements", "number of elements")
 ERROR = Axis("error", "relative error")
+BUDGET = Axis("budget", "solve time / (unknowns + 1) [s]")
 FACTOR = Axis("factor", "time relative to the fastest solver")
 SHARE = Axis("share", "share of problems solved", log=False)
 RESIDUAL = Axis("residual", "largest residual of the certificate")

@@ -8,6 +8,7 @@ from verification.analysis import (
     answers,
     costs,
     costs_of_accuracy,
+    data_profile,
     efforts,
     performance_profile,
     rates,
@@ -15,6 +16,7 @@ from verification.analysis import (
     residual_means,
     shifted_geometric_means,
 )
+from verification.analysis.profiles import Costs
 from verification.analysis.sizes import UNKNOWNS
 from verification.report.blocks import (
     Anchor,
@@ -29,6 +31,10 @@ from verification.report.blocks import (
 from verification.report.charts import axes
 from verification.report.tables import RUN
 
+_DATA_PROFILE = (
+    "This data profile counts the same problems as solved. It divides each solve time by the number"
+    " of unknowns plus one, so that the profile of a solver does not depend on the other solvers."
+)
 SHIFT = 0.1  # s: solves that take much less count alike
 _TITLE = "Solvers side by side"
 _SOLVER = (Column("backend"), Column("coupling"))
@@ -46,7 +52,7 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
     Raises:
         InputError: several runs of one solver on one problem, or no such filter.
     """
-    found = costs(results, "solve_time", solved_by, unsolved)
+    found = costs(results, "solve_time", solved_by, unsolved, per="n_dofs")
     filters = (
         f"Whether a run counts as solved is decided by its {solved_by}; a missing run does not."
         f" Of the {len(found.cost)} problems shown, those that no solver solved"
@@ -58,7 +64,16 @@ def solvers_section(results: pd.DataFrame, solved_by: str, unsolved: str, limit:
     caption = "Share of problems solved within a multiple of the time of the fastest solver"
     means = _means_table(shifted_geometric_means(found, SHIFT, limit))
     profile = Drawing("profile", caption, chart, filters)
-    return Section("solvers", _TITLE, [Columns([means], [profile])])
+    return Section("solvers", _TITLE, [means, Columns([profile], [_data_profile(found)])])
+
+
+def _data_profile(found: Costs) -> Drawing:
+    steps = data_profile(found)
+    # A logarithmic axis has no zero: profiles start from no problem at half the least budget.
+    start = float(steps["budget"][steps["budget"] > 0].min()) / 2
+    chart = axes.profile(steps.assign(budget=steps["budget"].clip(lower=start)), axes.BUDGET)
+    caption = "Share of problems solved within a time per unknown"
+    return Drawing("data-profile", caption, chart, _DATA_PROFILE)
 
 
 def effort_section(results: pd.DataFrame) -> Section:
