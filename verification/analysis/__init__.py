@@ -15,6 +15,7 @@ from verification.analysis.extrapolation import (
     refinement_limits,
     richardson,
 )
+from verification.analysis.pairs import pairwise_outcomes
 from verification.analysis.profiles import (
     Costs,
     budget_profile,
@@ -50,6 +51,7 @@ __all__ = [
     "fit_slope",
     "hermite_limit",
     "lambda_limits",
+    "pairwise_outcomes",
     "performance_profile",
     "rates",
     "rates_by_size",

@@ -102,7 +102,7 @@ def costs(
         bad = value[good & ~((value > 0) & np.isfinite(value))][0]
         raise InputError(measure, float(bad), "no cost of a solved run", "name another measure")
     frame = results[[*problem]].assign(
-        _solver=_labels(results, solver),
+        _solver=solver_names(results, solver),
         _cost=np.where(good, value, inf),
         _unit=1.0 if per is None else numbers(results, per),
     )
@@ -135,7 +135,8 @@ def costs(
     return Costs(frame, np.array(units, dtype=float)[kept], int((~alive).sum()), filters)
 
 
-def _labels(results: pd.DataFrame, solver: Sequence[str]) -> list[str]:
+def solver_names(results: pd.DataFrame, solver: Sequence[str] = SOLVER) -> list[str]:
+    """Return the name of the solver of each run: its values of some columns, empty ones omitted."""
     columns = [results[name] for name in solver]
     return [
         " ".join(str(value) for value in values if not pd.isna(value) and value != "")

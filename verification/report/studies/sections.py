@@ -17,6 +17,7 @@ from verification.report.studies.convergence import (
 from verification.report.studies.solvers import (
     accuracy_blocks,
     effort_section,
+    pairs_table,
     rates_table,
     sizes_table,
     solvers_section,
@@ -84,6 +85,7 @@ def solvers(results: pd.DataFrame) -> Section | None:
         slowest = float(np.nanmax(numbers(runs, "solve_time"), initial=_LEAST))
         section = solvers_section(runs, solved_by="verdict", unsolved="drop", limit=slowest)
         blocks += [Text(_COMPARABLE), *section.blocks]
+    blocks.append(pairs_table(plain, results))
     return Section("solvers", "Backends side by side", blocks)
 
 

@@ -10,18 +10,21 @@ from verification.analysis import (
     costs_of_accuracy,
     data_profile,
     efforts,
+    pairwise_outcomes,
     performance_profile,
     rates,
     rates_by_size,
     residual_means,
     shifted_geometric_means,
 )
+from verification.analysis.noise import noise
 from verification.analysis.profiles import Costs
 from verification.analysis.sizes import UNKNOWNS
 from verification.report.blocks import (
     Anchor,
     Column,
     Columns,
+    Details,
     Drawing,
     Gallery,
     Section,
@@ -128,6 +131,37 @@ def sizes_table(results: pd.DataFrame) -> Table:
         *_RATES,
     )
     return Table(columns, rates_by_size(results), "Success by size of the problem")
+
+
+def pairs_table(results: pd.DataFrame, measured: pd.DataFrame) -> Details:
+    """Return a table of the outcomes of each pair of solvers.
+
+    Args:
+        results: One row for each problem, backend and coupling.
+        measured: All runs of the comparison, whose calibrations show the noise of the machine.
+    """
+    columns = (
+        Column("first", "solver A"),
+        Column("second", "solver B"),
+        Column("problems", "problems run by both", ".0f"),
+        Column("both", "solved by both", ".0f"),
+        Column("first_faster", "A faster", ".0f"),
+        Column("tie", "tie", ".0f"),
+        Column("second_faster", "B faster", ".0f"),
+        Column("only_first", "only A solved", ".0f"),
+        Column("only_second", "only B solved", ".0f"),
+        Column("neither", "neither solved", ".0f"),
+    )
+    found = noise(measured)
+    tie = (
+        f"Times whose ratio is at most {found.factor:.3g} tie, because the noise of the machine can"
+        " explain the difference."
+        if np.isfinite(found.factor)
+        else "The noise of the machine is unknown, so no solver counts as faster."
+    )
+    text = Text(f"A problem is solved if the verdict confirms what the backend answered. {tie}")
+    outcomes = Table(columns, pairwise_outcomes(results, found))
+    return Details("Outcomes of each pair of solvers", [text, outcomes])
 
 
 def accuracy_blocks(results: pd.DataFrame) -> list[Gallery | Table]:
