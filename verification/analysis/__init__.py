@@ -25,7 +25,13 @@ from verification.analysis.profiles import (
     rates,
     shifted_geometric_means,
 )
-from verification.analysis.sizes import accuracies, answers, rates_by_size, residual_means
+from verification.analysis.sizes import (
+    accuracies,
+    answers,
+    rates_by_size,
+    residual_means,
+    separate_residual_means,
+)
 from verification.analysis.slopes import (
     Slope,
     fit_slope,
@@ -60,6 +66,7 @@ __all__ = [
     "regularisation_slopes",
     "residual_means",
     "richardson",
+    "separate_residual_means",
     "shifted_geometric_means",
     "slopes",
     "step_orders",

@@ -5,7 +5,7 @@ Only what a backend answered itself counts, as in `verification.analysis.profile
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import exp, inf, nan
+from math import exp, expm1, inf, nan
 
 import numpy as np
 import pandas as pd
@@ -29,6 +29,14 @@ SIZES = (100, 1000, 10_000)
 """Largest number of unknowns of each class of problems; the last class has no limit."""
 UNKNOWNS = "unknowns"
 """Column with the size class of a problem."""
+RESIDUALS = (
+    *("equilibrium", "yield_violation", "cone"),
+    *("divergence", "penetration", "flow", "slip"),
+    "gap",
+)
+"""Residuals of the certificate, of forces, of velocities and of both."""
+RESIDUAL_SHIFT = 1e-12
+"""Shift of their geometric means: smaller residuals count alike."""
 LEAST_RESIDUAL = 1e-16  # round-off: the logarithm of 0 has no mean
 
 
@@ -148,6 +156,40 @@ def residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.Data
             }
         )
     return table(rows, [*by, "measured", "mean_residual", "worst_residual", "worst_error"])
+
+
+def separate_residual_means(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:
+    """Return the shifted geometric mean of each residual of the certified runs of each solver.
+
+    Args:
+        results: One row for each run.
+        by: Columns that name a solver.
+
+    Returns:
+        Columns `by`, and a column ``mean_NAME`` for each of `RESIDUALS`,
+        ``exp(mean(log(residual + shift))) - shift`` with the shift `RESIDUAL_SHIFT`; NaN where no
+        run has this residual.
+
+    Raises:
+        InputError: There is no such column.
+    """
+    rows = [
+        names
+        | {
+            f"mean_{name}": _shifted_mean(numbers(part, f"residual_{name}"))
+            for name in RESIDUALS
+            if f"residual_{name}" in part.columns
+        }
+        for names, part in groups(accuracies(results), by)
+    ]
+    return table(rows, [*by, *(f"mean_{name}" for name in RESIDUALS)])
+
+
+def _shifted_mean(residual: Floats) -> float:
+    known = np.abs(residual[np.isfinite(residual)])
+    if not known.size:
+        return nan
+    return RESIDUAL_SHIFT * expm1(float(np.log1p(known / RESIDUAL_SHIFT).mean()))
 
 
 def answers(results: pd.DataFrame, by: Sequence[str] = SOLVER) -> pd.DataFrame:

@@ -5,7 +5,13 @@ import pandas as pd
 import pytest
 
 import lacore as la
-from verification.analysis import accuracies, answers, rates_by_size, residual_means
+from verification.analysis import (
+    accuracies,
+    answers,
+    rates_by_size,
+    residual_means,
+    separate_residual_means,
+)
 from verification.analysis.sizes import size_classes, with_size_classes
 
 HELPER = "lacore (path following)"
@@ -80,6 +86,19 @@ def test_residual_means_are_geometric():
     assert found["mean_residual"].tolist() == pytest.approx([1e-6, 1e-16])
     assert found["worst_residual"].tolist() == [1e-4, 0.0]
     assert found["worst_error"].tolist() == [0.5, 0.2]
+
+
+def test_separate_residuals_have_means_of_their_own():
+    """Of certified runs: flow 1e-8 and 1e-6; gap 1e-9 and 1e-4; shifted by 1e-12."""
+    found = separate_residual_means(results()).set_index("backend")
+    shift = 1e-12
+    flow = np.sqrt((1e-8 + shift) * (1e-6 + shift)) - shift
+    gap = np.sqrt((1e-9 + shift) * (1e-4 + shift)) - shift
+    assert found.loc["a", "mean_flow"] == pytest.approx(flow, rel=1e-9)
+    assert found.loc["a", "mean_gap"] == pytest.approx(gap, rel=1e-9)
+    assert found.loc["b", "mean_gap"] == 0.0
+    assert np.isnan(found.loc["b", "mean_flow"])
+    assert found["mean_cone"].isna().all()  # older results have no such residual
 
 
 def test_results_without_residuals_have_no_accuracy():

@@ -15,13 +15,15 @@ from verification.analysis import (
     rates,
     rates_by_size,
     residual_means,
+    separate_residual_means,
     shifted_geometric_means,
 )
 from verification.analysis.noise import noise
 from verification.analysis.profiles import Costs
-from verification.analysis.sizes import UNKNOWNS
+from verification.analysis.sizes import RESIDUAL_SHIFT, RESIDUALS, UNKNOWNS
 from verification.report.blocks import (
     Anchor,
+    Block,
     Column,
     Columns,
     Details,
@@ -164,7 +166,7 @@ def pairs_table(results: pd.DataFrame, measured: pd.DataFrame) -> Details:
     return Details("Outcomes of each pair of solvers", [text, outcomes])
 
 
-def accuracy_blocks(results: pd.DataFrame) -> list[Gallery | Table]:
+def accuracy_blocks(results: pd.DataFrame) -> list[Block]:
     """Return charts of error and residual against time, and a table of the residuals.
 
     Values below `FLOOR` are drawn at it, because an exact result has no place on a logarithmic
@@ -194,9 +196,12 @@ def accuracy_blocks(results: pd.DataFrame) -> list[Gallery | Table]:
         Column("mean_residual", "residual, geometric mean", ".1e"),
         Column("worst_residual", "largest residual", ".1e"),
         Column("worst_error", "largest error %", ".3g", scale=100),
+        *(Column(f"mean_{name}", name.replace("_", " "), ".1e") for name in RESIDUALS),
     )
-    means = Table(columns, residual_means(results), "Accuracy of certified results")
-    return [*([Gallery(charts)] if charts else []), means]
+    separate = separate_residual_means(results)
+    joined = residual_means(results).merge(separate, on=["backend", "coupling"])
+    means = Table(columns, joined, "Accuracy of certified results")
+    return [*([Gallery(charts)] if charts else []), means, Text(_MEANS_NOTE, soft=True)]
 
 
 FLOOR = 1e-12
@@ -206,6 +211,13 @@ _ERROR_NOTE = (
     " for all exact backends."
 )
 _RESIDUAL_NOTE = "The residual is the largest one that is recomputed from the returned point."
+
+
+_MEANS_NOTE = (
+    "The last columns are geometric means of the separate residuals of the certificate, shifted by"
+    f" {RESIDUAL_SHIFT:g}: first those of forces, from divergence to slip those of velocities, then"
+    " the gap."
+)
 
 
 def _with_floor(found: pd.DataFrame, column: str) -> pd.DataFrame:
