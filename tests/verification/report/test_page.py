@@ -54,6 +54,12 @@ def test_svg_is_the_same_on_each_run():
     assert inline(fitted(), "a") == inline(fitted(), "a")
 
 
+def test_charts_have_neither_indentation_nor_empty_groups():
+    text = inline(fitted(), "a")
+    assert "<g></g>" not in text.replace("<g />", "<g></g>")
+    assert not re.search(r">\s+<", text)
+
+
 def test_svgs_on_one_page_share_no_id_and_refer_to_their_own():
     first, second = inline(fitted(), "one"), inline(fitted(), "two")
     assert ids(first)

@@ -71,6 +71,7 @@ def inline(chart: Chart, name: str) -> Markup:
         element.attrib = {key.rpartition("}")[2]: text for key, text in element.attrib.items()}
     _drop(root, _OWN_DOCUMENT)
     _rename(root, name)
+    _trim(root)
     for element in root.iter():
         _theme(element)
     root.attrib = {
@@ -124,6 +125,18 @@ def _rename(root: ElementTree.Element, name: str) -> None:
                 element.set(key, f"#{ids[text[1:]]}")
             elif "url(#" in text:
                 element.set(key, re.sub(r"url\(#([^)]+)\)", lambda m: f"url(#{ids[m[1]]})", text))
+
+
+def _trim(root: ElementTree.Element) -> None:
+    """Remove groups without content and, outside of text, indentation."""
+    for parent in reversed(list(root.iter())):
+        for child in list(parent):
+            if child.tag == "g" and not child.attrib and len(child) == 0:
+                parent.remove(child)
+        if parent.tag not in ("text", "tspan"):
+            parent.text = (parent.text or "").strip() or None
+            for child in parent:
+                child.tail = (child.tail or "").strip() or None
 
 
 def _theme(element: ElementTree.Element) -> None:
