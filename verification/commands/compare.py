@@ -130,7 +130,7 @@ def compare(
     from verification.perform.processes import run_in_processes
     from verification.report.reporting import GrowingReport, write_report
     from verification.store.provenance import describe
-    from verification.store.results import RESULTS, as_table, export
+    from verification.store.results import RESULTS, as_table
     from verification.store.store import NAME
     from verification.verdicts.tally import tally
 
@@ -144,8 +144,6 @@ def compare(
     else:
         runs = comparison.plan(cases, backends, meshes, couplings, known)
     runs = with_options(with_unusable(runs, backends), options)
-    set_options = settings(runs)
-    export(set_options, out / "settings.csv")
     growing = GrowingReport(runs, out)
     with resumable(out / NAME, growing.write):
         with progress.watching(len(runs)) as watch:
@@ -173,7 +171,7 @@ def compare(
         document = {
             "summary": vars(count),
             "cases": [one.record() for one in summaries(outcomes)],
-            "settings": set_options.to_dict("records"),
+            "settings": settings(runs).to_dict("records"),
             "noise": noise(results).record(),
             "rates": analysis.rates(results, ["backend"]).to_dict("records"),
             "couplings": analysis.couplings(results).to_dict("records"),

@@ -8,6 +8,7 @@ from math import isfinite
 import pandas as pd
 
 from verification.analysis import couplings
+from verification.analysis.settings import settings
 from verification.case import EXACT, SOLVER, Case
 from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
@@ -56,6 +57,8 @@ from verification.verdicts.tally import Tally as Verdicts
 from verification.verdicts.tally import tally
 from verification.verdicts.words import BOUND_ONLY, FAIL, NO_REFERENCE, NO_RESULT
 
+SETTINGS = "settings.csv"
+"""Table of the options of all backends, in the folder of a report."""
 _SHOWN = 8
 """Lines of a list that are shown; the others are in a fold."""
 
@@ -115,7 +118,11 @@ def compared(
             )
             for file, section in pages.items()
         },
-        {RESULTS: results_csv(outcomes), PROVENANCE: provenance_json(machine)},
+        {
+            RESULTS: results_csv(outcomes),
+            SETTINGS: settings_csv(outcomes),
+            PROVENANCE: provenance_json(machine),
+        },
     )
 
 
@@ -182,6 +189,7 @@ def _downloads() -> Pages:
     return Pages(
         [
             Page("results.csv", RESULTS, "All runs, with settings, residuals, times and verdicts."),
+            Page("settings.csv", SETTINGS, "All options of the backends, with their defaults."),
             Page(
                 "provenance.json",
                 PROVENANCE,
@@ -199,6 +207,11 @@ def results_csv(outcomes: Sequence[Outcome]) -> str:
     """
     records = (outcome.record() | commands_of(outcome.run) for outcome in outcomes)
     return quoted(as_table(records)).to_csv(index=False)
+
+
+def settings_csv(outcomes: Sequence[Outcome]) -> str:
+    """Return the options of all backends that were run as CSV, see `settings`."""
+    return quoted(settings(outcome.run for outcome in outcomes)).to_csv(index=False)
 
 
 def provenance_json(machine: Mapping[str, str]) -> str:

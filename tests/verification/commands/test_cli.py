@@ -81,6 +81,7 @@ def test_a_comparison_states_its_settings_and_the_noise_of_the_machine(compared)
     assert settings[1].startswith("clarabel,default,tolerance,1e-10,1e-10,False")
     index = (out / "index.html").read_text(encoding="utf-8")
     assert 'id="settings"' in index
+    assert 'href="settings.csv"' in index
     assert re.search("The short solve was repeated|The noise is unknown", index)
     head = (out / "results.csv").read_text().partition("\n")[0].split(",")
     times = {"compile_time", "solver_time", "reported_time", "calibration_before", "options"}
