@@ -113,6 +113,7 @@ linear-3:     a = 1: {pressure(_WHOLE, 1.0):.6f}, a = 1.5: {pressure(_WHOLE, 1.5
     meshes={
         "coarse": {"n_radial": 4, "n_angular": 8},
         "medium": {"n_radial": 8, "n_angular": 16},
+        "fine": {"n_radial": 16, "n_angular": 32},
     },
     build=build,
     reference=reference,
