@@ -55,7 +55,7 @@ def run_limit_state(
         options={**limit, **run.options},
     )
     evidence = evidence_of(state)
-    refuted = refutation(_claimed(state), evidence.residuals)
+    refuted = refutation(claims_success(state), evidence.residuals)
     verdict, why = judge(state, reference, band, run.insist, refuted)
     if state.coupling == "associated" and reference.associated is not None:
         reference = reference.of_associated()
@@ -108,7 +108,7 @@ def _row(names: Mapping[str, Any], state: la.LimitState) -> Row:
         energy=values.energy if values else nan,
         contraction=state.contraction,
         iterations=float(state.history["inner_iterations"].sum()),
-        claimed=_claimed(state),
+        claimed=claims_success(state),
         **_times(state),
     )
 
@@ -123,6 +123,6 @@ def _times(state: la.LimitState) -> dict[str, Any]:
     }
 
 
-def _claimed(state: la.LimitState) -> bool:
+def claims_success(state: la.LimitState) -> bool:
     """Whether the solver itself called its last inner solve solved."""
     return bool(state.history["inner_status"].iloc[-1] == la.Status.SOLVED.label)

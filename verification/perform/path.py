@@ -18,6 +18,7 @@ from verification.case import Band, Reference
 from verification.case.following import Following
 from verification.evidence.limit_state import records
 from verification.evidence.path import packed_step
+from verification.perform.limit_state import claims_success
 from verification.perform.limits import shorter_limit
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
@@ -88,6 +89,8 @@ def run_path(
         message=path.message,
         energy=state.regularised.energy if state is not None and state.regularised else nan,
         ending=path.status.label,
+        claimed=state is not None and claims_success(state),
+        answered_by=state.answered_by if state is not None else "",
         path_error=largest_error(loads, exact),
         volume_change=_volume_change(path),
         reading=nan if stated.reading is None else stated.reading.of(path),
