@@ -1,4 +1,4 @@
-"""Errors that name the field, the value and the mend."""
+"""Errors that name the field, the value and the fix."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ class LacoreError(Exception):
 class InputError(LacoreError, ValueError):
     """A statement of the problem that cannot be right; raised before any solve.
 
-    The message reads ``field = value: why; mend``.
+    The message reads ``field = value: why; fix``.
     """
 
-    def __init__(self, field: str, value: object, why: str, mend: str) -> None:
-        self.field, self.value, self.why, self.mend = field, value, why, mend
+    def __init__(self, field: str, value: object, why: str, fix: str) -> None:
+        self.field, self.value, self.why, self.fix = field, value, why, fix
         shown = "" if value is None else f" = {_short(value)}"
-        super().__init__(f"{field}{shown}: {why}; {mend}")
+        super().__init__(f"{field}{shown}: {why}; {fix}")
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Pickle by the arguments: the message alone would not build it again."""
-        return type(self), (self.field, self.value, self.why, self.mend)
+        return type(self), (self.field, self.value, self.why, self.fix)
 
 
 def install_command(extra: str) -> str:
@@ -134,7 +134,7 @@ def _package(kind: type) -> str:
     return kind.__module__.partition(".")[0]
 
 
-def _wrong_kind(field: str, value: object, kinds: Sequence[type], mend: str | None) -> InputError:
+def _wrong_kind(field: str, value: object, kinds: Sequence[type], fix: str | None) -> InputError:
     asked = [kind for kind in kinds if kind not in (str, NoneType)]
     if isinstance(value, type) and issubclass(value, tuple(asked)):
         return InputError(field, value.__name__, "the class itself", f"give {value.__name__}(...)")
@@ -144,7 +144,7 @@ def _wrong_kind(field: str, value: object, kinds: Sequence[type], mend: str | No
     why, give = next((_KINDS[kind] for kind in _KINDS if issubclass(asked[0], kind)), (why, give))
     why = f"None: {why}" if value is None else why
     give = f"{give}, or leave it out" if NoneType in kinds else give
-    return InputError(field, value, why, mend or give)
+    return InputError(field, value, why, fix or give)
 
 
 def suggest(name: str, known: Iterable[str]) -> str:
@@ -213,7 +213,7 @@ def require_range(field: str, *values: object) -> None:
                 largest,
                 f"outside of {_RANGE[0]:g} to {_RANGE[1]:g}: products of such numbers overflow,"
                 " or vanish",
-                "mend it, or give everything in other units",
+                "fix it, or give everything in other units",
             )
 
 

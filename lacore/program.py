@@ -355,14 +355,14 @@ def require_finite(program: KinematicProgram) -> None:
             )
 
 
-def require_homogeneous(program: KinematicProgram, field: str, mend: str) -> None:
+def require_homogeneous(program: KinematicProgram, field: str, fix: str) -> None:
     """Raise `InputError` for a program of a step of a path: how fast it moves is given there."""
     if not program.homogeneous:
         raise InputError(
             field,
             None,
             "a state within a step of a path hardens, or closes a distance, at a given speed",
-            mend,
+            fix,
         )
 
 

@@ -35,7 +35,7 @@ class Place:
     ours: bool
 
     @property
-    def mend(self) -> str:
+    def fix(self) -> str:
         """How to fix a wrong place; empty if the place is right."""
         if self.ours:
             return ""
@@ -72,7 +72,7 @@ def hidden(*packages: str) -> str:
         packages: Names to check; all packages of lacore if none is given. Others are ignored.
     """
     wanted = [name for name in packages or PACKAGES if name in PACKAGES]
-    return "; ".join(own.mend for own in map(place, wanted) if own.path and not own.ours)
+    return "; ".join(own.fix for own in map(place, wanted) if own.path and not own.ours)
 
 
 def _found(package: str, first: Sequence[str]) -> ModuleSpec | None:

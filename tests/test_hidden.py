@@ -152,13 +152,13 @@ def test_nothing_is_hidden_here():
         own = place(name)
         assert own.ours
         assert Path(own.path).name == name
-        assert own.mend == ""
+        assert own.fix == ""
 
 
 def test_a_package_that_is_nowhere_is_missing(monkeypatch):
     monkeypatch.setattr(sys, "meta_path", [])
     monkeypatch.delitem(sys.modules, "backends", raising=False)
-    assert "install lacore again" in place("backends").mend
+    assert "install lacore again" in place("backends").fix
     assert hidden("backends") == ""  # nothing hides it
 
 

@@ -103,8 +103,8 @@ def crushing_bracket(
     require_count("crushing_bracket.rounds", rounds)
     laws = laws_of_crushing(problem)
     if not laws:
-        mend = "give lacore.BlockAssembly3D(..., crushing=strength in Pa)"
-        raise InputError("crushing_bracket.problem", None, "no joint of it crushes", mend)
+        fix = "give lacore.BlockAssembly3D(..., crushing=strength in Pa)"
+        raise InputError("crushing_bracket.problem", None, "no joint of it crushes", fix)
     rows, kept, lower, upper = [], problem, None, None
     for number in range(rounds):
         stated = with_cells(problem, laws, "below")

@@ -318,7 +318,7 @@ def _bound(
     elif status is Status.NOT_CERTIFIED and last.after is not None:
         message = (
             f"not certified: stresses stay {last.after.equilibrium:.1e} of the load out of"
-            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; {_mend(model)}"
+            f" equilibrium, or beyond strength by {last.after.yield_violation:.1e}; {_fix(model)}"
         )
     elif status is Status.SOLVED and last.after is not None:
         message = (
@@ -345,7 +345,7 @@ def _bound(
     )
 
 
-def _mend(model: StaticModel) -> str:
+def _fix(model: StaticModel) -> str:
     """What to do about stresses that are not admissible in the end."""
     dead, bodies = model.full.dead_load, {name: own.body for name, own in model.bodies.items()}
     weak = {name: own for name, body in bodies.items() if (own := hardly_any(body, dead))}
@@ -357,4 +357,4 @@ def _mend(model: StaticModel) -> str:
             for name, own in weak.items()
         )
     angle = min(map(smallest_angle, bodies.values()))
-    return f"tighten the backend's tolerance, or mend the mesh (smallest angle {angle:.2g} degrees)"
+    return f"tighten the backend's tolerance, or fix the mesh (smallest angle {angle:.2g} degrees)"

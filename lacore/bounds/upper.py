@@ -55,7 +55,7 @@ from lacore.status import Rigor, Status
 _BOUNDED = "ask for the bound of a problem, or of a state of lacore.solve"
 _PARTS = 8  # into which the edges of an element are divided
 _INSIDE = 1e-4  # residual of a velocity that is inside, and need not be the best
-_MEND = "tighten the backend's tolerance, or mend the mesh"
+_MEND = "tighten the backend's tolerance, or fix the mesh"
 _NOISE = 1e-7  # strain of a body per largest term of its sums: less, and it may be rigid
 
 

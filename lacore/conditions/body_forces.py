@@ -52,11 +52,11 @@ class BodyForce(Compact):
     def __post_init__(self) -> None:
         given = self.vector
         if not isinstance(given, Sequence | np.ndarray) or len(given) not in (2, 3):
-            mend = (
+            fix = (
                 "give two components, in space three, each a number in N/m^3 or a function of"
                 " coordinates"
             )
-            raise InputError("BodyForce.vector", given, "not a vector", mend)
+            raise InputError("BodyForce.vector", given, "not a vector", fix)
         own = tuple(_taken(f"BodyForce.vector[{axis}]", one) for axis, one in enumerate(given))
         # All of them: beside others a tiny one is what turning a frame leaves of a zero.
         require_range("BodyForce.vector", np.concatenate([_numbers(one) for one in own]))
@@ -117,8 +117,8 @@ class BodyForce(Compact):
             if values is not None:
                 if len(values) != count:
                     why = f"there are {count} elements or blocks"
-                    mend = "give one for each, whatever `where`"
-                    raise InputError(place, f"{len(values)} values", why, mend)
+                    fix = "give one for each, whatever `where`"
+                    raise InputError(place, f"{len(values)} values", why, fix)
                 found.append(values[parts])
             elif callable(own):
                 found.append(_called(place, own, places))

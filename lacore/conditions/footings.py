@@ -20,8 +20,8 @@ TURNS = ("x", "y", "z", "xy", "xz", "yz", "xyz")
 def check_vector(field: str, vector: Sequence[float], unit: str) -> None:
     """Raise `InputError` where a value is no vector of the plane or of space."""
     if not is_vector(vector):
-        mend = f"give two finite numbers in {unit}, in space three"
-        raise InputError(field, vector, "not a vector", mend)
+        fix = f"give two finite numbers in {unit}, in space three"
+        raise InputError(field, vector, "not a vector", fix)
     require_range(field, vector)
 
 
@@ -216,8 +216,8 @@ class Twist(Footing):
             if name == "axis":
                 _check_place("Twist.axis", self.axis)
             if not np.any(given):
-                mend = f"give {'an' if name == 'axis' else 'a'} {name} != 0"
-                raise InputError(f"Twist.{name}", given, "is zero: nothing would turn", mend)
+                fix = f"give {'an' if name == 'axis' else 'a'} {name} != 0"
+                raise InputError(f"Twist.{name}", given, "is zero: nothing would turn", fix)
         _check_place("Twist.through", self.through)
         length = hypot(*self.axis)
         object.__setattr__(self, "axis", tuple(float(c / length) for c in self.axis))

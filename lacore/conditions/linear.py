@@ -38,13 +38,13 @@ class Linear(Compact):
     def __post_init__(self) -> None:
         if not is_number(self.value):
             raise InputError("Linear.value", self.value, "not a number", "give a finite number")
-        mend = "give two finite numbers, in space three"
+        fix = "give two finite numbers, in space three"
         if not is_vector(self.gradient):
-            raise InputError("Linear.gradient", self.gradient, "not a vector", mend)
+            raise InputError("Linear.gradient", self.gradient, "not a vector", fix)
         if isinstance(self.at, tuple) and not self.at:
             object.__setattr__(self, "at", (0.0,) * len(self.gradient))
         if not (is_vector(self.at) and len(self.at) == len(self.gradient)):
-            raise InputError("Linear.at", self.at, "not a place of the space of gradient", mend)
+            raise InputError("Linear.at", self.at, "not a place of the space of gradient", fix)
         require_range("Linear", self.value, self.gradient)
         require_place("Linear.at", self.at)
 
@@ -85,8 +85,8 @@ class ByLevel(Compact):
         for name in ("levels", "values"):
             given = getattr(self, name)
             if not isinstance(given, Sequence | np.ndarray) or not all(map(is_number, given)):
-                mend = "give a list of finite numbers"
-                raise InputError(f"ByLevel.{name}", given, "not numbers", mend)
+                fix = "give a list of finite numbers"
+                raise InputError(f"ByLevel.{name}", given, "not numbers", fix)
             require_range(f"ByLevel.{name}", given)
         if len(self.levels) != len(self.values) or len(self.levels) < 2:
             why = f"{len(self.levels)} levels and {len(self.values)} values"
@@ -94,8 +94,8 @@ class ByLevel(Compact):
                 "ByLevel.values", self.values, why, "give two or more, as many of both"
             )
         if len(set(self.levels)) < len(self.levels):
-            mend = "give each once; what jumps makes regions"
-            raise InputError("ByLevel.levels", self.levels, "a level is there twice", mend)
+            fix = "give each once; what jumps makes regions"
+            raise InputError("ByLevel.levels", self.levels, "a level is there twice", fix)
         order = np.argsort(self.levels)
         for name in ("levels", "values"):
             given = getattr(self, name)

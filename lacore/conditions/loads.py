@@ -174,8 +174,8 @@ class PointForce(Compact):
     def __post_init__(self) -> None:
         check_vector("PointForce.vector", self.vector, "N/m")
         if not (isinstance(self.at, str) or is_vector(self.at)):
-            mend = "give (x, y), in space (x, y, z), or a name"
-            raise InputError("PointForce.at", self.at, "not a point", mend)
+            fix = "give (x, y), in space (x, y, z), or a name"
+            raise InputError("PointForce.at", self.at, "not a point", fix)
         if not isinstance(self.at, str):
             require_place("PointForce.at", self.at)
 

@@ -136,8 +136,8 @@ class Beyond(Compact):
         for name in ("point", "normal"):
             given = getattr(self, name)
             if not is_plane_vector(given):
-                mend = "give two finite numbers"
-                raise InputError(f"Beyond.{name}", given, "not a plane vector", mend)
+                fix = "give two finite numbers"
+                raise InputError(f"Beyond.{name}", given, "not a plane vector", fix)
             require_place(f"Beyond.{name}", given)
             object.__setattr__(self, name, tuple(map(float, given)))
         if not hypot(*self.normal):
@@ -167,8 +167,8 @@ def _require_plane(field: str, places: Floats) -> None:
     """Raise `InputError` of places in space: a line or a box there is another thing."""
     if len(places) != 2:
         why = "says places of the plane, and the body is one in space"
-        mend = "give a function of coordinates (3, n): lambda x: x[2] == 0"
-        raise InputError(field, None, why, mend)
+        fix = "give a function of coordinates (3, n): lambda x: x[2] == 0"
+        raise InputError(field, None, why, fix)
 
 
 def _slack(places: Floats) -> float:

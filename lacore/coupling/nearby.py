@@ -38,7 +38,7 @@ class Nearby(Compact):
             wrong = np.shape(values) != (count,) or not np.all(np.isfinite(values))
             if wrong or np.any(values < 0):
                 why = f"are not {count} numbers of 0 or more"
-                mend = "give those of a state with the same contact points, or leave them out"
-                raise InputError(name, None, why, mend)
+                fix = "give those of a state with the same contact points, or leave them out"
+                raise InputError(name, None, why, fix)
             found[name] = np.asarray(values, dtype=float) / scale
         return Nearby(**found)

@@ -262,7 +262,7 @@ def _values(part: _Part, name: str, shape: tuple[int, ...]) -> Any:
 
 @contextmanager
 def _said(what: str, place: File) -> Iterator[None]:
-    """What goes wrong with a file, as a sentence with its mend."""
+    """What goes wrong with a file, as a sentence with its fix."""
     try:
         yield
     except OSError as error:

@@ -98,8 +98,8 @@ def checked(
         InputError: a name, a shape or a table that is not one of this state.
     """
     if fault := misfit(discretisation.full, point):
-        mend = "change the parts of `state.point` with dataclasses.replace"
-        raise InputError("point", None, f"has {fault}", mend)
+        fix = "change the parts of `state.point` with dataclasses.replace"
+        raise InputError("point", None, f"has {fault}", fix)
     unlike = 0.0
     if stress is not None:
         point, unlike = _with_stress(discretisation, point, stress)

@@ -210,4 +210,4 @@ def friction_law(friction: float | Friction, field: str) -> Friction:
     try:
         return Coulomb(friction)
     except InputError as wrong:
-        raise InputError(field, friction, wrong.why, wrong.mend) from None
+        raise InputError(field, friction, wrong.why, wrong.fix) from None

@@ -172,13 +172,11 @@ class Swift(Compact):
     def __post_init__(self) -> None:
         require_positive("Swift.strength", self.strength)
         require_positive("Swift.offset", self.offset)
-        mend = "give an exponent from 0 (perfect) to 1 (linear)"
+        fix = "give an exponent from 0 (perfect) to 1 (linear)"
         if not is_number(self.exponent) or self.exponent > 1:
-            raise InputError(
-                "Swift.exponent", self.exponent, "not a number that is at most 1", mend
-            )
+            raise InputError("Swift.exponent", self.exponent, "not a number that is at most 1", fix)
         if self.exponent < 0:
-            raise _softening("Swift.exponent", self.exponent, mend)
+            raise _softening("Swift.exponent", self.exponent, fix)
 
     def stress(self, strain: Floats) -> Floats:
         """Yield stress, Pa."""
@@ -300,19 +298,19 @@ def _require_slope(field: str, law: HardeningLaw) -> None:
         )
 
 
-def _softening(field: str, value: object, mend: str) -> InputError:
+def _softening(field: str, value: object, fix: str) -> InputError:
     why = "softens, which makes a step of sequential limit analysis non-convex (T29)"
-    return InputError(field, value, why, mend)
+    return InputError(field, value, why, fix)
 
 
 def _numbers(field: str, values: Sequence[float]) -> tuple[float, ...]:
-    mend = "give a sequence of finite numbers"
+    fix = "give a sequence of finite numbers"
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise InputError(field, values, "not a sequence", mend)
+        raise InputError(field, values, "not a sequence", fix)
     listed = tuple(values)
     for place, value in enumerate(listed):
         if not is_number(value):
-            raise InputError(f"{field}[{place}]", value, "not a finite number", mend)
+            raise InputError(f"{field}[{place}]", value, "not a finite number", fix)
     return tuple(map(float, listed))
 
 

@@ -1,4 +1,4 @@
-"""Meshes that cannot be right, or that solvers cannot work on, are refused with place and mend."""
+"""Meshes that cannot be right, or that solvers cannot work on, are refused with place and fix."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def check_mesh(mesh: MeshTri | MeshQuad, field: str) -> None:
 def check_finite(mesh: MeshTri | MeshQuad | MeshTet, field: str) -> None:
     """Refuse coordinates that are no numbers, or that cannot be multiplied."""
     if not np.all(np.isfinite(mesh.doflocs)):
-        raise InputError(field, None, "has vertices that are not finite", "mend the coordinates")
+        raise InputError(field, None, "has vertices that are not finite", "fix the coordinates")
     require_range(field, mesh.doflocs, np.ptp(mesh.p, axis=1))
 
 

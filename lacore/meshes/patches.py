@@ -112,8 +112,8 @@ def patches(parts: Sequence[Patch], crossed: bool = True) -> MeshTri:
     try:
         check_hanging(glued, "parts")
     except InputError as error:
-        mend = "let parts share whole sides, with as many cells (nx, ny) on both, graded alike"
-        raise InputError("parts", None, error.why, mend) from error
+        fix = "let parts share whole sides, with as many cells (nx, ny) on both, graded alike"
+        raise InputError("parts", None, error.why, fix) from error
     counts = np.cumsum([0, *(mesh.nelements for mesh in own)])
     names: dict[str, list[Floats]] = {}
     for part, begin, end in zip(parts, counts[:-1], counts[1:], strict=True):

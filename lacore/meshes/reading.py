@@ -189,7 +189,7 @@ def _groups(file: Any, block: int, dim: int) -> Iterator[tuple[str, Ints]]:
 def _places(points: Floats, elements: Ints, dimension: int, shown: str) -> Floats:
     """Coordinates of nodes, (n, 3), or (n, 2) of those in a plane of constant z."""
     if not np.all(np.isfinite(points)):
-        raise InputError("path", shown, "has nodes that are not finite", "mend their coordinates")
+        raise InputError("path", shown, "has nodes that are not finite", "fix their coordinates")
     require_range(f"path = {shown!r}, coordinates", points)
     used = points[np.unique(elements)]
     if points.shape[1] > dimension:
@@ -284,8 +284,8 @@ def _restricted(mesh: MeshTri | MeshTet, surface: str) -> MeshTri | MeshTet:
     groups = mesh.subdomains or {}
     kinds = _NAMES[mesh.p.shape[0]][4]
     if surface not in groups:
-        mend = suggest_all(surface, groups) if groups else f"give none: the file names no {kinds}"
-        raise InputError("surface", surface, f"no such group of {kinds}", mend)
+        fix = suggest_all(surface, groups) if groups else f"give none: the file names no {kinds}"
+        raise InputError("surface", surface, f"no such group of {kinds}", fix)
     part = mesh.restrict(groups[surface])
     sides = {name: facets for name, facets in (part.boundaries or {}).items() if facets.size}
     return (

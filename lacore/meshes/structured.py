@@ -72,8 +72,8 @@ def _row(
     if grade is None:
         return np.linspace(start, stop, cells + 1)
     if not (isinstance(grade, Sequence | np.ndarray) and len(grade) == 2):
-        mend = "give (at, ratio): a place, and the largest cell per smallest"
-        raise InputError(graded_by, grade, "not a pair", mend)
+        fix = "give (at, ratio): a place, and the largest cell per smallest"
+        raise InputError(graded_by, grade, "not a pair", fix)
     at, ratio = grade
     if not start <= at <= stop:
         raise InputError(

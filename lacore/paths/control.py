@@ -156,8 +156,8 @@ class ToolTravel(Compact):
         for name, own in self.velocity.items():
             field = f"ToolTravel.velocity[{name!r}]"
             if name not in tools:
-                mend = f"give one of {sorted(tools)}" if tools else "add a lacore.RigidBlock"
-                raise InputError(field, own, "no rigid block has this name", mend)
+                fix = f"give one of {sorted(tools)}" if tools else "add a lacore.RigidBlock"
+                raise InputError(field, own, "no rigid block has this name", fix)
             if not is_vector(own) or len(own) not in (2, 3):
                 raise InputError(field, own, "not a velocity", "give (x, y), or (x, y, turn)")
             found[name] = np.array([*own, 0.0][:3], dtype=float)

@@ -59,8 +59,8 @@ def check_load_dimension(load: Load, field: str, dimension: int) -> None:
     """Raise `InputError` where a vector or a place of a load is of another space than its body."""
     if isinstance(load, Twist) and dimension == 2:
         why = "a plate that twists turns about an axis in space, and the body is one of the plane"
-        mend = "give a body in space, or another load"
-        raise InputError(field, "Twist", why, mend)
+        fix = "give a body in space, or another load"
+        raise InputError(field, "Twist", why, fix)
     for name, given in _vectors(load).items():
         _require(f"{field}.{name}", given, dimension)
 
@@ -71,26 +71,26 @@ def check_support_dimension(support: Fix, field: str, dimension: int) -> None:
         return
     if dimension == 3 and support.components == "xy":
         why = "in space that would leave z free"
-        mend = "give 'xyz' to hold all; if z is meant to be free, two supports, 'x' and 'y'"
+        fix = "give 'xyz' to hold all; if z is meant to be free, two supports, 'x' and 'y'"
     else:
         why = f"of {SPACES[dimension]} there is no such support"
-        mend = f"give one of {', '.join(COMPONENTS[dimension])}"
-    raise InputError(f"{field}.components", support.components, why, mend)
+        fix = f"give one of {', '.join(COMPONENTS[dimension])}"
+    raise InputError(f"{field}.components", support.components, why, fix)
 
 
 def check_interface_dimension(interface: Interface, field: str, dimension: int) -> None:
     """Raise `InputError` where an obstacle is of another space than the body that it touches."""
     if interface.bonded and dimension == 3:
         why = "nothing in space has bonds that could break yet"
-        mend = "make what never parts one body or polyhedron, hold it by a Fix, or give a friction"
-        raise InputError(f"{field}.friction", "BOND", why, mend)
+        fix = "make what never parts one body or polyhedron, hold it by a Fix, or give a friction"
+        raise InputError(f"{field}.friction", "BOND", why, fix)
     obstacle = interface.obstacle
     if obstacle is None:
         return
     if obstacle.shape is not None and dimension == 3:
         why = "faces that are no planes are of two dimensions"
-        mend = "give RigidObstacle(point=(x, y, z), normal=(nx, ny, nz))"
-        raise InputError(f"{field}.master", obstacle.shape, why, mend)
+        fix = "give RigidObstacle(point=(x, y, z), normal=(nx, ny, nz))"
+        raise InputError(f"{field}.master", obstacle.shape, why, fix)
     if obstacle.point is not None:
         _require(f"{field}.master.point", obstacle.point, dimension)
 

@@ -170,11 +170,11 @@ def safety_factor(
     bodies = of_kind(problem.bodies, Body)
     if not bodies:
         why = "no body deforms: what is divided is the strength of criteria, and here is none"
-        mend = (
+        fix = (
             "give a lacore.Body; of a frame whose loads are all reference loads the load factor is"
             " that of its strength, and `lacore.critical` finds friction at which blocks fall"
         )
-        raise InputError("Problem.bodies", list(problem.bodies), why, mend)
+        raise InputError("Problem.bodies", list(problem.bodies), why, fix)
     for name, body in bodies.items():
         _check(name, body)
     if find_backend(backend).capabilities.regularised:
@@ -234,14 +234,14 @@ def _of_states(problem: Problem, interfaces: bool, tolerance: float, backend: st
     falls = history["factor"][history["load_factor"] < 1]
     upper = float(falls.min()) if falls.size else nan
     if isnan(lower) and upper <= _STRONGEST:
-        mend = "add supports, or less load" + ", or take `interfaces=True`" * (not interfaces)
+        fix = "add supports, or less load" + ", or take `interfaces=True`" * (not interfaces)
         why = f"it is not carried with strengths {1 / upper:.0f} times as large: friction decides"
-        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
+        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
     ends = tuple(states[factor] for factor in (lower, upper) if factor in states)
     if not ends:
         why = f"none of {len(rows)} states of weakened strengths is certified"
-        mend = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
-        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, mend)
+        fix = "see what `lacore.solve` says of it, and take a finer mesh or another backend"
+        raise InputError("safety_factor.problem", ", ".join(problem.bodies), why, fix)
     note = ends[-1].status.added(ends[-1].message) if ends[-1].status is Status.SOLVED else ""
     return SafetyFactor(lower, upper, history, problem, note, ends, interfaces)
 

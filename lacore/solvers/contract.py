@@ -226,14 +226,14 @@ def check_capable(backend: Backend, program: KinematicProgram) -> None:
             f" {program.largest_cone} rows (plane or solid bodies): take 'clarabel'"
         )
     if program.presses and not can.surfaces:
-        mend = (
+        fix = (
             "'clarabel-regularised' or 'newton'"
             if can.regularised
             else "'clarabel' or 'ipopt-static'"
         )
         raise CapabilityError(
             f"backend {backend.name!r} takes strengths that do not depend on pressure, and this"
-            f" problem has a material with friction or a cut-off: take {mend}"
+            f" problem has a material with friction or a cut-off: take {fix}"
         )
     if program.hardens and not can.hardening:
         states = "solves linear programs" if can.linear_only else "has costs linear in them only"

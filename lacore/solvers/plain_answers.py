@@ -35,7 +35,7 @@ class PlainAnswers:
         about["notes"] = list(map(str, getattr(error, "__notes__", ())))
         if isinstance(error, InputError):
             about |= {"raised": _INPUT, "field": str(error.field), "why": str(error.why)}
-            about |= {"value": _plain_or_text(error.value), "mend": str(error.mend)}
+            about |= {"value": _plain_or_text(error.value), "fix": str(error.fix)}
         elif isinstance(error, CapabilityError):
             about["raised"] = _CAPABILITY
         return plain.dumps({"error": about})
@@ -68,7 +68,7 @@ def _error(about: dict[str, Any]) -> Exception:
     raised = about.get("raised")
     error: Exception
     if raised == _INPUT:
-        error = InputError(about["field"], about["value"], about["why"], about["mend"])
+        error = InputError(about["field"], about["value"], about["why"], about["fix"])
     elif raised == _CAPABILITY:
         error = CapabilityError(about["text"])
     else:

@@ -1,4 +1,4 @@
-"""What errors say: the field, the value, the mend, in a line that can be read."""
+"""What errors say: the field, the value, the fix, in a line that can be read."""
 
 import inspect
 import pickle

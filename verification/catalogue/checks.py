@@ -235,7 +235,7 @@ def _called(function: Callable[..., Any], name: str, variant: Variant, *elements
             f"Case.{name}",
             None,
             f"fails for variant {variant.name!r}: {said(error)}",
-            f"mend {name}(), or the parameters of the variant",
+            f"fix {name}(), or the parameters of the variant",
         ) from error
 
 

@@ -138,14 +138,14 @@ def _of_file(path: Path) -> list[Case]:
     return _checked(value, str(path), f"give {wanted}")
 
 
-def _checked(value: Any, source: str, mend: str) -> list[Case]:
+def _checked(value: Any, source: str, fix: str) -> list[Case]:
     """Cases from a Case or a sequence of them, each checked."""
     cases = [value] if isinstance(value, Case) else value
     if not isinstance(cases, Sequence) or isinstance(cases, str) or not cases:
-        raise InputError(source, type(value).__name__, "not a case", mend)
+        raise InputError(source, type(value).__name__, "not a case", fix)
     for case in cases:
         if not isinstance(case, Case):
-            raise InputError(source, type(case).__name__, "not a case", mend)
+            raise InputError(source, type(case).__name__, "not a case", fix)
         with _reported(source, None):
             check(case)
     return list(cases)
@@ -193,7 +193,7 @@ def _reported(source: str, path: Path | None) -> Iterator[None]:
             yield
     except InputError as error:
         field = f"{source}: {error.field}"
-        raise InputError(field, error.value, error.why, error.mend) from error
+        raise InputError(field, error.value, error.why, error.fix) from error
     except (Exception, SystemExit) as error:  # whatever others wrote
         raise InputError(
             f"{source}{_line(error, path)}", None, said(error), "correct the file"

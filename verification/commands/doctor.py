@@ -107,10 +107,10 @@ def places() -> list[dict[str, str]]:
     records = []
     for name in PACKAGES:
         own, here = place(name), place(name, [str(Path.cwd())])
-        mend = own.mend
+        fix = own.fix
         if own.ours and not here.ours:
-            mend = f"for scripts in this folder {here.mend}"
-        records.append({"package": name, "loaded_from": own.path, "remedy": mend})
+            fix = f"for scripts in this folder {here.fix}"
+        records.append({"package": name, "loaded_from": own.path, "remedy": fix})
     return records
 
 

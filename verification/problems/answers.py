@@ -111,7 +111,7 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
         try:
             known(getattr(own, key))
         except InputError as error:
-            raise stated.source.error(("solve", key), error.value, error.why, error.mend) from error
+            raise stated.source.error(("solve", key), error.value, error.why, error.fix) from error
     if (width := more.get("bracket")) is not None:
         require_width("--bracket", width)
     goals = {"critical": more.get("critical", own.critical)}
@@ -137,10 +137,10 @@ def asked(stated: Stated, backend: str | None = None, **more: Any) -> Question:
     safety = bool(more.get("safety") or own.safety)
     interfaces = bool(more.get("interfaces") or own.interfaces)
     if interfaces and not safety:
-        why, mend = "has an effect only with --safety", "add --safety"
+        why, fix = "has an effect only with --safety", "add --safety"
         if own.interfaces:
-            raise stated.source.error(("solve", "interfaces"), True, why, mend)
-        raise InputError("--interfaces", None, why, mend)
+            raise stated.source.error(("solve", "interfaces"), True, why, fix)
+        raise InputError("--interfaces", None, why, fix)
     return Question(
         backend=backend or own.backend,
         coupling=own.coupling,

@@ -133,14 +133,14 @@ def check(name: str, stated: Stated, varied: Varied | None) -> None:
     least, most = MORE[name].cases
     if not least <= len(stated.cases) <= most:
         why = f"{name} needs {MORE[name].takes}, and the file has {len(stated.cases)}"
-        mend = 'assign each reference load to a case: case = "wind"'
-        raise stated.source.error(("reference_loads",), list(stated.cases), why, mend)
+        fix = 'assign each reference load to a case: case = "wind"'
+        raise stated.source.error(("reference_loads",), list(stated.cases), why, fix)
     if MORE[name].varies and varied is None:
         why = "needs a number that varies"
-        mend = "add --vary, or vary in [solve], such as 'arch.thickness=5 cm:20 cm'"
+        fix = "add --vary, or vary in [solve], such as 'arch.thickness=5 cm:20 cm'"
         if getattr(stated.asked, name) not in (None, False):
-            raise stated.source.error(("solve", name), None, why, mend)
-        raise InputError(f"--{name}", None, why, mend)
+            raise stated.source.error(("solve", name), None, why, fix)
+        raise InputError(f"--{name}", None, why, fix)
     if MORE[name].dead:
         with stated.locating():
             require_dead_loads(stated.problem)

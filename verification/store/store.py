@@ -271,7 +271,7 @@ def _damaged(path: Path, how: str) -> InputError:
 
 @contextmanager
 def _said(path: Path) -> Iterator[None]:
-    """What goes wrong with the file, as a sentence with its mend."""
+    """What goes wrong with the file, as a sentence with its fix."""
     try:
         yield
     except Timeout as error:

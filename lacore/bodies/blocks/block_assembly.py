@@ -261,8 +261,8 @@ class BlockAssembly(Shown):
                 field, where, "no part of the blocks", "give a name, names, or a function of (2, n)"
             )
         if chosen.size == 0:
-            mend = f"select at least one edge: the blocks lie in {spanned(*self.box)}"
-            raise InputError(field, None, "an empty outline", mend)
+            fix = f"select at least one edge: the blocks lie in {spanned(*self.box)}"
+            raise InputError(field, None, "an empty outline", fix)
         return chosen
 
 

@@ -67,8 +67,8 @@ def fill(
     below = np.minimum(start[1], end[1]) < level
     if not below.any():
         lowest = np.minimum(start[1], end[1]).min(initial=np.inf)
-        mend = f"the lowest edge that it could cover is at y = {lowest:.6g} m"
-        raise InputError("level", level, "the fill covers no edge", mend)
+        fix = f"the lowest edge that it could cover is at y = {lowest:.6g} m"
+        raise InputError("level", level, "the fill covers no edge", fix)
     edges = edges[below]
     start, end = _cut(start[:, below], end[:, below], level)
     normal = blocks.edges.normal[:, edges]

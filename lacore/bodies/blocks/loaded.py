@@ -189,6 +189,6 @@ def loaded_block(
     if len(names) != 1:
         why = f"lies on the blocks {', '.join(names)}" if names else "lies on no block"
         nearest = body.names[int(np.argmin(distance))]
-        mend = "say by `where` which one carries it" if names else f"the nearest is {nearest!r}"
-        raise InputError("PointForce.at", load.at, why, mend)
+        fix = "say by `where` which one carries it" if names else f"the nearest is {nearest!r}"
+        raise InputError("PointForce.at", load.at, why, fix)
     return blocks, at[:, None]

@@ -68,7 +68,7 @@ def _vertices(name: object, vertices: npt.ArrayLike, field: str) -> Floats:
             where, f"shape {points.shape}", "not a polygon", "give [(x, y), ...], shape (k, 2)"
         )
     if not np.all(np.isfinite(points)):
-        raise InputError(where, None, "has vertices that are not finite", "mend the coordinates")
+        raise InputError(where, None, "has vertices that are not finite", "fix the coordinates")
     require_range(where, points)
     if len(points) > 1 and np.array_equal(points[0], points[-1]):  # a copy, not a near point
         points = points[:-1]

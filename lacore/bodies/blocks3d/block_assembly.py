@@ -301,8 +301,8 @@ class BlockAssembly3D(Shown):
                 field, where, "no part of the blocks", "give a name, names, or a function of (3, n)"
             )
         if chosen.size == 0:
-            mend = f"select the centroid of a face: the blocks lie in {spanned(*self.box)}"
-            raise InputError(field, None, "no face", mend)
+            fix = f"select the centroid of a face: the blocks lie in {spanned(*self.box)}"
+            raise InputError(field, None, "no face", fix)
         return chosen
 
 
@@ -320,8 +320,8 @@ def _read(
         raise InputError(field, None, "there is no block", "give at least one polyhedron")
     for name, block in read.items():
         if not isinstance(block, Polyhedron):
-            mend = "give lacore.Polyhedron(vertices, faces)"
-            raise InputError(f"{field}[{name!r}]", block, "not a polyhedron", mend)
+            fix = "give lacore.Polyhedron(vertices, faces)"
+            raise InputError(f"{field}[{name!r}]", block, "not a polyhedron", fix)
     return read
 
 

@@ -84,8 +84,8 @@ def convex_pieces(
             for part in _cut(cell, normal[:, face], offset[face], corners, tolerance, near)
         ]
         if len(cells) > _MOST:
-            mend = "cut it into several blocks"
-            raise InputError(field, None, "reentrant faces cut it into too many pieces", mend)
+            fix = "cut it into several blocks"
+            raise InputError(field, None, "reentrant faces cut it into too many pieces", fix)
     middle = np.stack([cell.points.mean(axis=0) for cell in cells], axis=1)
     turns = _windings(middle, triangles)
     wrong = np.flatnonzero((turns != 0) & (turns != 1))
@@ -94,7 +94,7 @@ def convex_pieces(
             field,
             None,
             f"the surface crosses itself near {placed(middle[:, wrong[0]])} m",
-            "mend its faces, or cut the block into several",
+            "fix its faces, or cut the block into several",
         )
     return tuple(cell for cell, turn in zip(cells, turns, strict=True) if turn == 1)
 

@@ -96,7 +96,7 @@ class Polyhedron(Compact):
         require_polygons(points, edges, tolerance, "Polyhedron.faces")
         volume, centroid = _volume(points, edges)
         if not abs(volume) > _FLAT * size**3:
-            raise InputError("Polyhedron", None, "a block without volume", "mend its vertices")
+            raise InputError("Polyhedron", None, "a block without volume", "fix its vertices")
         if volume < 0:  # all faces look inward
             reverse = _reversed(edges)
             edges = closed_again(reverse, edges.counts, len(points))
@@ -174,7 +174,7 @@ def _points(vertices: npt.ArrayLike) -> Floats:
             f"Polyhedron.vertices[{first}]",
             points[first].tolist(),
             "not finite",
-            "mend the coordinates",
+            "fix the coordinates",
         )
     require_range("Polyhedron.vertices", points)
     return points

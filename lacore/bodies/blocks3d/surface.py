@@ -61,7 +61,7 @@ def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -
         a, b = edges[0][worst], edges[1][worst]
         many = met[np.flatnonzero(met != 2)[0]]
         why = "is open: one face only has it" if many == 1 else f"joins {many} faces"
-        mend = (
+        fix = (
             "give the missing face, or merge vertices that lie in one place"
             if many == 1
             else "let the surface nowhere touch itself, and give each block its own polyhedron"
@@ -71,7 +71,7 @@ def closed_surface(points: Floats, faces: Sequence[Sequence[int]], field: str) -
             None,
             f"the edge from {placed(points[a])} to {placed(points[b])} m (vertices {a}, {b}; face"
             f" {edges[2][worst]}) {why} (such edges: {np.count_nonzero(met != 2)})",
-            mend,
+            fix,
         )
     twin = np.empty_like(flat)
     twin[order[0::2]], twin[order[1::2]] = order[1::2], order[0::2]
@@ -110,7 +110,7 @@ def _numbers(points: Floats, faces: Sequence[Sequence[int]], field: str) -> tupl
     if short.size:
         face = short[0]
         raise InputError(
-            f"{field}[{face}]", listed[face], "fewer than 3 vertices", "remove it, or mend it"
+            f"{field}[{face}]", listed[face], "fewer than 3 vertices", "remove it, or fix it"
         )
     flat = np.array(list(chain.from_iterable(listed)))
     if flat.ndim != 1 or flat.dtype.kind not in "iu":

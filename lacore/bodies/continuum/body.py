@@ -278,7 +278,7 @@ def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> Non
     if type(mesh) not in (space.mesh, space.curved):
         triangles = space.mesh is MeshTri1
         wanted = "straight-edged triangles" if triangles else "quadrilaterals"
-        mend = (
+        fix = (
             "give a skfem.MeshTri (of curved boundaries: straight edges, geometry='approximated',"
             " or space='p2-gauss' on a MeshTri2;"
             " of quadrilaterals: mesh.to_meshtri(style='x'), or space='q2')"
@@ -289,6 +289,6 @@ def _check_mesh(mesh: MeshTri | MeshQuad | MeshTet, space: VelocitySpace) -> Non
             "Body.mesh",
             type(mesh).__name__,
             f"only {wanted} are taken by the space {space.name!r}",
-            mend,
+            fix,
         )
     check_mesh(mesh, "Body.mesh")

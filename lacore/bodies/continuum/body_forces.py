@@ -90,8 +90,8 @@ def elements_of(load: BodyForce, body: "Body", field: str) -> Ints:
     names = (load.where,) if isinstance(load.where, str) else load.where
     for name in names:
         if name not in known:
-            mend = suggest_all(str(name), known) if known else "the mesh has none: leave it out"
-            raise InputError(field, name, "no such region of the mesh", mend)
+            fix = suggest_all(str(name), known) if known else "the mesh has none: leave it out"
+            raise InputError(field, name, "no such region of the mesh", fix)
     parts = [np.asarray(known[name], dtype=np.int64) for name in names]
     return np.unique(np.concatenate(parts))
 

@@ -39,8 +39,8 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
     if isinstance(where, str):
         named = mesh.boundaries or {}
         if where not in named:
-            mend = suggest_all(where, named) if named else _UNNAMED
-            raise InputError(field, where, "no such boundary", mend)
+            fix = suggest_all(where, named) if named else _UNNAMED
+            raise InputError(field, where, "no such boundary", fix)
         facets = np.unique(np.asarray(named[where], dtype=np.int64))
         if np.any(mesh.f2t[1, facets] >= 0):
             raise InputError(
@@ -57,8 +57,8 @@ def boundary_facets(body: "Body", where: Where, field: str) -> Ints:
         )
     if facets.size == 0:
         shown = where if isinstance(where, str) else None
-        mend = f"select at least one boundary facet: the mesh lies in {spanned(*body.box)}"
-        raise InputError(field, shown, "an empty boundary", mend)
+        fix = f"select at least one boundary facet: the mesh lies in {spanned(*body.box)}"
+        raise InputError(field, shown, "an empty boundary", fix)
     return facets
 
 

@@ -77,8 +77,8 @@ def _traction(load: Traction, body: "Frame") -> Floats:
         raise InputError("Traction.where", None, "not a member", "give the name of a member")
     for name in wanted:
         if name not in body.member_names:
-            mend = suggest(str(name), body.member_names)
-            raise InputError("Traction.where", name, "no such member", mend)
+            fix = suggest(str(name), body.member_names)
+            raise InputError("Traction.where", name, "no such member", fix)
         if not body.section_of[body.member_names.index(name)].bends:
             why = "a bar, which carries axial force alone"
             raise InputError("Traction.where", name, why, "load its nodes")

@@ -110,12 +110,12 @@ def read_sections(
         for name, own in sections.items():
             require_known("Frame.sections", name, members)
             if not isinstance(own, Section):
-                mend = "give one of lacore.sections: standard('IPE 300', 235e6), bar(1e5), ..."
-                raise InputError(f"Frame.sections[{name!r}]", own, "not a section", mend)
+                fix = "give one of lacore.sections: standard('IPE 300', 235e6), bar(1e5), ..."
+                raise InputError(f"Frame.sections[{name!r}]", own, "not a section", fix)
             found[name] = own
     elif sections is not None:
-        mend = "give a section of lacore.sections, or {'member': section}"
-        raise InputError("Frame.sections", sections, "not a section", mend)
+        fix = "give a section of lacore.sections, or {'member': section}"
+        raise InputError("Frame.sections", sections, "not a section", fix)
     if isinstance(moment, Mapping):
         for name, value in moment.items():
             require_known("Frame.plastic_moment", name, members)

@@ -123,8 +123,8 @@ def fibres(parts: Sequence[Sequence[float]], name: str = "fibres") -> Section:
     shown = list(parts) if isinstance(parts, Sequence | np.ndarray) else parts
     good = isinstance(shown, list) and all(len(part) == 3 for part in shown if np.ndim(part) == 1)
     if not (good and shown and all(np.ndim(part) == 1 for part in shown)):
-        mend = "give [(y, tension, compression), ...], m and N/m"
-        raise InputError("parts", parts, "not fibres", mend)
+        fix = "give [(y, tension, compression), ...], m and N/m"
+        raise InputError("parts", parts, "not fibres", fix)
     for y, tension, compression in shown:
         if not (is_number(y) and all(is_number(s) and s >= 0 for s in (tension, compression))):
             raise InputError(
@@ -174,8 +174,8 @@ def bar(tension: float = inf, compression: float | None = None) -> Section:
     if tension != inf or compression != inf:
         for name, value in (("tension", tension), ("compression", compression)):
             if not (is_number(value) and value >= 0):
-                mend = "give N/m; of one that is far above the other a number, too"
-                raise InputError(name, value, "not a strength", mend)
+                fix = "give N/m; of one that is far above the other a number, too"
+                raise InputError(name, value, "not a strength", fix)
             require_range(name, value)
         if not tension + compression > 0:
             raise InputError("tension", tension, "a bar that bears nothing", "leave it out")

@@ -26,8 +26,8 @@ def require_apart(bodies: Mapping[str, AnyBody]) -> None:
         size = min(bodies[one].size, bodies[other].size)
         if common.area and depth_of(common) > _DEEP * size:
             why = f"{one} and {other} {overlap_told(here, there)}"
-            mend = "move one of them, or cut it out of the other"
-            raise InputError(f"bodies[{other!r}]", other, why, mend)
+            fix = "move one of them, or cut it out of the other"
+            raise InputError(f"bodies[{other!r}]", other, why, fix)
 
 
 @singledispatch

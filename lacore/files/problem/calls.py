@@ -60,7 +60,7 @@ class Own:
         arguments: of the method; None: it is no method.
         at: what of the file says it.
         entry: the entry of the file that names the body that the thing is of.
-        unless: why and mend, where that body has no such thing.
+        unless: why and fix, where that body has no such thing.
     """
 
     thing: Key

@@ -49,7 +49,7 @@ def checked(source: Source) -> tuple[ProblemFile, Sequence[Amount]]:
         first = min(told, key=lambda one: one[0])
         more = f" ({counted(len(told) - 1, 'more error')} after it)" if len(told) > 1 else ""
         wrong = first[1]
-        raise InputError(wrong.field, wrong.value, wrong.why, wrong.mend + more) from None
+        raise InputError(wrong.field, wrong.value, wrong.why, wrong.fix + more) from None
 
 
 def _whole(data: Mapping[str, Any]) -> frozenset[str]:
@@ -70,24 +70,24 @@ def _told(source: Source, one: Any) -> tuple[int, InputError]:
     path, context = _path(source.data, one["loc"]), one.get("ctx", {})
     kind = one["type"]
     if kind == "refused":
-        path, why, mend = (*path, *context["more"]), context["why"], context["mend"]
+        path, why, fix = (*path, *context["more"]), context["why"], context["fix"]
         value = None
     elif kind in ("union_tag_invalid", "union_tag_not_found"):
         key = context["discriminator"].strip("'")
         path = (*path, key)
         known = [name.strip(" '") for name in context.get("expected_tags", "").split(",")]
         value = context.get("tag")
-        why, mend = "unknown", suggest(str(value), known)
+        why, fix = "unknown", suggest(str(value), known)
         if kind == "union_tag_not_found":
-            value, why, mend = None, "missing", f"add {key}"
+            value, why, fix = None, "missing", f"add {key}"
     elif kind == "literal_error":
         known = context["expected"].replace(" or ", ", ").replace("'", "").split(", ")
         value = _at(source.data, path)
-        why, mend = "unknown", suggest(str(value), known)
+        why, fix = "unknown", suggest(str(value), known)
     else:
         value = _at(source.data, path)
-        why, mend = _SAID.get(kind, (str(one["msg"]), "see the examples of `lacore new`"))
-    error = source.error(path, value, why, mend)
+        why, fix = _SAID.get(kind, (str(one["msg"]), "see the examples of `lacore new`"))
+    error = source.error(path, value, why, fix)
     return source.line(path), error
 
 

@@ -54,7 +54,7 @@ class Stated:
             own = listed(self.program.call, self._inside(parts(error.field)), self.things)
             if not own and error.field.startswith("--"):
                 raise  # of the command line
-            raise self.source.error(own, error.value, error.why, error.mend) from error
+            raise self.source.error(own, error.value, error.why, error.fix) from error
 
     def _inside(self, path: Path) -> Path:
         """Where in the file is what an error of the problem is about."""
@@ -98,7 +98,7 @@ def stated_by(source: Source) -> Stated:
         problem, things = program.made()
     except MisfitError as misfit:
         error = misfit.error
-        raise source.error(misfit.at, error.value, error.why, error.mend) from error
+        raise source.error(misfit.at, error.value, error.why, error.fix) from error
     title = stated.title or source.file.stem
     cases: dict[str, list[int]] = {}
     nodes = program.call.arguments["reference_loads"]

@@ -45,8 +45,8 @@ class Source:
             data = tomllib.loads(text)
         except UnicodeDecodeError as error:
             line = raw.count(b"\n", 0, error.start) + 1
-            mend = "save it as UTF-8"
-            raise InputError(f"{shown}:{line}", None, "is not text in UTF-8", mend) from error
+            fix = "save it as UTF-8"
+            raise InputError(f"{shown}:{line}", None, "is not text in UTF-8", fix) from error
         except tomllib.TOMLDecodeError as error:
             raise _no_toml(shown, text, error) from error
         except RecursionError as error:
@@ -55,7 +55,7 @@ class Source:
             ) from error
         return cls(file, data, lines(text))
 
-    def error(self, path: Path, value: object, why: str, mend: str) -> InputError:
+    def error(self, path: Path, value: object, why: str, fix: str) -> InputError:
         """An error of what is at a path, or of the nearest thing around it that is there."""
         there, own = self._nearest(path)
         if own is not None and not isinstance(own, dict | list):
@@ -66,7 +66,7 @@ class Source:
             f"{self.file}:{self.line(path)}: {field}".rstrip(": "),
             None if shown == [] else shown,
             in_words_of_files(why),
-            in_words_of_files(mend),
+            in_words_of_files(fix),
         )
 
     def line(self, path: Path) -> int:
@@ -108,7 +108,7 @@ def _no_toml(shown: str, text: str, error: tomllib.TOMLDecodeError) -> InputErro
     line = numbers[0] if numbers else text.count("\n") + 1
     found = text.splitlines()[line - 1 : line]
     value = found[0].strip() if found else None
-    mend = "write key = value, tables as [name], and texts and numbers with units in quotes"
+    fix = "write key = value, tables as [name], and texts and numbers with units in quotes"
     why = _TWICE.sub("a key is given twice", why)
     said = f"is not valid TOML: {why[:1].lower()}{why[1:]}"
-    return InputError(f"{shown}:{line}: line", value, said, mend)
+    return InputError(f"{shown}:{line}: line", value, said, fix)

@@ -65,8 +65,8 @@ def tagged(thing: object, field: str) -> Table:
 
 def _hardening(law: Any, field: str) -> Table:
     if type(law) not in _LAWS:
-        mend = "give a law of lacore.hardening, such as Table of points of it"
-        raise InputError(field, law, "a file has no functions", mend)
+        fix = "give a law of lacore.hardening, such as Table of points of it"
+        raise InputError(field, law, "a file has no functions", fix)
     numbers = {entry.name: plain(getattr(law, entry.name)) for entry in fields(law)}
     return {"law": _LAWS[type(law)]} | numbers
 

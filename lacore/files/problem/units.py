@@ -69,12 +69,12 @@ class WrongUnitError(ValueError):
     """A text that is no amount of what is asked for.
 
     Attributes:
-        why, mend: as of `lacore.errors.InputError`.
+        why, fix: as of `lacore.errors.InputError`.
     """
 
-    def __init__(self, why: str, mend: str) -> None:
-        self.why, self.mend = why, mend
-        super().__init__(f"{why}; {mend}")
+    def __init__(self, why: str, fix: str) -> None:
+        self.why, self.fix = why, fix
+        super().__init__(f"{why}; {fix}")
 
 
 @dataclass(frozen=True)
@@ -104,28 +104,28 @@ def amount(text: str, accepted: tuple[str, ...]) -> Amount:
     Raises:
         WrongUnitError: no number, none or an unknown unit, one of another dimension.
     """
-    mend = _mend(accepted)
+    fix = _fix(accepted)
     if accepted and _COMMA.match(text):
         raise WrongUnitError("a comma in a number", "write a point: 20.5")
     match = _AMOUNT.fullmatch(text)
     if match is None or not accepted:
-        raise WrongUnitError("not a number" if accepted else "a text in place of a number", mend)
+        raise WrongUnitError("not a number" if accepted else "a text in place of a number", fix)
     number, unit = float(match[1]), match[2]
     if not isfinite(number):
-        raise WrongUnitError("not a finite number", mend)
+        raise WrongUnitError("not a finite number", fix)
     if unit is None:
-        raise WrongUnitError("a number in quotes, without its unit", mend)
+        raise WrongUnitError("a number in quotes, without its unit", fix)
     if accepted == (DEGREES,):
         if unit not in _ANGLES:
-            raise WrongUnitError(f"{unit!r} is not a unit of angle", mend)
+            raise WrongUnitError(f"{unit!r} is not a unit of angle", fix)
         return Amount(text, number * _ANGLES[unit], DEGREES, _ANGLES[unit])
-    registry, given = _registry(), _parsed(unit, mend)
+    registry, given = _registry(), _parsed(unit, fix)
     for own in accepted:
         if given.dimensionality == registry.Unit(own).dimensionality:
             size = float(registry.Quantity(1.0, given).to(own).magnitude)
             return Amount(text, _rounded(number * size), own, size)
     named = " or ".join(accepted)
-    raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", mend)
+    raise WrongUnitError(f"{unit!r} does not fit: this is in {named}", fix)
 
 
 def chosen(amounts: Iterable[Amount], sizes: Iterable[str], asked: Mapping[str, str]) -> Units:
@@ -150,22 +150,22 @@ def chosen(amounts: Iterable[Amount], sizes: Iterable[str], asked: Mapping[str, 
     return units if stress in ("", units.stress) else replace(units, own_stress=stress)
 
 
-def _parsed(unit: str, mend: str) -> "pint.Unit":
+def _parsed(unit: str, fix: str) -> "pint.Unit":
     plain = unit.translate(_SIGNS).replace("**", "^")
     plain = re.sub(r"\b([kMG]?N)m\b", r"\1 m", plain)  # to pint kNm is a length
     if len(plain) > _LONGEST or _TAKEN.fullmatch(plain) is None:
-        raise WrongUnitError(f"{unit!r} is not a unit", mend)
+        raise WrongUnitError(f"{unit!r} is not a unit", fix)
     try:
         return _registry().Unit(re.sub(_ONE, _raised, plain))
     except Exception as error:  # pint has no common one
-        raise WrongUnitError(f"{unit!r} is not a known unit", mend) from error
+        raise WrongUnitError(f"{unit!r} is not a known unit", fix) from error
 
 
 def _raised(match: re.Match[str]) -> str:
     return match[1] if match[2] is None else f"{match[1]}^{match[2]}"
 
 
-def _mend(accepted: tuple[str, ...]) -> str:
+def _fix(accepted: tuple[str, ...]) -> str:
     if not accepted:
         return "give a number without quotes"
     if accepted == (DEGREES,):

@@ -84,7 +84,7 @@ def read_varied(source: Source, text: str, field: Path | str) -> Varied:
             raise
         value = "" if error.value is None else f" = {error.value!r}"
         why = f"{error.field}{value}: {error.why}"
-        raise InputError(field, text, why, error.mend) from error
+        raise InputError(field, text, why, error.fix) from error
     if first[1] != second[1]:
         why = f"one end in {first[1] or 'no unit'}, the other in {second[1] or 'no unit'}"
         raise _error(source, field, text, why, "give both in units of one kind")
@@ -102,15 +102,15 @@ def _found(source: Source, name: str, text: str, field: Path | str) -> Path:
     if len(ends) == 1:
         return known[ends[0]]
     if ends:
-        mend = f"write more of its name: {', '.join(sorted(ends)[:6])}"
-        raise _error(source, field, text, f"{len(ends)} numbers of the file have this name", mend)
-    mend = suggest(name, known)
-    if not mend.endswith("?"):  # it may be an end that is meant
+        fix = f"write more of its name: {', '.join(sorted(ends)[:6])}"
+        raise _error(source, field, text, f"{len(ends)} numbers of the file have this name", fix)
+    fix = suggest(name, known)
+    if not fix.endswith("?"):  # it may be an end that is meant
         parts = {own[place:]: own for own in known for place in _ends(own)}
         close = suggest(name, parts)
-        mend = close if close.endswith("?") else f"it has {', '.join(sorted(known)[:12])}"
+        fix = close if close.endswith("?") else f"it has {', '.join(sorted(known)[:12])}"
     raise _error(source, field, text, "the file has no such number; a default value must be"
-                 " written in the file to vary it", mend)  # fmt: skip
+                 " written in the file to vary it", fix)  # fmt: skip
 
 
 def _ends(name: str) -> Iterator[int]:
@@ -159,7 +159,7 @@ def _with(source: Source, path: Path, value: object) -> Source:
     return replace(source, data=data)
 
 
-def _error(source: Source, field: Path | str, text: str, why: str, mend: str) -> InputError:
+def _error(source: Source, field: Path | str, text: str, why: str, fix: str) -> InputError:
     if isinstance(field, str):
-        return InputError(field, text, why, mend)
-    return source.error(field, text, why, mend)
+        return InputError(field, text, why, fix)
+    return source.error(field, text, why, fix)

@@ -93,8 +93,8 @@ def _(body: Frame, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
 @_stated.register
 def _(body: Body, field: str, file: Path, meshes: dict[Path, Any]) -> Table:
     if body.dimension == 3:
-        why, mend = "problem files describe plane problems only", "keep this problem in Python"
-        raise InputError(f"{field}.kinematics", body.kinematics, why, mend)
+        why, fix = "problem files describe plane problems only", "keep this problem in Python"
+        raise InputError(f"{field}.kinematics", body.kinematics, why, fix)
     mesh = recipe(body.mesh, file.parent)
     if mesh is None:
         meshes[file] = body.mesh

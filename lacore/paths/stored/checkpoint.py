@@ -169,12 +169,12 @@ class Checkpoint:
     ) -> None:
         self.close()
 
-    def _wrong(self, why: str, mend: str) -> InputError:
-        return InputError("checkpoint", str(self._file), why, mend)
+    def _wrong(self, why: str, fix: str) -> InputError:
+        return InputError("checkpoint", str(self._file), why, fix)
 
     @contextmanager
     def _said(self) -> Iterator[None]:
-        """What goes wrong with the file, as a sentence with its mend."""
+        """What goes wrong with the file, as a sentence with its fix."""
         try:
             yield
         except Timeout as error:

@@ -1,4 +1,4 @@
-"""Bodies: meshes that cannot be right are refused, with the mend."""
+"""Bodies: meshes that cannot be right are refused, with the fix."""
 
 from dataclasses import replace
 

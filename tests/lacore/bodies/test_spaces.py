@@ -458,8 +458,8 @@ def test_locking_is_what_it_would_be():
 @pytest.mark.parametrize("space", SPACES)
 def test_mesh_of_the_wrong_kind(space):
     wrong = rectangle("p1" if space in QUADS else "q2", (0, 1), (0, 1), 2, 2)
-    mend = "MeshQuad, or another space" if space in QUADS else "to_meshtri.*space='q2'"
-    with refused("Body.mesh", f"space '{space}'", mend):
+    fix = "MeshQuad, or another space" if space in QUADS else "to_meshtri.*space='q2'"
+    with refused("Body.mesh", f"space '{space}'", fix):
         la.Body(wrong, CRITERION, space=space)
 
 

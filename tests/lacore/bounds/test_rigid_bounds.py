@@ -204,7 +204,7 @@ def test_the_contact_of_a_block_must_end_at_vertices():
     with pytest.raises(la.InputError, match=r"ends at \[-1\.\s+0\. *\]") as refused:
         la.lower_bound(footing(la.SMOOTH, n=(9, 2)))
     assert refused.value.field == "Problem.interfaces[0]"
-    assert refused.value.mend == "put a vertex of the mesh there"
+    assert refused.value.fix == "put a vertex of the mesh there"
     with pytest.raises(la.InputError, match=r"ends at \[0\.3\s+0\. *\]"):
         la.lower_bound(footing(la.SMOOTH, blocks=((1, 2), (-1, 0.3))))
     with pytest.raises(la.InputError, match="inside an edge"):

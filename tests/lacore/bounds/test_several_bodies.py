@@ -71,7 +71,7 @@ def test_gaps_of_other_meshes_are_refused_with_the_mend():
     problem = layers(below=(11, 3))
     with pytest.raises(la.InputError, match=r"lacore\.matching") as wrong:
         la.gap_identity(la.upper_bound(problem), la.lower_bound(problem))
-    assert wrong.value.mend
+    assert wrong.value.fix
 
 
 def test_matching_divides_what_does_not_match_and_nothing_else():

@@ -331,7 +331,7 @@ def test_history_and_options():
 def test_what_cannot_be_stated_is_refused_with_the_mend(stated, words):
     with pytest.raises(la.InputError, match=words) as wrong:
         la.lower_bound(stated)
-    assert wrong.value.mend
+    assert wrong.value.fix
 
 
 def test_unknown_and_regularised_backends():

@@ -1,4 +1,4 @@
-"""What is no water is refused, with its field, its value and a mend."""
+"""What is no water is refused, with its field, its value and a fix."""
 
 import pickle
 
@@ -44,7 +44,7 @@ def squared(x, y):
 
 
 @pytest.mark.parametrize(
-    ("given", "field", "mend"),
+    ("given", "field", "fix"),
     [
         (lambda: la.WaterTable(np.nan), "WaterTable.height", "give the y"),
         (lambda: la.WaterTable(1.0, -9.81e3), "WaterTable.unit_weight", "> 0"),
@@ -70,10 +70,10 @@ def squared(x, y):
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value")
-def test_wrong_water(given, field, mend):
+def test_wrong_water(given, field, fix):
     with pytest.raises(la.InputError, match=field) as caught:
         given()
-    assert caught.match(mend)
+    assert caught.match(fix)
 
 
 @pytest.mark.parametrize(

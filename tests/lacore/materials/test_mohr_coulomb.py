@@ -48,12 +48,12 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("made, field, mend", WRONG.values(), ids=WRONG)  # noqa: PT006
-def test_what_is_refused(made, field, mend):
+@pytest.mark.parametrize("made, field, fix", WRONG.values(), ids=WRONG)  # noqa: PT006
+def test_what_is_refused(made, field, fix):
     with pytest.raises(la.InputError) as error:
         made()
     assert field in str(error.value)
-    assert mend in str(error.value)
+    assert fix in str(error.value)
 
 
 @pytest.mark.parametrize("angle", [0, 0.1, 0.14, 0.5, 1, 1.1, 1.5, 30, 89])

@@ -227,7 +227,7 @@ def test_second_order_is_reduced_to_its_vertices(tmp_path):
         ({"lines": {"cut": [(1, 3)]}}, ("'cut'", "no edge of a triangle", "embed")),
         ({"lines": {"far": [(1, 4)]}, "points": [*UNIT, (5, 5)]}, ("'far'", "no edge")),
         ({"triangles": [*HALVES, (0, 4, 1)], "points": [*UNIT, (0, 0)]}, ("two vertices", "merge")),
-        ({"points": [*UNIT[:3], (0, np.nan)]}, ("not finite", "mend")),
+        ({"points": [*UNIT[:3], (0, np.nan)]}, ("not finite", "fix")),
     ],
 )
 def test_refused(tmp_path, change, parts):

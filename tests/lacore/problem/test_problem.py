@@ -1,4 +1,4 @@
-"""What cannot be right is refused when it is stated, with field, value and mend."""
+"""What cannot be right is refused when it is stated, with field, value and fix."""
 
 import numpy as np
 import pytest

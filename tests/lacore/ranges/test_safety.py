@@ -239,9 +239,9 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("asked", "field", "mend"), WRONG.values(), ids=WRONG)
-def test_what_is_refused(asked, field, mend):
+@pytest.mark.parametrize(("asked", "field", "fix"), WRONG.values(), ids=WRONG)
+def test_what_is_refused(asked, field, fix):
     with pytest.raises(la.InputError) as error:
         asked(cut(1.0, la.VonMises(1.0)))
     assert field in str(error.value)
-    assert mend in str(error.value)
+    assert fix in str(error.value)

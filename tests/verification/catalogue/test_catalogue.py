@@ -272,7 +272,7 @@ def test_bad_files_get_one_sentence(planted, replacements, message):
     (line,) = done.stderr.strip().splitlines()
     assert line.startswith(f"Error: {folder / 'planted.py'}"), line
     assert message in line
-    assert "; " in line, "no mend"
+    assert "; " in line, "no fix"
     assert done.exc_info[0] is SystemExit
 
 

@@ -244,7 +244,7 @@ def test_infinity_is_strict_json():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "mend"),
+    ("arguments", "fix"),
     [
         (["prandl-punch"], "did you mean 'prandtl-punch'?"),
         (["prandtl-punch:smoth"], "did you mean 'smooth'?"),
@@ -256,10 +256,10 @@ def test_infinity_is_strict_json():
         (["shear-patch", "--meshes", "corse"], "did you mean 'coarse'?"),
     ],
 )
-def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, mend):
+def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, fix):
     result = run("compare", *arguments, "--out", str(tmp_path / "new"))
     assert result.exit_code == 2
-    assert mend in result.stderr
+    assert fix in result.stderr
     assert "Traceback" not in result.output
     assert len(result.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "new").exists()

@@ -252,7 +252,7 @@ def test_a_backend_that_cannot_is_skipped_and_says_why(monkeypatch):
 
 def test_a_case_that_does_not_build_is_a_failed_row():
     def build(**parameters):
-        raise la.InputError("mesh", None, "planted", "mend it")
+        raise la.InputError("mesh", None, "planted", "fix it")
 
     runs = [Run(replace(CASE, build=build), VARIANT, "coarse", "clarabel")]
     (outcome,) = run_here(runs)

@@ -1,4 +1,4 @@
-"""Files with mistakes: an error with line and mend, or an answer; never a traceback."""
+"""Files with mistakes: an error with line and fix, or an answer; never a traceback."""
 
 import json
 import random
@@ -88,7 +88,7 @@ def test_mistakes_are_said_with_line_and_mend(tmp_path):
     for number, error in refused.items():
         assert LINE.match(error.field), (number, error)
         assert error.why, number
-        assert error.mend, number
+        assert error.fix, number
 
 
 def varied(draw, text):
@@ -138,7 +138,7 @@ def test_ranges_are_taken_or_refused_with_a_mend(tmp_path):
     for asked, error in refused.items():
         assert error.field == "--vary" or LINE.match(error.field), (asked, error)
         assert error.why, asked
-        assert error.mend, asked
+        assert error.fix, asked
 
 
 @pytest.mark.slow

@@ -424,7 +424,7 @@ def test_checks_are_kept_and_shown(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "mend"),
+    ("arguments", "fix"),
     [
         (["prandl-punch"], "did you mean 'prandtl-punch'?"),
         (["--backends", "clarbel"], "did you mean 'clarabel'?"),
@@ -433,10 +433,10 @@ def test_checks_are_kept_and_shown(tmp_path):
         (["--cases", "/nowhere"], "--cases"),
     ],
 )
-def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, mend):
+def test_bad_input_is_one_sentence_and_exit_code_2(tmp_path, arguments, fix):
     result = run(*arguments, "--out", tmp_path / "new")
     assert result.exit_code == 2
-    assert mend in result.stderr
+    assert fix in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "new").exists()
 

@@ -131,9 +131,9 @@ def _open(
     """The error of lines that are part of no outline; it names one."""
     ends = np.flatnonzero(np.bincount(parts.ravel()) == 1)
     why = f"a line that closes no outline (such parts of lines: {loose})"
-    mend = "close it, give a larger snap, or draw what is no outline in another layer"
+    fix = "close it, give a larger snap, or draw what is no outline in another layer"
     if not ends.size:  # it leads from one outline to another
-        return refused(path, lines[0].told, why, mend)
+        return refused(path, lines[0].told, why, fix)
     end = ends[0]
     joined = parts[(parts == end).any(axis=1)]
     others = np.setdiff1d(parts, joined)
@@ -141,7 +141,7 @@ def _open(
     near = f", {gap:.3g} m from the next vertex" if np.isfinite(gap) else ""
     owner = next(line for line in lines if end in line.vertices)
     told = f"{why}: it ends at {place_told(place[:, end])}{near}; snap is {snap:.3g} m"
-    return refused(path, owner.told, told, mend)
+    return refused(path, owner.told, told, fix)
 
 
 def simplified(ring: Ints, place: Floats, snap: float) -> Ints:

@@ -78,10 +78,8 @@ def read(
     drawing = _drawing(shown, wanted, unit, sagitta)
     for layer in (*layers, *openings):
         if layer not in drawing.layers:
-            mend = suggest_all(layer, sorted(drawing.layers))
-            raise InputError(
-                "layers", layer, f"{shown!r} has no such layer, or nothing in it", mend
-            )
+            fix = suggest_all(layer, sorted(drawing.layers))
+            raise InputError("layers", layer, f"{shown!r} has no such layer, or nothing in it", fix)
     unit, length = metres(shown, drawing.unit, unit)
     strokes = [
         Stroke(own.layer, own.handle, own.points * length, own.closed)
@@ -115,12 +113,12 @@ def read(
 
 def _require_layers(layers: Mapping[str, Layer], openings: Sequence[str]) -> None:
     if not isinstance(layers, Mapping) or not layers:
-        mend = "give {'stone': la.masonry.Layer(friction=0.6, density=2400)}"
-        raise InputError("layers", None, "there is none with a name", mend)
+        fix = "give {'stone': la.masonry.Layer(friction=0.6, density=2400)}"
+        raise InputError("layers", None, "there is none with a name", fix)
     for name, own in layers.items():
         if not isinstance(own, Layer):
-            mend = "give la.masonry.Layer(friction=0.6, density=2400)"
-            raise InputError(f"layers[{name!r}]", own, "not what a layer is made of", mend)
+            fix = "give la.masonry.Layer(friction=0.6, density=2400)"
+            raise InputError(f"layers[{name!r}]", own, "not what a layer is made of", fix)
     if isinstance(openings, str) or not isinstance(openings, Sequence):
         raise InputError("openings", openings, "not a list of layers", "give ('windows',)")
     for name in openings:
@@ -130,19 +128,19 @@ def _require_layers(layers: Mapping[str, Layer], openings: Sequence[str]) -> Non
 
 def _drawing(path: str, wanted: Set[str], unit: str | None, sagitta: float | None) -> Drawing:
     file = Path(path)
-    mend = "give the path of a .dxf, .geojson or .json"
+    fix = "give the path of a .dxf, .geojson or .json"
     try:
         there = file.is_file()
     except (OSError, ValueError) as error:  # a name that no file can have
-        raise InputError("path", path, "not the name of a file", mend) from error
+        raise InputError("path", path, "not the name of a file", fix) from error
     if not there:
-        raise InputError("path", path, "no such file", mend)
+        raise InputError("path", path, "no such file", fix)
     ending = file.suffix.lower()
     if ending == ".dxf":
         return read_dxf(path, wanted, unit, sagitta)
     if ending not in (".json", ".geojson"):
-        mend = "give a .dxf, .geojson or .json; of a DWG its DXF"
-        raise InputError("path", path, "a format that is not known", mend)
+        fix = "give a .dxf, .geojson or .json; of a DWG its DXF"
+        raise InputError("path", path, "a format that is not known", fix)
     content = json_of(path)
     if isinstance(content, dict) and isinstance(content.get("type"), str):
         return read_geojson(path, content, wanted)

@@ -53,9 +53,9 @@ class Drawing:
     skipped: Mapping[str, int]
 
 
-def refused(path: str, what: str, why: str, mend: str) -> InputError:
+def refused(path: str, what: str, why: str, fix: str) -> InputError:
     """An error about a part of a drawing."""
-    return InputError("path", path, f"{what}: {why}", mend)
+    return InputError("path", path, f"{what}: {why}", fix)
 
 
 def place_told(place: Floats | Sequence[float]) -> str:

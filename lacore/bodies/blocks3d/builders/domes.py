@@ -64,8 +64,8 @@ def dome(
     if not (is_number(springing) and 0 < springing <= 3 * pi / 4):
         raise InputError("dome.springing", springing, "no springing", "give 0 < angle <= 3 pi/4")
     if not (is_number(oculus) and 0 < oculus < springing):
-        mend = "give an angle (rad) above 0 and below the springing: a ring needs a hole"
-        raise InputError("dome.oculus", oculus, "no oculus", mend)
+        fix = "give an angle (rad) above 0 and below the springing: a ring needs a hole"
+        raise InputError("dome.oculus", oculus, "no oculus", fix)
     sectors = 2 if bond else 1
     around = 2 * pi * np.arange(meridians * sectors) / (meridians * sectors)
     polar = np.linspace(springing, oculus, rings + 1)

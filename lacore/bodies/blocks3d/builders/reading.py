@@ -73,8 +73,8 @@ def read(
         raise InputError("path", shown, "no such file", "give the path of a file")
     ending = Path(shown).suffix.lower()
     if ending not in (".json", *_SURFACES):
-        mend = f"give a .json of compas, or one of {', '.join(_SURFACES)}"
-        raise InputError("path", shown, "a format that is not known", mend)
+        fix = f"give a .json of compas, or one of {', '.join(_SURFACES)}"
+        raise InputError("path", shown, "a format that is not known", fix)
     if ending == ".json":
         meshes = {
             f"support {key}" if layer == SUPPORT else key: mesh
@@ -103,7 +103,7 @@ def _block(
         return Polyhedron(points, faces, tolerance)
     except InputError as error:
         why = f"block {name!r}, {error.field}: {error.why}"
-        raise InputError("path", path, why, error.mend) from error
+        raise InputError("path", path, why, error.fix) from error
 
 
 def _size(points: Sequence[Floats]) -> float:

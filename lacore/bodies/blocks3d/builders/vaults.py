@@ -139,8 +139,8 @@ def cross_vault(
     outer_radius = inner_radius + thickness
     if half_side <= outer_radius:
         why = "the webs are not as long as they are wide"
-        mend = f"give more than {outer_radius:g}"
-        raise InputError("cross_vault.half_side", half_side, why, mend)
+        fix = f"give more than {outer_radius:g}"
+        raise InputError("cross_vault.half_side", half_side, why, fix)
     angle = np.linspace(pi, 0.0, voussoirs + 1)
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     around[np.abs(around) < _ROUND_OFF] = 0.0  # springings in z = 0, the crown in y = 0

@@ -77,8 +77,8 @@ def corner(
     """
     length, depth, height = _size(block, "corner.block")
     if not depth < length:
-        mend = "give a depth below the length"
-        raise InputError("corner.block", block, "head joints would lie above each other", mend)
+        fix = "give a depth below the length"
+        raise InputError("corner.block", block, "head joints would lie above each other", fix)
     if not (isinstance(blocks, Sequence) and len(blocks) == 2):
         raise InputError("corner.blocks", blocks, "not two lengths", "give (4, 3)")
     for number in blocks:

@@ -56,13 +56,13 @@ def _elements(mesh: Mesh, criteria: Mapping[str, Criterion]) -> dict[str, Ints]:
     for number, (name, own) in enumerate(criteria.items()):
         place = f"Body.criterion[{name!r}]"
         if name not in known:
-            mend = (
+            fix = (
                 suggest_all(str(name), known)
                 if known
                 else "name parts by mesh.with_subdomains({name: function of coordinates}), by"
                 " lacore.meshes.layered, or by physical groups of surfaces"
             )
-            raise InputError(place, name, "no such region of the mesh", mend)
+            raise InputError(place, name, "no such region of the mesh", fix)
         require_criterion(place, own)
         elements = np.unique(np.asarray(known[name], dtype=np.int64))
         if not elements.size:

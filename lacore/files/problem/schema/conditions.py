@@ -146,8 +146,8 @@ class Weight(_Load):
             raise refused(why, "add unit_weight, or leave it out", "where")
         weights = getattr(self.unit_weight, "values", (self.unit_weight,))
         if any(isinstance(weight, float) and weight < 0 for weight in weights):
-            mend = "give a value >= 0; an upward load has direction = [0, 1]"
-            raise refused("a weight below 0", mend, "unit_weight")
+            fix = "give a value >= 0; an upward load has direction = [0, 1]"
+            raise refused("a weight below 0", fix, "unit_weight")
         return self
 
     def call(self, at: Path) -> Any:

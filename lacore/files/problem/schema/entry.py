@@ -33,10 +33,10 @@ class Entry(BaseModel):
         known = {entry.alias or name: entry for name, entry in cls.model_fields.items()}
         for key in given:
             if key not in known:
-                mend = suggest(str(key), set(known) - set(given))
-                if not mend.endswith("?"):  # it may be meant to be part of one that is there
-                    mend = suggest(str(key), known) if suggest(str(key), known)[-1] == "?" else mend
-                raise refused("unknown key", mend, str(key))
+                fix = suggest(str(key), set(known) - set(given))
+                if not fix.endswith("?"):  # it may be meant to be part of one that is there
+                    fix = suggest(str(key), known) if suggest(str(key), known)[-1] == "?" else fix
+                raise refused("unknown key", fix, str(key))
         missing = [key for key, entry in known.items() if entry.is_required() and key not in given]
         if missing:
             needed = ", ".join(missing)

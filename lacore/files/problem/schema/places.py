@@ -67,8 +67,8 @@ def of_body(where: Any, body: str, entry: Path) -> Any:
     if not isinstance(where, Own):
         return where
     why = f"{body!r} is not a drawing, so its blocks have no layers"
-    mend = "name its blocks: where = [ ... ]"
-    return replace(where, thing=(body, DRAWING), entry=entry, unless=(why, mend))
+    fix = "name its blocks: where = [ ... ]"
+    return replace(where, thing=(body, DRAWING), entry=entry, unless=(why, fix))
 
 
 class HalfPlane(Entry):

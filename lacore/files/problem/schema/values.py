@@ -19,10 +19,10 @@ AMOUNTS = "amounts"
 _MOST = 1_000_000
 
 
-def refused(why: str, mend: str, *more: str) -> PydanticCustomError:
+def refused(why: str, fix: str, *more: str) -> PydanticCustomError:
     """An error of a value: what is wrong with it, what to do, and what of it that is about."""
     # In words alone: braces in it would be taken for places.
-    return PydanticCustomError("refused", "refused", {"why": why, "mend": mend, "more": more})
+    return PydanticCustomError("refused", "refused", {"why": why, "fix": fix, "more": more})
 
 
 class _Read(ABC):
@@ -76,7 +76,7 @@ class Measure(_Read):
             try:
                 return amount(given, accepted)
             except WrongUnitError as error:
-                raise refused(error.why, error.mend) from error
+                raise refused(error.why, error.fix) from error
         own = accepted[0] if accepted else ""
         if self.endless and isinstance(given, float) and isinf(given):
             return Amount(given, given, own)

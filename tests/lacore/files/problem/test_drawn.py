@@ -224,7 +224,7 @@ def test_what_is_wrong_is_said_with_line_and_mend(old, new, said, tmp_path):
     assert old in text
     with pytest.raises(la.InputError, match=said) as told:
         la.read_problem(stated(tmp_path, text.replace(old, new, 1)))
-    assert told.value.mend
+    assert told.value.fix
 
 
 @pytest.mark.parametrize(
@@ -250,7 +250,7 @@ def test_what_only_drawings_and_blocks_have(old, new, said, tmp_path):
     assert old in text
     with pytest.raises(la.InputError, match=said) as told:
         la.read_problem(stated(tmp_path, text.replace(old, new, 1)))
-    assert told.value.mend
+    assert told.value.fix
 
 
 def test_what_is_wrong_in_a_drawing_is_said_at_its_path(tmp_path):

@@ -75,7 +75,7 @@ def test_errors_say_file_line_field_value_and_mend(tmp_path, old, new, line, sai
     file.write_text(footing.TEXT.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(la.InputError, match=rf"^{re.escape(str(file))}:{line}:? .*{said}") as told:
         la.read_problem(file)
-    assert told.value.mend
+    assert told.value.fix
 
 
 @pytest.mark.parametrize(

@@ -194,7 +194,7 @@ def test_what_is_no_section_is_said(section, said, tmp_path):
     (tmp_path / "frame.toml").write_text(text, encoding="utf-8")
     with pytest.raises(la.InputError, match=rf"frame.toml:10: bodies.portal.*{said}") as told:
         la.read_problem(tmp_path / "frame.toml")
-    assert told.value.mend
+    assert told.value.fix
 
 
 @pytest.mark.parametrize("given", [(), (2.0,), (2.0, 0.5), (0.0, 3.0)])

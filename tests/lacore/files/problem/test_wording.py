@@ -55,8 +55,8 @@ def test_mends_speak_of_files(name, old, new, said, tmp_path):
     file.write_text(text.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(la.InputError, match=said) as told:
         la.read_problem(file)
-    assert told.value.mend
-    assert not PYTHON.search(told.value.mend)
+    assert told.value.fix
+    assert not PYTHON.search(told.value.fix)
 
 
 def test_small_angles_are_meant_where_they_have_a_unit(tmp_path):
