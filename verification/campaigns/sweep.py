@@ -73,7 +73,7 @@ def plan(
             _check_steps(case, variant)
             skip = _outside(case, variant)
             for run in _runs(case, variant, chosen[case.id], meshes, couplings or (None,), grid):
-                run = replace(run, insist=False, skip=run.skip or skip)
+                run = replace(run, skip=run.skip or skip)
                 runs.setdefault(run.key, run)
     return list(runs.values())
 
@@ -193,4 +193,16 @@ def _runs(
                     run = planned(case, variant, mesh, backend, coupling)
                     for setting in grid.points("setting", varied.settings()):
                         for option in options:
-                            yield replace(run, size=size, settings=setting, options=option)
+                            yield _varied(run, size, setting, option)
+
+
+def _varied(
+    run: Run, size: dict[str, Any], settings: dict[str, Any], options: dict[str, Any]
+) -> Run:
+    """Return a run of a comparison with other values.
+
+    The verdict is that of the comparison. With other settings of the loop or options of the backend
+    a run may end without a result, which is then no failure.
+    """
+    insist = run.insist and not settings and not options
+    return replace(run, size=size, settings=settings, options=options, insist=insist)

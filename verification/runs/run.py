@@ -21,7 +21,8 @@ class Run:
         coupling: a name of `la.solve` or `verification.defaults.RAW`; None is the default of the
             backend; `BRACKET` stands for a lower and an upper bound, `RANGE` for the lowest and
             the highest load factor of a soil.
-        insist: whether to end without a result is a failure; not of regularised backends.
+        insist: whether to end without a result is a failure; not of regularised backends, nor with
+            `settings` or `options` that are not the default.
         skip: why it is not run after all.
         size: keyword arguments of `Case.build` in place of those of the mesh level.
         settings: keyword arguments of `la.solve` for the loop: damping, anderson, kappa, ...; of a

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import lacore as la
 from tests.verification.command_line import lacore, run_in_order
+from verification.campaigns.comparison import plan as compare
 from verification.campaigns.sweep import plan
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue, find
@@ -64,8 +65,19 @@ def test_grid_of_several_axes():
     assert order == sorted(order, key=order.index)  # neighbours share their problem
 
 
-def test_no_result_is_insisted_on():
-    assert not any(run.insist for run in plan([BLOCK], ["r=0.1,0.01"], ["newton"], ["coarse"]))
+def test_verdicts_are_those_of_a_comparison():
+    """A run that a comparison has, too, must end with a result in both, or in neither."""
+    names, levels = ["clarabel", "newton"], ["coarse"]
+    compared = {run.backend: run.insist for run in compare([f"{BLOCK}:sliding"], names, levels)}
+    swept = plan([BLOCK], ["mu=0.2,0.5"], names, levels)
+    assert len(swept) == 4
+    assert all(run.insist == compared[run.backend] for run in swept)
+    assert compared == {"clarabel": True, "newton": False}
+
+
+@pytest.mark.parametrize("vary", ["damping=0.5,1", "option.max_iterations=3,5"])
+def test_no_result_is_no_failure_with_changed_settings_or_options(vary):
+    assert not any(run.insist for run in plan([BLOCK], [vary], ["clarabel"], ["coarse"]))
 
 
 def test_outside_the_closed_form_is_skipped():
