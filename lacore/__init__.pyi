@@ -68,10 +68,13 @@ from .materials.mohr_coulomb import MohrCoulomb as MohrCoulomb
 from .materials.mohr_coulomb import NoTension as NoTension
 from .materials.mohr_coulomb import Rankine as Rankine
 from .materials.von_mises import VonMises as VonMises
+from .paths import hooks as hooks
 from .paths.control import FootingTravel as FootingTravel
 from .paths.control import PointTravel as PointTravel
 from .paths.control import Time as Time
 from .paths.control import ToolTravel as ToolTravel
+from .paths.hooks.hook import Hook as Hook
+from .paths.hooks.hook import PathProgress as PathProgress
 from .paths.pace import AdaptiveSteps as AdaptiveSteps
 from .paths.path import Path as Path
 from .paths.selection import LeastNorm as LeastNorm

@@ -28,6 +28,9 @@ views.picture.makers |= {
     ),
     "lacore.questions.stable:Stable": "lacore.pictures.questions.stable:plot_stable",
 }
+views.curve.makers |= {
+    "lacore.paths.path:Path": "lacore.pictures.path:plot_force",
+}
 views.thumbnail.makers |= {
     "lacore.problem.problem:Problem": "lacore.pictures.thumbnails.problem:thumbnail_of_problem",
     "lacore.limit.state:LimitState": "lacore.pictures.thumbnails.mechanism:thumbnail_of_state",
@@ -46,4 +49,7 @@ views.scene.makers |= {
 views.files.makers |= {
     "lacore.limit.state:LimitState": "lacore.files.vtu:write_state",
     "lacore.paths.path:Path": "lacore.files.vtu:write_path",
+}
+views.series.makers |= {
+    "lacore.paths.path:Path": "lacore.files.vtu:extend_series",
 }

@@ -44,8 +44,10 @@ class View(Generic[Made]):
 
 
 picture: View["Figure"] = View("draws")
+curve: View["Figure"] = View("draws a curve of")
 thumbnail: View["Figure"] = View("draws a thumbnail of")
 section: View["Figure"] = View("cuts")
 animation: View[None] = View("animates")
 files: View["Path"] = View("writes files of")
+series: View["Path"] = View("writes a series of")
 scene: View["Path"] = View("makes a scene of")

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as File
 from typing import Any
 from xml.etree import ElementTree
@@ -147,7 +147,8 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     volumes: `equivalent_strain`, `equivalent_strain_rate` (1/s, of that step), `yield_stress` (Pa,
     at that strain; of criteria with a law of hardening), `dissipation` (W/m^3: yield stress times
     strain rate; not of soils whose flow is not associated, as it depends on their stresses); and
-    `body`, its number in the problem.
+    `body`, its number in the problem. Rigid blocks are polygons, with their displacement from the
+    beginning of the path, and NaN for all that they do not have.
 
     Returns:
         the PVD file, to be opened.
@@ -155,17 +156,40 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     Raises:
         InputError: a folder that cannot be written.
     """
-    place = File(os.fspath(folder))
-    collection = ElementTree.Element("VTKFile", type="Collection", version="0.1")
-    series = ElementTree.SubElement(collection, "Collection")
     digits = len(str(path.snapshots[-1].step))
+    return extend_series(path, folder, {}, digits)
+
+
+def extend_series(
+    path: Path, folder: str | os.PathLike[str], written: dict[int, float], digits: int = 4
+) -> File:
+    """Add the snapshots of a path to a series that is being written, see `write_path`.
+
+    Args:
+        path: whose snapshots are written unless they are in the series.
+        folder: of the files; is made if it does not exist.
+        written: the travel of each step in the series; those that are added are entered.
+        digits: of the number of a step in the name of its file.
+
+    Returns:
+        the PVD file of all steps.
+
+    Raises:
+        InputError: a folder that cannot be written.
+    """
+    place = File(os.fspath(folder))
     with _said("folder", place):
         place.mkdir(parents=True, exist_ok=True)
     for snapshot in path.snapshots:
-        name = f"step-{snapshot.step:0{digits}d}.vtu"
-        _write(place / name, _snapshot(path, snapshot))
+        if snapshot.step not in written:
+            _write(place / _name(snapshot.step, digits), _snapshot(path, snapshot))
+            written[snapshot.step] = snapshot.travel
+    collection = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    series = ElementTree.SubElement(collection, "Collection")
+    for step, travel in written.items():
+        file = _name(step, digits)
         ElementTree.SubElement(
-            series, "DataSet", timestep=repr(snapshot.travel), group="", part="0", file=name
+            series, "DataSet", timestep=repr(travel), group="", part="0", file=file
         )
     with _said("folder", place):
         ElementTree.indent(collection)
@@ -173,10 +197,15 @@ def write_path(path: Path, folder: str | os.PathLike[str]) -> File:
     return place / SERIES
 
 
+def _name(step: int, digits: int) -> str:
+    return f"step-{step:0{digits}d}.vtu"
+
+
 def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
     stage = path.stage_of(snapshot)
     start, bodies = stage.start.nodes, stage.dofs_at(snapshot.configuration)
-    for place, (name, dofs) in enumerate(bodies.items()):
+    numbers = {name: place for place, name in enumerate(stage.problem.bodies)}
+    for name, dofs in bodies.items():
         strain, rate = snapshot.configuration.strain[name], snapshot.strain_rate[name]
         velocity, regions = snapshot.velocity[name], dofs.body.regions
         laws = [region.criterion.law for region in regions]
@@ -197,7 +226,18 @@ def _snapshot(path: Path, snapshot: Snapshot) -> Iterator[_Part]:
         elif set(laws) == {None} and not any(region.form.frictional for region in regions):
             fields["dissipation"] = _dissipation(name, dofs, velocity)
         at_cells = {key: element_means(dofs, values) for key, values in fields.items()}
-        yield _continuum(dofs, place, at_points, at_cells)
+        yield _continuum(dofs, numbers[name], at_points, at_cells)
+    for name in stage.rigid:
+        yield from _tool(path, snapshot, name, numbers[name])
+
+
+def _tool(path: Path, snapshot: Snapshot, name: str, number: int) -> Iterator[_Part]:
+    """A rigid block, where it is; its pose is the only node that it has."""
+    stage = path.stage
+    block, before = (stage.blocks_at(at)[name] for at in (snapshot.configuration, stage.start))
+    for part in _rigid(RigidDofs(block, 0), snapshot.velocity[name], number):
+        moved = {"displacement": _spatial(part.points - before.edges.start)}
+        yield replace(part, at_points={**part.at_points, **moved})
 
 
 def _dissipation(name: str, dofs: BodyDofs, velocity: Floats) -> Floats:
@@ -236,11 +276,12 @@ def _write(place: File, parts: Iterator[_Part] | Sequence[_Part]) -> None:
     first = np.cumsum([0, *(part.points.shape[1] for part in parts)])
     points = np.concatenate([_spatial(part.points) for part in parts], axis=1).T
     cells = [(part.kind, part.cells + at) for part, at in zip(parts, first[:-1], strict=True)]
+    names = {name: own.shape[:-1] for part in parts for name, own in part.at_points.items()}
     at_points = {
         name: np.ascontiguousarray(
-            np.concatenate([part.at_points[name] for part in parts], axis=-1).T
+            np.concatenate([_at_points(part, name, own) for part in parts], axis=-1).T
         )
-        for name in parts[0].at_points
+        for name, own in names.items()
     }
     shapes = {name: own.shape[:-1] for part in parts for name, own in part.at_cells.items()}
     at_cells = {name: [_values(part, name, own) for part in parts] for name, own in shapes.items()}
@@ -258,6 +299,11 @@ def _values(part: _Part, name: str, shape: tuple[int, ...]) -> Any:
     """Values at cells, cells first; NaN where there are none."""
     found = part.at_cells.get(name, np.full((*shape, len(part.cells)), np.nan))
     return np.ascontiguousarray(found.T)
+
+
+def _at_points(part: _Part, name: str, shape: tuple[int, ...]) -> Floats:
+    """Values at points, points last; NaN where there are none."""
+    return part.at_points.get(name, np.full((*shape, part.points.shape[1]), np.nan))
 
 
 @contextmanager

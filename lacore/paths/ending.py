@@ -30,6 +30,8 @@ class Ending(Enum):
         "the configuration of an implicit step did not settle: take smaller steps, or 'leapfrog'"
     )
     NOT_REMESHED = "the new meshes cannot be taken: see the message"
+    STOPPED = "the finished steps are kept"
+    RUNNING = "the path has not ended yet: this is what hooks see of it"
     STEP_TOO_SMALL = "the error asked for needs steps below the smallest allowed"
 
     @property

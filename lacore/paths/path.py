@@ -255,6 +255,10 @@ class Path(Shown):
         """The bodies at the end, and the load: see `lacore.pictures.path.plot_path`."""
         return views.picture(self)
 
+    def plot_force(self) -> Figure:
+        """The force over the travel: see `lacore.pictures.path.plot_force`."""
+        return views.curve(self)
+
     def animate(self, file: str | PathLike[str], fps: float = 8.0, dpi: float = 90.0) -> None:
         """A GIF or MP4: see `lacore.pictures.animation.animate_path`."""
         views.animation(self, file, fps, dpi)

@@ -8,6 +8,7 @@ import numpy as np
 
 from lacore.arrays import Floats
 from lacore.errors import InputError
+from lacore.limit.state import LimitState
 from lacore.meshes.curved import signed_jacobians
 from lacore.numerics.anderson import Anderson
 from lacore.paths.configuration import Configuration
@@ -95,6 +96,7 @@ class Walk:
         solves: of the step so far.
         before: velocity of the step before by body; None at the beginning.
         pressed: reactions of the last solve of the step; None before the first.
+        solving: called before each solve of a step, with None, and after it, with its state.
     """
 
     stage: Stage
@@ -104,6 +106,7 @@ class Walk:
     solves: int = field(default=0)
     before: Fields | None = None
     pressed: Floats | None = None
+    solving: Callable[[Stage, Moment, LimitState | None], None] = lambda *given: None
 
     @property
     def size(self) -> float:
@@ -120,11 +123,13 @@ class Walk:
         try:
             moment = replace(moment, pressed=self.pressed)
             before = self.before if self.pressed is None else None
+            self.solving(self.stage, moment, None)
             found = flow(self.stage, moment, self.settings, before)
         except InputError as wrong:
             ending = Ending.OVERLAP if wrong.field == "Body.mesh" else Ending.NOT_SOLVED
             raise PathEndError(ending, f"{wrong}; {ending.value}") from wrong
         state = found.state
+        self.solving(self.stage, moment, state)
         self.solves += state.outer_iterations
         natural = state.discretisation.natural.load_factor * _gain(self.stage, moment.at)
         if state.status is Status.LOCKED or found.load_factor > _LOCKED * natural:

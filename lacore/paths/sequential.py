@@ -16,6 +16,8 @@ from lacore.paths.contact.overlap import corner_inside
 from lacore.paths.control import Control, FootingTravel, driven_by, gauge_of, unit_of
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, discretised
+from lacore.paths.hooks.calling import Caller, GivenHook, known_hooks
+from lacore.paths.hooks.hook import AFTER_REMESHING, AFTER_STEP, BEFORE_REMESHING, BEFORE_STEP
 from lacore.paths.logbook import Log
 from lacore.paths.pace import AdaptiveSteps, Pace
 from lacore.paths.path import Path, PathStep
@@ -44,6 +46,7 @@ def sequential(
     keep_every: int = 1,
     checkpoint: str | PathLike[str] | None = None,
     remesh: Remesh | None = None,
+    hooks: Sequence[GivenHook] = (),
     on_step: Callable[[PathStep], None] | None = None,
 ) -> Path:
     """Follow bodies through large deformation: a limit problem a step (T29).
@@ -83,8 +86,11 @@ def sequential(
             problem on the bodies as they are; see `lacore.paths.remeshing.Remesh`. Equivalent
             strains are transferred (`lacore.paths.transfer`), the velocity before is forgotten. An
             event says by how much volume and load jump. A checkpoint knows it by its name.
-        on_step: called after each step that is taken now, when it is kept, for progress: ``print``
-            writes a line a step.
+        hooks: functions that are called after each step, or a `Hook` for other moments, such as
+            ``lacore.hooks.progress()``. If one raises an exception, the path ends with the status
+            `STOPPED` and keeps all finished steps.
+        on_step: called with the `PathStep` after each step; its exceptions are passed on. Use
+            `hooks` instead.
 
     Raises:
         InputError: bad arguments; bodies, contact and friction that a path does not follow; a
@@ -120,6 +126,7 @@ def sequential(
             "sliding would lift bodies off, and each other step would be without friction",
             "take 'certified'",
         )
+    given_hooks = known_hooks(hooks)
     control = FootingTravel() if control is None else control
     stage = staged(problem, approaching, driven_by(control, problem))
     gauge = gauge_of(control, stage.problem)
@@ -157,9 +164,12 @@ def sequential(
                 stage, control = again(walk.stage, control, made)
                 walk = Walk(stage, control.gauge(stage.problem), settings, selection)
                 log.enter(stage, walk.gauge, made)
+        call = Caller(given_hooks, log, settings, here)
+        walk.solving = call.solving
         try:
             while (distance := pace.distance(here.travel)) > 0:
                 try:
+                    call(BEFORE_STEP, here)
                     here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
                 except PathEndError as stop:
                     fresh = bool(log.later) and log.later[-1][0] == here.step + 1
@@ -167,18 +177,21 @@ def sequential(
                         raise
                     log.inversion(here, stop)
                     moved = carried(control, walk.stage, here.configuration)
+                    call(BEFORE_REMESHING, here)
                     walk, here = _remeshed(walk, here, distance, remesh, moved, log)
                     control = moved
+                    call(AFTER_REMESHING, here)
                     continue
                 if kept is not None:
                     kept.save(log.progress(here, pace.next))
+                call(AFTER_STEP, here)
                 if on_step is not None:
                     on_step(log.rows[-1])
         except PathEndError as stop:
             if stop.ending is Ending.INVERSION:
                 log.inversion(here, stop)
-            return log.path(stop.ending, str(stop), settings)
-    return log.path(Ending.REACHED, Ending.REACHED.value, settings)
+            return call.end(log.path(stop.ending, str(stop), settings))
+    return call.end(log.path(Ending.REACHED, Ending.REACHED.value, settings))
 
 
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:
@@ -246,7 +259,7 @@ def _remeshed(
     except InputError as wrong:
         raise PathEndError(Ending.NOT_REMESHED, str(wrong)) from wrong
     there = Here(here.step, here.travel, configuration, None, None, here.speed)
-    after = Walk(stage, gauge, walk.settings, walk.selection)
+    after = Walk(stage, gauge, walk.settings, walk.selection, solving=walk.solving)
     loads = [
         _load(own, Moment(at, at, distance / here.speed, 0.0))
         for own, at in ((walk, here.configuration), (after, configuration))
@@ -264,7 +277,9 @@ def _load(walk: Walk, moment: Moment) -> float:
     """At a moment; NaN where there is none."""
     try:
         return walk.flow(moment)[0].load_factor
-    except PathEndError:
+    except PathEndError as stop:
+        if stop.ending is Ending.STOPPED:
+            raise
         return float("nan")
 
 

@@ -28,12 +28,14 @@ from lacore.pictures.axis import draw_axis, label_coordinates
 from lacore.pictures.contact import GROUND, PLANE_DEPTH, draw_obstacle
 from lacore.pictures.continua import BEFORE
 from lacore.pictures.layout import lay_out
+from lacore.showing import counted
 
 _PAGE = 10.0  # inches
 _TALLEST = 6.0
 _CURVE = 3.4  # inches: width, and where it stands below, height
 _WIDE = 0.45  # height over width of bodies: below it the load stands below them
 _MARGIN = 0.04  # beside bodies, per size
+_FORCE = (6.4, 4.0)  # inches
 _FINE = 4  # parts that an edge is cut into to be coloured
 _MANY = 2000  # elements, whose edges would cover the colours
 _FEW = 60  # steps, that have a dot each
@@ -69,6 +71,28 @@ def plot_path(path: Path) -> Figure:
     draw_bodies(bodies, path, path.snapshots[-1], strain_scale(path))
     draw_load(load, path)
     lay_out(figure)
+    return figure
+
+
+def plot_force(path: Path) -> Figure:
+    """The force of the control over the travel, see `PathStep.force`.
+
+    With `Time` as control it is the power of the reference loads.
+    """
+    figure = Figure(figsize=_FORCE, layout="constrained", facecolor="white")
+    axes = figure.add_subplot()
+    axes.plot(path.history["travel"], path.history["force"], color=_LOAD, lw=1.6)
+    if len(path.history) <= _FEW:
+        axes.plot(path.history["travel"], path.history["force"], ".", color=_LOAD, ms=5)
+    axes.set_title(f"{counted(len(path.history), 'step')}, status: {path.status.label}", loc="left")
+    unit = "N" if any(body.axisymmetric for body in path.stage.bodies.values()) else "N/m"
+    axes.set_xlabel(f"travel [{path.unit}]" if path.unit else "travel")
+    axes.set_ylabel(f"force [{unit}]" if path.unit == "m" else "power per rate of the travel")
+    axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
+    if not path.history.empty:
+        axes.set_ylim(bottom=min(0.0, float(path.history["force"].min())))
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
     return figure
 
 
