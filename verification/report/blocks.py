@@ -125,17 +125,34 @@ class Table:
 
     @cached_property
     def records(self) -> list[dict[str, Any]]:
-        """Its rows."""
+        """Its rows: of each the columns that are shown, and those that they refer to."""
         # As `to_dict("records")`, which takes four times as long for a wide table of few rows.
-        names = [str(name) for name in self.data.columns]
-        rows = self.data.astype(object).to_numpy()
-        return [dict(zip(names, row, strict=True)) for row in rows]
+        names = [str(name) for name in self.data.columns if name in self._used]
+        cells = [self.data[name].tolist() for name in names]
+        return [dict(zip(names, row, strict=True)) for row in zip(*cells, strict=True)]
+
+    @cached_property
+    def _used(self) -> frozenset[str]:
+        """Names of the columns that the cells, links and cards are made of."""
+        anchors = [self.anchor, *(column.link for column in self.columns)]
+        named = [text for own in self.columns for text in (own.name, own.order, own.hover)]
+        return frozenset([*named, self.card, *(own.column for own in anchors if own)])
+
+    @property
+    def values(self) -> list[list[Any]]:
+        """Values of its cells, by row; None where there is none."""
+        rows = ([record[column.name] for column in self.columns] for record in self.records)
+        return [[None if _missing(value) else value for value in row] for row in rows]
+
+    @property
+    def texts(self) -> list[list[str]]:
+        """Texts of its cells as shown, by row."""
+        return [[column.shown(record) for column in self.columns] for record in self.records]
 
     @property
     def plain(self) -> pd.DataFrame:
-        """As shown, all of it text: for Markdown."""
-        rows = [[column.shown(record) for column in self.columns] for record in self.records]
-        return pd.DataFrame(rows, columns=[column.head for column in self.columns], dtype="str")
+        """Its texts as a table."""
+        return pd.DataFrame(self.texts, columns=[c.head for c in self.columns], dtype="str")
 
 
 @dataclass(frozen=True)

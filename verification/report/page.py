@@ -72,9 +72,8 @@ class Own:
     results: pd.DataFrame
 
 
-def by_case(outcomes: Sequence[Outcome]) -> list[Own]:
-    """Group outcomes by case, in their order."""
-    results = results_frame(outcomes)
+def by_case(outcomes: Sequence[Outcome], results: pd.DataFrame) -> list[Own]:
+    """Group outcomes, and the rows of their `results_frame`, by case, in their order."""
     places: dict[str, list[int]] = {}
     for index, outcome in enumerate(outcomes):
         places.setdefault(outcome.run.case.id, []).append(index)
@@ -86,10 +85,13 @@ def by_case(outcomes: Sequence[Outcome]) -> list[Own]:
 
 def subjects(outcomes: Sequence[Outcome], most: int) -> list[Subject]:
     """List what a report draws: of each case `most` mechanisms and brackets, or its problem."""
+    groups: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        groups.setdefault(outcome.run.case.id, []).append(outcome)
     found: list[Subject] = []
-    for own in by_case(outcomes):
-        drawn = [*mechanisms(own.outcomes, most), *brackets(own.outcomes, most)]
-        found += drawn or [sketch(own.case, own.outcomes)]
+    for own in groups.values():
+        drawn = [*mechanisms(own, most), *brackets(own, most)]
+        found += drawn or [sketch(own[0].run.case, own)]
     return found
 
 
@@ -100,12 +102,13 @@ def compared(
     title: str = "Collapse loads compared with reference values",
 ) -> Report:
     """Write the report of outcomes, with the pictures of its `subjects`."""
-    own = by_case(outcomes)
+    results = results_frame(outcomes)
+    own = by_case(outcomes, results)
     files = case_files(one.case.id for one in own)
-    found = studies(results_frame(outcomes))
+    found = studies(results)
     pages = {f"studies/{section.id}.html": section for section in found}
-    index = _index(outcomes, own, files, drawn)
-    sections = [*index, *_more(outcomes, pages, machine)]
+    index = _index(outcomes, results, own, files, drawn)
+    sections = [*index, *_more(outcomes, results, pages, machine)]
     return Report(
         {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
         | {
@@ -119,7 +122,7 @@ def compared(
             for file, section in pages.items()
         },
         {
-            RESULTS: results_csv(outcomes),
+            RESULTS: results_csv(results),
             SETTINGS: settings_csv(outcomes),
             PROVENANCE: provenance_json(machine),
         },
@@ -139,11 +142,15 @@ def _lead(outcomes: Sequence[Outcome], own: Sequence[Own]) -> str:
 
 
 def _index(
-    outcomes: Sequence[Outcome], own: Sequence[Own], files: Mapping[str, str], drawn: Drawn
+    outcomes: Sequence[Outcome],
+    results: pd.DataFrame,
+    own: Sequence[Own],
+    files: Mapping[str, str],
+    drawn: Drawn,
 ) -> list[Section]:
     cases = [one.case for one in own]
     pictures = {one.case.id: picture for one in own if (picture := _picture(one, drawn))}
-    side_by_side = solvers(results_frame(outcomes)) if own else None
+    side_by_side = solvers(results) if own else None
     shown = cards(cases, outcomes, files, pictures)
     return [
         Section(
@@ -169,13 +176,15 @@ def _picture(own: Own, drawn: Drawn) -> Picture | None:
 
 
 def _more(
-    outcomes: Sequence[Outcome], pages: Mapping[str, Section], machine: Mapping[str, str]
+    outcomes: Sequence[Outcome],
+    results: pd.DataFrame,
+    pages: Mapping[str, Section],
+    machine: Mapping[str, str],
 ) -> list[Section]:
     links = [Page(section.title, file) for file, section in pages.items()]
-    results = results_frame(outcomes)
     return [
         *([Section("studies", "Studies", [Pages(links)])] if links else []),
-        Section("couplings", "Couplings and backends", [_couplings_table(outcomes)]),
+        Section("couplings", "Couplings and backends", [_couplings_table(results)]),
         settings_section(outcome.run for outcome in outcomes),
         noise_section(results),
         Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
@@ -200,13 +209,12 @@ def _downloads() -> Pages:
     )
 
 
-def results_csv(outcomes: Sequence[Outcome]) -> str:
+def results_csv(results: pd.DataFrame) -> str:
     """Return all runs as CSV, each with the commands that repeat it and export its program.
 
     A spreadsheet shows text that looks like a formula as text.
     """
-    records = (outcome.record() | commands_of(outcome.run) for outcome in outcomes)
-    return quoted(as_table(records)).to_csv(index=False)
+    return quoted(results.drop(columns="run")).to_csv(index=False)
 
 
 def settings_csv(outcomes: Sequence[Outcome]) -> str:
@@ -269,7 +277,7 @@ def _tally(count: Verdicts) -> Tally:
     return Tally(counts + [own for own in rare if own.number])
 
 
-def _couplings_table(outcomes: Sequence[Outcome]) -> Table:
+def _couplings_table(results: pd.DataFrame) -> Table:
     columns = (
         Column("coupling"),
         Column("backend"),
@@ -279,7 +287,7 @@ def _couplings_table(outcomes: Sequence[Outcome]) -> Table:
         Column("most", "inner solves, maximum", "g"),
         Column("failed", "FAIL", ".0f"),
     )
-    return Table(columns, couplings(results_frame(outcomes)))
+    return Table(columns, couplings(results))
 
 
 def _page(own: Own, drawn: Drawn, trail: Sequence[Page]) -> Document:
