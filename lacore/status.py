@@ -64,6 +64,17 @@ class Status(Enum):
             return self.label + message.removeprefix(expected)
         return message
 
+    def by(self, backend: str, message: str) -> str:
+        """Return a message with the name of the backend, unless the problem itself has this status.
+
+        Args:
+            backend: Name of the backend whose answer has this status.
+            message: Why, and how to fix it.
+        """
+        if self in _OF_THE_PROBLEM:
+            return message
+        return f"backend {backend!r} has no certified answer: {message}"
+
     def added(self, message: str) -> str:
         """What a message that begins with this status says beside it; empty where nothing."""
         _, _, more = message.partition(f"{self.label}: {self.value}")
@@ -79,6 +90,7 @@ _WITH_POINT = frozenset(
         Status.TIME_LIMIT,
     }
 )
+_OF_THE_PROBLEM = frozenset({Status.UNSAFE, Status.LOCKED, Status.FREE, Status.JAM})
 
 
 class Scope(Enum):

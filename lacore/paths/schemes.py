@@ -137,7 +137,8 @@ class Walk:
             raise PathEndError(Ending.LOCKED, text)
         if state.status is not Status.SOLVED or state.point is None:
             way_out = "" if state.status is Status.UNSAFE else _OTHER_SHAPES
-            raise PathEndError(Ending.NOT_SOLVED, state.message + way_out)
+            message = state.status.by(state.backend, state.message)
+            raise PathEndError(Ending.NOT_SOLVED, message + way_out)
         self.pressed = np.maximum(state.point.normal_reaction, 0.0)
         if self.selection is not None:
             selected = least_norm(state, self.selection.within)

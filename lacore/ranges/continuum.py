@@ -64,14 +64,14 @@ def continuum_range(
         below = lower_bound(frictionless(stated.problem), backend, options=options)
         lower = _strict(below)
         if lower == -inf:
-            missing.append(f"no lower bound: {_why(below, below.message)}")
+            missing.append(f"no lower bound: {_why(below, backend)}")
     except (InputError, CapabilityError) as error:
         missing.append(f"no lower bound: {error}")
     try:
         above = upper_bound(associated(stated.problem), backend, options=options)
         upper = _strict(above)
         if upper == inf:
-            missing.append(f"no upper bound: {_why(above, above.message)}")
+            missing.append(f"no upper bound: {_why(above, backend)}")
     except (InputError, CapabilityError) as error:
         missing.append(f"no upper bound: {error}")
     return ContinuumRange(lower, upper, "; ".join(missing))
@@ -88,5 +88,7 @@ def _strict(bound: LowerBound | UpperBound) -> float:
     return bound.load_factor if bound.rigor is Rigor.UPPER else inf
 
 
-def _why(bound: LowerBound | UpperBound, message: str) -> str:
-    return _NOT_STRICT if bound.rigor is Rigor.DISCRETE else message
+def _why(bound: LowerBound | UpperBound, backend: str) -> str:
+    if bound.rigor is Rigor.DISCRETE:
+        return _NOT_STRICT
+    return bound.status.by(backend, bound.message)

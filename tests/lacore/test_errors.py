@@ -110,3 +110,8 @@ def test_a_state_of_another_program_is_not_certified():
     fewer = replace(fewer, **{name: own[1:] for name, own in vars(fewer).items()})
     with pytest.raises(InputError, match="contact: of 1 points"):
         certify(column.full, state, fewer)
+
+
+def test_a_structure_that_collapses_is_no_matter_of_the_backend():
+    message = "unsafe: the dead loads alone collapse the structure"
+    assert la.Status.UNSAFE.by("clarabel", message) == message

@@ -90,6 +90,15 @@ def followed(name):
         return error
 
 
+def test_brackets_and_paths_name_the_backend_that_has_no_answer(folder):
+    """Their messages are shown without the name of the backend elsewhere."""
+    named = "backend 'NoStress' has no certified answer: failed"
+    bracket, path = bracketed("NoStress"), followed("NoStress")
+    assert f"lower bound: {named}" in bracket.message
+    assert f"upper bound: {named}" in bracket.message
+    assert path.message.startswith(f"not solved: {named}")
+
+
 @pytest.mark.slow
 def test_a_bracket_encloses_the_exact_value_whatever_is_answered(folder):
     honest = bracketed("clarabel")
@@ -98,6 +107,7 @@ def test_a_bracket_encloses_the_exact_value_whatever_is_answered(folder):
         if isinstance(found, la.Bracket):
             assert not found.lower > EXACT, name
             assert not found.upper < EXACT, name
+            assert f"backend {name!r}" in found.message or found.strict, found.message
         else:
             assert name in str(found)
     again = bracketed("clarabel")
@@ -114,6 +124,7 @@ def test_a_path_keeps_no_wrong_load_factor(folder):
             assert name in str(found)
             continue
         assert found.status is not honest.status, name
+        assert f"backend {name!r}" in found.message, found.message
         wrong = found.history.load_factor.to_numpy(float)
         kept = np.isfinite(wrong)
         assert wrong[kept] == pytest.approx(right[: wrong.size][kept], rel=1e-5), name
