@@ -77,6 +77,7 @@ from .paths.hooks.hook import Hook as Hook
 from .paths.hooks.hook import PathProgress as PathProgress
 from .paths.pace import AdaptiveSteps as AdaptiveSteps
 from .paths.path import Path as Path
+from .paths.renewal.mesher import Remeshing as Remeshing
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
 from .problem import examples as examples

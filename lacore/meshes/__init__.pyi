@@ -7,10 +7,11 @@ from .curved import isoparametric as isoparametric
 from .fans import fan as fan
 from .layered import layered as layered
 from .naming import named as named
-from .outline import remeshed as remeshed
 from .patches import Patch as Patch
 from .patches import patches as patches
 from .reading import read as read
+from .renewal.outline import remeshed as remeshed
+from .renewal.sizes import element_sizes as element_sizes
 from .solid.box import box as box
 from .solid.extruded import extruded as extruded
 from .structured import graded as graded

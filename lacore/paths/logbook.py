@@ -17,7 +17,7 @@ from lacore.paths.contact.overlap import overlap_and_touching
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending
 from lacore.paths.path import Event, Path, PathStep, Snapshot
-from lacore.paths.remeshing import NewMeshes
+from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here, PathEndError, Stride
 from lacore.paths.stage import Stage
 from lacore.paths.stored.progress import Progress

@@ -21,7 +21,18 @@ from lacore.paths.hooks.hook import AFTER_REMESHING, AFTER_STEP, BEFORE_REMESHIN
 from lacore.paths.logbook import Log
 from lacore.paths.pace import AdaptiveSteps, Pace
 from lacore.paths.path import Path, PathStep
-from lacore.paths.remeshing import NewMeshes, Remesh, again, carried, described, restaged
+from lacore.paths.renewal.mesher import Remeshing
+from lacore.paths.renewal.remeshing import (
+    NewMeshes,
+    Remesh,
+    again,
+    carried,
+    described,
+    distorted,
+    new_meshes,
+    restaged,
+    transfer_text,
+)
 from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
@@ -82,10 +93,12 @@ def sequential(
             arguments, it goes on from there, to the same path bit for bit but for
             `PathStep.seconds`. Each step writes it anew, all snapshots included: `keep_every`
             keeps it small.
-        remesh: makes new meshes where the next step would turn an element inside out, from the
-            problem on the bodies as they are; see `lacore.paths.remeshing.Remesh`. Equivalent
-            strains are transferred (`lacore.paths.transfer`), the velocity before is forgotten. An
-            event says by how much volume and load jump. A checkpoint knows it by its name.
+        remesh: `Remeshing` makes new meshes when elements are distorted. A function makes them if
+            the next step would invert an element, from the problem on the current shape, see
+            `lacore.paths.renewal.remeshing.Remesh`; a checkpoint knows it by its name. Equivalent
+            strains are transferred (`lacore.paths.renewal.transfer`), the previous velocity is
+            discarded. An event reports the jumps in volume and load, and the errors of the
+            transfer.
         hooks: functions that are called after each step, or a `Hook` for other moments, such as
             ``lacore.hooks.progress()``. If one raises an exception, the path ends with the status
             `STOPPED` and keeps all finished steps.
@@ -129,6 +142,8 @@ def sequential(
     given_hooks = known_hooks(hooks)
     control = FootingTravel() if control is None else control
     stage = staged(problem, approaching, driven_by(control, problem))
+    if isinstance(remesh, Remeshing):
+        remesh.check(stage.problem)
     gauge = gauge_of(control, stage.problem)
     settings = {
         "backend": backend,
@@ -148,7 +163,7 @@ def sequential(
                 "control": control,
                 "selection": selection,
                 "keep_every": keep_every,
-                "remesh": None if remesh is None else described(remesh),
+                "remesh": described(remesh),
             }
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
             progress = kept.load(stage.start)
@@ -168,17 +183,22 @@ def sequential(
         walk.solving = call.solving
         try:
             while (distance := pace.distance(here.travel)) > 0:
+                fresh = bool(log.later) and log.later[-1][0] == here.step + 1
+                poor = [] if fresh else distorted(remesh, walk.stage, here.configuration)
                 try:
-                    call(BEFORE_STEP, here)
-                    here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+                    if not poor:
+                        call(BEFORE_STEP, here)
+                        here = _step(walk, SCHEMES[scheme], here, distance, pace, log)
+                    renewed = bool(poor)
                 except PathEndError as stop:
-                    fresh = bool(log.later) and log.later[-1][0] == here.step + 1
                     if remesh is None or fresh or stop.ending is not Ending.INVERSION:
                         raise
                     log.inversion(here, stop)
+                    renewed = True
+                if renewed and remesh is not None:
                     moved = carried(control, walk.stage, here.configuration)
                     call(BEFORE_REMESHING, here)
-                    walk, here = _remeshed(walk, here, distance, remesh, moved, log)
+                    walk, here = _remeshed(walk, here, distance, remesh, poor, moved, log)
                     control = moved
                     call(AFTER_REMESHING, here)
                     continue
@@ -239,9 +259,15 @@ def _look(walk: Walk, stride: Stride, distance: float, there: Here, log: Log) ->
 
 
 def _remeshed(
-    walk: Walk, here: Here, distance: float, remesh: Remesh, control: Control, log: Log
+    walk: Walk,
+    here: Here,
+    distance: float,
+    remesh: Remesh,
+    poor: Sequence[str],
+    control: Control,
+    log: Log,
 ) -> tuple[Walk, Here]:
-    """The same place on new meshes.
+    """The same place on new meshes, those of `poor` bodies, or of all where none is.
 
     Raises:
         PathEndError: they cannot be taken.
@@ -249,7 +275,7 @@ def _remeshed(
     old = walk.stage
     now = old.at(here.configuration)
     try:
-        meshes = remesh(now)
+        meshes = new_meshes(remesh, now, poor, control)
     except Exception as error:  # of others: what was found so far must not be lost with it
         wrong = f"{type(error).__name__}: {error}"
         raise PathEndError(Ending.NOT_REMESHED, f"remesh fails: {wrong}") from error
@@ -267,7 +293,10 @@ def _remeshed(
     volumes = [_volume(old, here), _volume(stage, there)]
     jumps = [now / before - 1 for before, now in (volumes, loads)]
     counts = ", ".join(f"{name} has {mesh.nelements} elements" for name, mesh in meshes.items())
-    what = f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} of itself"
+    strains = transfer_text(old, here.configuration, stage, configuration, list(meshes))
+    what = (
+        f"{counts}; volume jumps by {jumps[0]:+.2e}, load by {jumps[1]:+.2e} of itself; {strains}"
+    )
     log.enter(stage, gauge, NewMeshes(here.step + 1, here.configuration.nodes, dict(meshes)))
     log.event("remeshed", here.step + 1, here.travel, what)
     return after, there

@@ -31,7 +31,7 @@ from lacore.errors import InputError
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
 from lacore.paths.path import Event, PathStep, Snapshot
-from lacore.paths.remeshing import NewMeshes
+from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stage import Stage
 from lacore.paths.stored.fingerprint import fingerprint

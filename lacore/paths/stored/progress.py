@@ -12,7 +12,7 @@ from lacore.arrays import Floats
 from lacore.errors import is_number
 from lacore.paths.configuration import Configuration
 from lacore.paths.path import Event, PathStep, Snapshot
-from lacore.paths.remeshing import NewMeshes
+from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 
 _SUMMED = 1e-9  # relative: round-off of powers that add up to a load, with digits in hand

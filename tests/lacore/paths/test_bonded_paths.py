@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.paths.remeshing import restaged
+from lacore.paths.renewal.remeshing import restaged
 from lacore.paths.stage import staged
 from tests.lacore.paths.path_billets import PLATEN, billet
 

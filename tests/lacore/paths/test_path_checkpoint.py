@@ -19,7 +19,7 @@ from lacore.errors import InputError
 from lacore.paths.configuration import Configuration
 from lacore.paths.flow import Moment
 from lacore.paths.path import Snapshot
-from lacore.paths.remeshing import NewMeshes
+from lacore.paths.renewal.remeshing import NewMeshes
 from lacore.paths.schemes import Here
 from lacore.paths.stored.progress import Progress
 from tests.lacore.paths.path_billets import billet, pressed

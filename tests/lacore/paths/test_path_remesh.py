@@ -17,9 +17,9 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.ending import Ending
 from lacore.paths.logbook import Log, peak
 from lacore.paths.path import PathStep
-from lacore.paths.remeshing import NewMeshes, carried, restaged
+from lacore.paths.renewal.remeshing import NewMeshes, carried, restaged
+from lacore.paths.renewal.transfer import transferred
 from lacore.paths.stage import staged
-from lacore.paths.transfer import transferred
 from tests.lacore.paths.path_billets import billet, pressed, quad_billet
 from tests.lacore.paths.test_path_checkpoint import Stop, assert_same, stop_after
 from tests.lacore.pictures.readings import drawn, words
@@ -162,7 +162,7 @@ def test_outlines_that_cannot_be():
     mesh = la.meshes.rectangle(x=(0, 1), y=(0, 1), nx=2, ny=2)
     with pytest.raises(InputError, match="size"):
         la.meshes.remeshed(mesh, 0.0)
-    with pytest.raises(InputError, match=r"keep = .*no vertex of the outline"):
+    with pytest.raises(InputError, match=r"keep = .*no vertex is there"):
         la.meshes.remeshed(mesh, 0.3, keep=[(0.3, 0.2)])
 
 

@@ -9,7 +9,7 @@ import lacore as la
 from lacore.paths.contact.meeting import meeting
 from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.ending import Ending
-from lacore.paths.remeshing import restaged
+from lacore.paths.renewal.remeshing import restaged
 from lacore.paths.stage import staged
 from verification.cases.shared.exact_paths import cylinder, pressure, sphere, strip_force
 

@@ -1,6 +1,6 @@
 """New meshes for bodies on their way: the problem goes on where they are (T31)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +16,9 @@ from lacore.errors import InputError, require_known
 from lacore.meshes.curved import is_curved
 from lacore.paths.configuration import Configuration
 from lacore.paths.control import Control, PointTravel
+from lacore.paths.renewal.mesher import Remeshing
+from lacore.paths.renewal.transfer import transfer_errors, transferred
 from lacore.paths.stage import Stage, staged
-from lacore.paths.transfer import transferred
 from lacore.problem.problem import Problem
 
 Remesh = Callable[[Problem], Mapping[str, Mesh]]
@@ -41,6 +42,21 @@ class NewMeshes:
     step: int
     nodes: Mapping[str, Floats]
     meshes: Mapping[str, Mesh]
+
+
+def distorted(remesh: Remesh | None, stage: Stage, configuration: Configuration) -> list[str]:
+    """Names of the bodies that need new meshes before the next step, see `Remeshing`."""
+    if not isinstance(remesh, Remeshing):
+        return []
+    before = {name: body.mesh for name, body in stage.bodies.items()}
+    return remesh.distorted(before, stage.meshes_at(configuration))
+
+
+def new_meshes(
+    remesh: Remesh, now: Problem, bodies: Sequence[str], control: Control
+) -> Mapping[str, Mesh]:
+    """New meshes by a function, or by itself; of all bodies where `bodies` is empty."""
+    return remesh(now, bodies, control) if isinstance(remesh, Remeshing) else remesh(now)
 
 
 def restaged(
@@ -109,6 +125,20 @@ def _on(name: str, body: Body, mesh: Mesh, obstacles: tuple[Obstacle, ...]) -> B
     return replace(body, mesh=replace(mesh, doflocs=places), space=space.name)
 
 
+def transfer_text(
+    old: Stage, before: Configuration, new: Stage, after: Configuration, names: Sequence[str]
+) -> str:
+    """What the transfer of strains has changed, for an event: the worst of the bodies."""
+    was, now = old.dofs_at(before), new.dofs_at(after)
+    errors = [
+        transfer_errors(was[name], before.strain[name], now[name], after.strain[name])
+        for name in names
+    ]
+    jump = max((own for own, _ in errors), key=abs)
+    apart = max(own for _, own in errors)
+    return f"integral of strain jumps by {jump:+.2e} of itself, strains differ by up to {apart:.2e}"
+
+
 def carried(control: Control, stage: Stage, configuration: Configuration) -> Control:
     """A control for new meshes: its point is where it has come to."""
     if not isinstance(control, PointTravel):
@@ -124,7 +154,9 @@ def again(stage: Stage, control: Control, made: NewMeshes) -> tuple[Stage, Contr
     return restaged(stage, at, made.meshes)[0], carried(control, stage, at)
 
 
-def described(remesh: Remesh) -> str:
-    """A name to know a function by again: what it does must not change meanwhile."""
+def described(remesh: Remesh | None) -> object:
+    """What to know it by again: of a function its name, and what it does must not change."""
+    if remesh is None or isinstance(remesh, Remeshing):
+        return remesh
     name = getattr(remesh, "__qualname__", type(remesh).__qualname__)
     return f"{getattr(remesh, '__module__', type(remesh).__module__)}.{name}"

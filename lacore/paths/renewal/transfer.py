@@ -35,3 +35,21 @@ def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     shares = np.maximum(shares, 0.0)  # round-off at edges
     values = np.sum(shares * at_nodes[mesh.t[:, triangle]], axis=0) / shares.sum(axis=0)
     return np.asarray(values.reshape(places.shape[1:]))
+
+
+def transfer_errors(
+    old: BodyDofs, strain: Floats, new: BodyDofs, after: Floats
+) -> tuple[float, float]:
+    """Compute what a transfer of strains has changed.
+
+    Args:
+        old, strain: before it.
+        new, after: after it.
+
+    Returns:
+        The jump of the integral of the strain over the body, relative to it, and the largest
+        difference at the strain points of the old mesh.
+    """
+    before, now = (float(np.sum(d.weights * own)) for d, own in ((old, strain), (new, after)))
+    back = transferred(new, after, old)
+    return (now / before - 1 if before else 0.0), float(np.abs(back - strain).max())

@@ -1,0 +1,1 @@
+"""New meshes along a path: when they are made, and what is transferred to them."""

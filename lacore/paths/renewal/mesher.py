@@ -1,0 +1,146 @@
+"""New meshes by themselves: where elements are distorted, before one turns over (T31)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import Mesh
+
+from lacore.arrays import Floats
+from lacore.bodies.any_body import of_kind
+from lacore.bodies.continuum.body import Body
+from lacore.errors import InputError, require_known, require_positive
+from lacore.meshes.renewal.distortion import mean_ratios
+from lacore.meshes.renewal.outline import load_gmsh, remeshed
+from lacore.meshes.renewal.sizes import element_sizes
+from lacore.paths.control import Control, PointTravel
+from lacore.problem.problem import Problem
+from lacore.showing import Compact
+
+_ROUNDS = 3  # of sizes that are scaled to keep the number of elements
+_CLOSE = 0.1  # of that number
+
+
+@dataclass(frozen=True, repr=False)
+class Remeshing(Compact):
+    """Make new triangle meshes when elements become distorted, with Gmsh (extra ``gmsh``).
+
+    The outline, its names and corners, vertices with a `PointForce` or a `PointTravel`, and the
+    edges of bonded boundaries stay. New vertices lie on the old outline, and areas stay the same.
+    A new mesh is made before a step if the quality of an element, its mean ratio, has decreased to
+    less than `quality` times that at the beginning of the path or at the last remeshing, and if the
+    next step would invert an element.
+
+    Attributes:
+        size: length of edges, m, or one for each body by name; None: new elements are as large as
+            the old ones at the same place, and about as many.
+        quality: ratio below which a new mesh is made, between 0 and 1.
+
+    Example:
+        >>> remesh = la.Remeshing(quality=0.3)  # as `remesh` of `lacore.sequential`
+    """
+
+    size: float | Mapping[str, float] | None = None
+    quality: float = 0.3
+
+    def __post_init__(self) -> None:
+        named = self.size.items() if isinstance(self.size, Mapping) else [("", self.size)]
+        for name, size in named:
+            if size is not None:
+                field = f"Remeshing.size[{name!r}]" if name else "Remeshing.size"
+                require_positive(field, size)
+        if not 0 < self.quality < 1:
+            raise InputError(
+                "Remeshing.quality",
+                self.quality,
+                "not between 0 and 1, where 1 is the quality of the mesh at the beginning",
+                "give a ratio such as 0.3",
+            )
+
+    def __call__(
+        self,
+        problem: Problem,
+        bodies: Sequence[str] = (),
+        control: Control | None = None,
+    ) -> dict[str, Mesh]:
+        """Return new meshes.
+
+        Args:
+            problem: on the current shape.
+            bodies: names of those that get a new mesh; by default all deformable ones.
+            control: of the path, whose point stays a vertex.
+
+        Raises:
+            InputError: Gmsh fails; see `check`.
+        """
+        self.check(problem)
+        deforming = of_kind(problem.bodies, Body)
+        return {
+            name: self._made(name, deforming[name].mesh, problem, control)
+            for name in (bodies or deforming)
+        }
+
+    def check(self, problem: Problem) -> None:
+        """Raise `InputError`: Gmsh is missing, a body of several regions, a size of no body."""
+        deforming = of_kind(problem.bodies, Body)
+        if isinstance(self.size, Mapping):
+            for name in self.size:
+                require_known("Remeshing.size", name, deforming)
+        for name, body in deforming.items():
+            if len(body.regions) > 1:
+                raise InputError(
+                    "remesh",
+                    name,
+                    "this body has several regions, whose boundaries a new mesh would lose",
+                    "give a function that meshes it, or make each region a body and bond them",
+                )
+        load_gmsh()
+
+    def distorted(self, before: Mapping[str, Mesh], now: Mapping[str, Mesh]) -> list[str]:
+        """Return the names of the bodies in which an element is below the quality.
+
+        Args:
+            before: meshes at the beginning, or just made, by body.
+            now: the same meshes on the current shape.
+        """
+        return [
+            name
+            for name, mesh in now.items()
+            if np.any(mean_ratios(mesh) < self.quality * mean_ratios(before[name]))
+        ]
+
+    def _made(self, name: str, mesh: Mesh, problem: Problem, control: Control | None) -> Mesh:
+        points = [load.point for load in problem.loads.values() if load.body == name]
+        if isinstance(control, PointTravel) and control.body == name:
+            points.append(control.at)
+        keep = [(point[0], point[1]) for point in points if point is not None]
+        bonded = [
+            str(where)
+            for interface in problem.interfaces
+            if interface.bonded and interface.obstacle is None
+            for body, where in interface.sides
+            if body == name
+        ]
+        size = self.size.get(name) if isinstance(self.size, Mapping) else self.size
+        if size is not None:
+            return remeshed(mesh, size, keep, bonded)
+        return _alike(mesh, keep, bonded)
+
+
+def _alike(mesh: Mesh, keep: Sequence[tuple[float, float]], bonded: Sequence[str]) -> Mesh:
+    """A mesh with elements as large as before; a quadrilateral becomes two triangles."""
+    sizes, factor = element_sizes(mesh), 1.0
+    count = mesh.nelements * (len(mesh.t) - 2)
+
+    def scaled(points: Floats) -> Floats:
+        return factor * sizes(points)
+
+    new = remeshed(mesh, scaled, keep, bonded)
+    for _ in range(_ROUNDS):
+        if abs(new.nelements / count - 1) <= _CLOSE:
+            break
+        factor *= float(np.sqrt(new.nelements / count))
+        new = remeshed(mesh, scaled, keep, bonded)
+    return new
