@@ -42,6 +42,7 @@ from .conditions.water import WaterTable as WaterTable
 from .conditions.within import Along as Along
 from .conditions.within import Beyond as Beyond
 from .conditions.within import Within as Within
+from .contact import shapes as shapes
 from .contact.interfaces import Interface as Interface
 from .contact.obstacles import RigidObstacle as RigidObstacle
 from .coupling.interval import Interval as Interval
@@ -80,6 +81,7 @@ from .paths.path import Path as Path
 from .paths.renewal.mesher import Remeshing as Remeshing
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
+from .paths.tools.tool import Tool as Tool
 from .problem import examples as examples
 from .problem import types as types
 from .problem.matching import matching as matching

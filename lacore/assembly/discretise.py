@@ -12,7 +12,7 @@ from lacore.assembly.bonds import joined_parts, ties
 from lacore.assembly.contact_checks import movable_points, shared_corners
 from lacore.assembly.discretisation import Discretisation
 from lacore.assembly.holding import held_by
-from lacore.assembly.loading import load_vector, require_power
+from lacore.assembly.loading import load_vector, require_load, require_power
 from lacore.assembly.natural import natural_scales, with_speeds_of_crushing
 from lacore.assembly.ordering import point_order
 from lacore.assembly.seams import seams
@@ -83,6 +83,7 @@ def discretise(problem: Problem, contact_of: Contact = touching) -> Discretisati
         >>> [round(la.solve(discrete, name).load_factor, 2) for name in backends]
         [5.93, 5.93]
     """
+    require_load(problem.reference_loads)
     problem = spanned(problem)
     solid = of_kind(problem.bodies, Body)
     require_memory(velocity_memory(solid), solid)

@@ -78,7 +78,8 @@ def _driven(basis: Sparse, problem: Problem, unknowns: Unknowns) -> Sparse:
             )
         column[rows] = wanted
         kept &= ~np.any(free, axis=0)
-    return csr_matrix(hstack([basis[:, kept], csr_matrix(column[:, None])], format="csr"))
+    moving = column[:, None][:, [bool(column.any())]]  # no column where all are at rest
+    return csr_matrix(hstack([basis[:, kept], csr_matrix(moving)], format="csr"))
 
 
 def _in_plane(

@@ -105,6 +105,17 @@ def _on_footing(
     return speeds[load.unloaded], np.array([load.driven_by(standing[load.body].area(load))])
 
 
+def require_load(loads: Sequence[Load]) -> None:
+    """Raise `InputError` where there is no reference load."""
+    if not loads:
+        raise InputError(
+            "Problem.reference_loads",
+            None,
+            "there is none, so nothing that the load factor could multiply",
+            "give at least one load",
+        )
+
+
 class NoPowerError(InputError):
     """Reference loads that supports take whole: no motion feels them."""
 

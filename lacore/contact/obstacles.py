@@ -20,8 +20,8 @@ _NEAR = 1e-6  # of the body size: closer to an obstacle, solvers cannot tell fro
 class Shape(Protocol):
     """What an obstacle looks like. One of your own has these; contact and pictures ask no more.
 
-    Contact holds at control values (`lacore.paths.approach`): of a plane all along an edge, of a
-    curved face as far as its distance is linear within a step.
+    Contact holds at control values (`lacore.paths.contact.approach`): of a plane all along an edge,
+    of a curved face as far as its distance is linear within a step.
     """
 
     def distance(self, places: Floats) -> Floats:
@@ -48,6 +48,11 @@ class Plane(Compact):
 
     point: tuple[float, ...]
     direction: tuple[float, ...]
+
+    @property
+    def reference(self) -> tuple[float, ...]:
+        """Its point."""
+        return self.point
 
     @classmethod
     def through(cls, point: Floats, normal: Floats) -> Plane:
@@ -134,7 +139,7 @@ class RigidObstacle(Compact):
 
 @dataclass(frozen=True, repr=False)
 class Obstacle(Compact):
-    """A face that does not move, and the part of a body that may come to it.
+    """A rigid face, at rest or carried by a tool, and the part of a body that may come to it.
 
     Attributes:
         name: of the interface.
@@ -144,6 +149,7 @@ class Obstacle(Compact):
         shape: what it looks like.
         law: friction.
         size: of the body, m.
+        carrier: name of the tool that carries it; None of a face at rest.
     """
 
     name: str
@@ -153,6 +159,7 @@ class Obstacle(Compact):
     shape: Shape
     law: FrictionTerms
     size: float
+    carrier: str | None = None
 
     @property
     def touch(self) -> float:

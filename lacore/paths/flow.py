@@ -23,12 +23,12 @@ from lacore.contact.rows import ContactPoints
 from lacore.contact.touching import Touching
 from lacore.limit.solve import solve
 from lacore.limit.state import LimitState
-from lacore.paths.approach import obstacle_station
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.pair_stations import pair_station
 from lacore.paths.contact.stations import gathered
 from lacore.paths.selection import Selected
 from lacore.paths.stage import Stage
+from lacore.paths.tools.contact import face_stations
 from lacore.program import ContactRows, DissipationGroup, KinematicProgram
 from lacore.showing import Compact
 
@@ -136,14 +136,12 @@ def discretised(stage: Stage, moment: Moment) -> Discretisation:
     def contact(
         _: Sequence[Interface], __: Sequence[Touching], unknowns: Unknowns
     ) -> tuple[ContactRows, ContactPoints]:
-        bodies, n = unknowns.continua, unknowns.n
-        stations = [
-            obstacle_station(own, bodies[own.body], n, moment.begin) for own in stage.obstacles
-        ]
-        if stage.pairs:
-            begin, now = map(stage.plane_bodies_at, (moment.begin, moment.at))
-            stations += [pair_station(own, unknowns.dofs, begin, now, n) for own in stage.pairs]
-        return gathered(stations, stage.obstacles, n, moment.duration)
+        n, moments = unknowns.n, (moment.begin, moment.at)
+        first, here = map(stage.obstacles_at, moments)
+        begin, now = map(stage.plane_bodies_at, moments)
+        faces, corners = face_stations((first, here), (begin, now), unknowns, moment.begin)
+        pairs = [pair_station(own, unknowns.dofs, begin, now, n) for own in stage.pairs]
+        return gathered([*faces, *pairs, *corners], here, n, moment.duration)
 
     return discretise(stage.at(moment.at), contact)
 

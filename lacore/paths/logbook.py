@@ -12,7 +12,7 @@ from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.conditions.footings import footings
 from lacore.limit.state import LimitState
 from lacore.paths import drift
-from lacore.paths.approach import gaps
+from lacore.paths.contact.approach import gaps
 from lacore.paths.contact.overlap import overlap_and_touching
 from lacore.paths.control import Gauge
 from lacore.paths.ending import Ending
@@ -162,11 +162,12 @@ class Log:
     def _obstacles(self, here: Here, there: Here) -> float:
         """Points that came to an obstacle in a step, and points that left one."""
         deepest = 0.0
-        for obstacle in self.now.obstacles:
-            dofs = self.dofs[obstacle.body]
+        places = [own.configuration for own in (here, there)]
+        for faces in zip(*map(self.now.obstacles_at, places), strict=True):
+            obstacle, dofs = faces[0], self.dofs[faces[0].body]
             distances = [
-                gaps(obstacle, own.configuration.nodes[obstacle.body], dofs)
-                for own in (here, there)
+                gaps(face, own.nodes[face.body], dofs)
+                for face, own in zip(faces, places, strict=True)
             ]
             deepest = max(deepest, -float(distances[1].min()))
             before, after = (own <= obstacle.near for own in distances)

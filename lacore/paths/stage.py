@@ -6,7 +6,7 @@ there goes with them.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, singledispatch
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -22,9 +22,7 @@ from lacore.bodies.continuum.boundaries import vertex_at
 from lacore.bodies.continuum.dofs import BodyDofs
 from lacore.bodies.continuum.regions.following import moving_along
 from lacore.bodies.continuum.spaces import SPACES, VelocitySpace, isoparametric
-from lacore.conditions.body_forces import BodyForce
 from lacore.conditions.loads import Load, PointForce
-from lacore.conditions.water import PorePressure, StandingWater
 from lacore.contact.interfaces import Interface
 from lacore.contact.obstacles import Obstacle, RigidObstacle
 from lacore.errors import InputError
@@ -33,6 +31,9 @@ from lacore.paths.configuration import Configuration
 from lacore.paths.contact.pairs import Pair
 from lacore.paths.contact.poses import carried_along, placed, pose, require_single
 from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of
+from lacore.paths.loads import check_load, of_block
+from lacore.paths.tools.block import PART, ToolBlock, moved_shape
+from lacore.paths.tools.contact import drive, driving
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
@@ -90,6 +91,12 @@ class Stage(Compact):
         """The rigid blocks where they are at the beginning."""
         return of_kind(self.problem.bodies, BlockAssembly)
 
+    @property
+    def drawn(self) -> list[str]:
+        """Names of the rigid blocks whose polygons are their outlines: not those of tools."""
+        carriers = {own.carrier for own in self.obstacles}
+        return [name for name in self.rigid if name not in carriers]
+
     @cached_property
     def catches(self) -> bool:
         """Whether a step can stop what dead loads alone collapse: by hardening, or by contact."""
@@ -139,6 +146,22 @@ class Stage(Compact):
         """The rigid blocks on a configuration, by name."""
         return {name: placed(body, configuration.nodes[name]) for name, body in self.rigid.items()}
 
+    def obstacles_at(self, configuration: Configuration) -> tuple[Obstacle, ...]:
+        """The obstacles on a configuration: those that tools carry have moved."""
+        return tuple(
+            own
+            if own.carrier is None
+            else replace(
+                own,
+                shape=moved_shape(
+                    own.shape,
+                    self.rigid[own.carrier].centroid,
+                    configuration.nodes[own.carrier],
+                ),
+            )
+            for own in self.obstacles
+        )
+
     def dofs_at(self, configuration: Configuration) -> dict[str, BodyDofs]:
         """The unknowns of the bodies on a configuration, by name; see `at` for errors."""
         return numbered(self.bodies_at(configuration), BodyDofs.at)
@@ -164,40 +187,17 @@ class Stage(Compact):
             x, y = place.tolist()
             return replace(load, at=(x, y))
 
+        driven = driving(bodies, self.problem.driven)
+        reference = [gripped(load) for load in self.problem.reference_loads]
+        if driven is not None:
+            block = bodies[driven[0]]
+            assert isinstance(block, ToolBlock)
+            reference = [drive(driven[0], block, driven[1])]
         return replace(
             self.problem,
             bodies=bodies,
-            reference_loads=[gripped(load) for load in self.problem.reference_loads],
+            reference_loads=reference,
             dead_loads=[gripped(load) for load in self.problem.dead_loads],
-        )
-
-
-@singledispatch
-def _check_load(load: Load, field: str) -> None:
-    """Refuse loads that do not go along with bodies as these deform."""
-
-
-@_check_load.register(PorePressure)
-@_check_load.register(StandingWater)
-def _no_water(load: PorePressure | StandingWater, field: str) -> None:
-    raise InputError(
-        field,
-        load.told,
-        "water at rest has its surface where it is, and the vertices of a body that flows far leave"
-        " it",
-        "leave it out, or give Pressure along the boundary; `solve` takes it in the shape that is"
-        " given",
-    )
-
-
-@_check_load.register(BodyForce)
-def _uniform(load: BodyForce, field: str) -> None:
-    if not load.uniform:
-        raise InputError(
-            field,
-            load.told,
-            "varies by place or by element, and the body moves and gets other meshes",
-            "give a number for each region: BodyForce(body, (x, y), where=region)",
         )
 
 
@@ -205,6 +205,7 @@ def staged(
     problem: Problem,
     approaching: Sequence[Interface],
     drives: Mapping[str, Floats] | None = None,
+    tools: Mapping[str, ToolBlock] | None = None,
 ) -> Stage:
     """A problem made ready for a path.
 
@@ -213,6 +214,7 @@ def staged(
             single rigid blocks.
         approaching: more interfaces, whose sides need not touch yet.
         drives: motions of the tools that move together, see `Problem.driven`; None of none.
+        tools: more bodies, of tools that have an exact shape; None of none.
 
     Raises:
         InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
@@ -227,8 +229,8 @@ def staged(
                 f"approaching[{index}]", interface, "not an interface", "give lacore.Interface"
             )
     for place, load in problem.loads.items():
-        _check_load(load, place)
-    rigid = of_kind(problem.bodies, BlockAssembly)
+        check_load(load, place)
+    rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools or {})
     for name, block in rigid.items():
         require_single(name, block)
     bodies = {n: _curved(n, body) for n, body in problem.bodies.items() if n not in rigid}
@@ -239,7 +241,7 @@ def staged(
             return part
         kind = type(part).__name__
         if part.body in rigid:
-            return _of_block(part, kind)
+            return of_block(part, kind)
         return replace(part, where=names.of(bodies[part.body], part.body, part.where, kind))
 
     reference = [renamed(load) for load in problem.reference_loads]
@@ -251,12 +253,15 @@ def staged(
         for index, own in enumerate(problem.interfaces)
         if not _ties(own)
     } | {f"approaching[{index}]": own for index, own in enumerate(approaching)}
-    facing = [own for own in fields.values() if own.obstacle is not None]
-    obstacles = tuple(obstacle_of(interface, bodies, names) for interface in facing)
+    shaped = {name: block for name, block in rigid.items() if isinstance(block, ToolBlock)}
+    facing = [own for own in fields.values() if own.obstacle is not None or _tool(own, shaped)]
+    obstacles = tuple(
+        obstacle_of(interface, bodies, names, _tool(interface, shaped)) for interface in facing
+    )
     pairs = tuple(
         pair_of(interface, {**bodies, **rigid}, names, where)
         for where, interface in fields.items()
-        if interface.obstacle is None
+        if interface not in facing
     )
     sides = [
         [(name, _bonded(bodies, names, name, where)) for name, where in own.sides] for own in bonds
@@ -276,10 +281,14 @@ def staged(
     meets: dict[str, Ints] = {}
     for side in (side for pair in pairs for side in pair.sides):
         meets[side.body] = np.union1d(meets.get(side.body, side.edges), side.edges)
+    for own in obstacles if shaped else ():
+        meets[own.body] = np.union1d(meets.get(own.body, own.facets), own.facets)
+    meets |= {name: np.arange(block.edges.block.size) for name, block in shaped.items()}
+    drives = drives or {}
+    if (first := driving(rigid, drives)) is not None:
+        reference = [drive(first[0], shaped[first[0]], first[1])]
     every: dict[str, PlaneBody] = {**bodies, **rigid}
-    ready = ProblemOnPath(
-        MappingProxyType(every), reference, supports, bonded, dead, meets, drives or {}
-    )
+    ready = ProblemOnPath(MappingProxyType(every), reference, supports, bonded, dead, meets, drives)
     _check_tied(ready)
     return Stage(
         problem=ready,
@@ -288,24 +297,16 @@ def staged(
         grips=tuple(grips),
         interfaces=(
             *(
-                Interface((own.body, own.where), RigidObstacle(shape=own.shape), one.friction)
+                Interface(
+                    (own.body, own.where),
+                    (own.carrier, PART) if own.carrier else RigidObstacle(shape=own.shape),
+                    one.friction,
+                )
                 for own, one in zip(obstacles, facing, strict=True)
             ),
             *(pair.interface for pair in pairs),
         ),
     )
-
-
-def _of_block(part: Any, kind: str) -> Any:
-    """A load or support of a whole rigid block: a function of coordinates would lose it."""
-    if callable(part.where):
-        raise InputError(
-            f"{kind}.where",
-            None,
-            f"a function of coordinates, and the rigid block {part.body!r} moves away from them",
-            "give the name of the block, 'block' of a lacore.RigidBlock, or a PointForce",
-        )
-    return part
 
 
 def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> str:
@@ -318,6 +319,12 @@ def _bonded(bodies: Mapping[str, Body], names: Names, name: str, where: Any) -> 
             "give a friction, lacore.STICK for one that does not slip",
         )
     return names.of(bodies[name], name, where, "Interface.slave")
+
+
+def _tool(interface: Interface, tools: Mapping[str, ToolBlock]) -> tuple[str, ToolBlock] | None:
+    """The tool of an exact shape that an interface has as its master; None of none."""
+    name = interface.sides[-1][0]
+    return (name, tools[name]) if name in tools else None
 
 
 def _ties(interface: Interface) -> bool:

@@ -22,6 +22,7 @@ from lacore.conditions.footings import footings
 from lacore.meshes.curved import edge_lines, outlines
 from lacore.paths import drift
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.poses import placed
 from lacore.paths.path import Path, Snapshot
 from lacore.paths.stage import Stage
 from lacore.pictures.axis import draw_axis, label_coordinates
@@ -168,10 +169,11 @@ def draw_bodies(axes: Axes, path: Path, snapshot: Snapshot, scale: Normalize) ->
     handles: list[Artist] = [before, *axis]
     handles += _draw_tools(axes, path, snapshot)
     low, high = _box(path)
-    for obstacle in stage.obstacles:
+    obstacles = path.stage_of(snapshot).obstacles_at(snapshot.configuration)
+    for obstacle in obstacles:
         draw_obstacle(axes, obstacle.shape, low, high)
-    if stage.obstacles:
-        handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label="obstacle"))
+    for label in dict.fromkeys("tool" if own.carrier else "obstacle" for own in obstacles):
+        handles.append(Patch(facecolor="none", edgecolor=GROUND, hatch="//////", label=label))
     axes.set_xlim(min(low[0], 0.0) if axis else low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal", anchor="SW")
@@ -305,7 +307,7 @@ def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
     """Rigid blocks and footings, where they are."""
     stage, handles = path.stage_of(snapshot), list[Artist]()
     draw_blocks(axes, stage, snapshot.configuration)
-    if stage.rigid:
+    if stage.drawn:
         handles.append(Patch(facecolor=TOOL, edgecolor=GROUND, label="rigid block"))
     meshes, drawn = stage.meshes_at(snapshot.configuration), False
     for footing in footings(path.stage.problem.reference_loads):
@@ -320,7 +322,7 @@ def _draw_tools(axes: Axes, path: Path, snapshot: Snapshot) -> list[Artist]:
 
 def draw_blocks(axes: Axes, stage: Stage, configuration: Configuration) -> None:
     """Draw the rigid blocks on a configuration."""
-    for block in stage.blocks_at(configuration).values():
-        for corners in block.polygons.values():
+    for name in stage.drawn:
+        for corners in placed(stage.rigid[name], configuration.nodes[name]).polygons.values():
             shape = Polygon(corners, facecolor=TOOL, edgecolor=GROUND, lw=1.0, zorder=2.5)
             axes.add_artist(shape)

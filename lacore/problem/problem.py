@@ -38,7 +38,8 @@ class Problem(Shown):
 
     Attributes:
         bodies: named bodies; frames with a node wherever a `PointForce` acts on a member.
-        reference_loads: the loads that the load factor multiplies (F0).
+        reference_loads: the loads that the load factor multiplies (F0); none of a problem that is
+            only for `lacore.sequential` with tools, which drive it.
         supports: fixed boundaries.
         interfaces: contact with friction.
         dead_loads: permanent loads (Fd).
@@ -64,7 +65,7 @@ class Problem(Shown):
     """
 
     bodies: Mapping[str, AnyBody]
-    reference_loads: Sequence[Load]
+    reference_loads: Sequence[Load] = ()
     supports: Sequence[Fix] = ()
     interfaces: Sequence[Interface] = ()
     dead_loads: Sequence[Load] = field(default=())
@@ -142,17 +143,10 @@ class Problem(Shown):
             if not isinstance(given, Sequence):
                 raise InputError(f"Problem.{attribute}", given, "not a list", "put it in [ ]")
             object.__setattr__(self, attribute, tuple(given))
-        if not self.reference_loads:
-            raise InputError(
-                "Problem.reference_loads",
-                None,
-                "there is none, so nothing that the load factor could multiply",
-                "give at least one load",
-            )
         for where, load in self.loads.items():
             if not isinstance(load, Load):
                 raise InputError(where, load, "not a load", "give lacore.Traction, Pressure, ...")
-        if not any(map(acts, self.reference_loads)):
+        if self.reference_loads and not any(map(acts, self.reference_loads)):
             raise InputError(
                 "Problem.reference_loads",
                 self.reference_loads[0].told,
@@ -189,7 +183,12 @@ class Problem(Shown):
             check_interface_dimension(interface, where, dimension)
         check_contacts(self)
         check_wet(self.loads, self.interfaces)
-        check_axisymmetry(self.bodies, self.loads, self.supports, self.interfaces)
+        check_axisymmetry(
+            {name: body for name, body in self.bodies.items() if name not in self.driven},
+            {where: load for where, load in self.loads.items() if load.body not in self.driven},
+            self.supports,
+            self.interfaces,
+        )
 
     @property
     def dimension(self) -> int:

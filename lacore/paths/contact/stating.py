@@ -13,12 +13,14 @@ from lacore.bodies.continuum.boundaries import boundary_facets, facet_geometry
 from lacore.bodies.touching import TOUCH
 from lacore.conditions.where import Where
 from lacore.contact.interfaces import Interface
-from lacore.contact.obstacles import Obstacle, Plane
+from lacore.contact.obstacles import Obstacle, Plane, Shape
 from lacore.errors import InputError
 from lacore.paths.contact.meeting import SHARES, meeting
 from lacore.paths.contact.overlap import DEEPEST, corner_inside
 from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.contact.pairs import Pair, Side, misfit
+from lacore.paths.tools.block import ToolBlock
+from lacore.paths.tools.overlap import overlapping
 
 _STRAIGHT = 1e-9  # sine between edges of one plane
 
@@ -65,8 +67,19 @@ def check_law(interface: Interface) -> None:
         )
 
 
-def obstacle_of(interface: Interface, bodies: Mapping[str, Body], names: Names) -> Obstacle:
+def obstacle_of(
+    interface: Interface,
+    bodies: Mapping[str, Body],
+    names: Names,
+    tool: tuple[str, ToolBlock] | None = None,
+) -> Obstacle:
     """The obstacle of an interface, and the part of a body that may touch it.
+
+    Args:
+        interface: of a body and an obstacle, or a tool.
+        bodies: those that deform.
+        names: of their boundaries.
+        tool: its name and body; None of an obstacle.
 
     Raises:
         InputError: no such body, a law that a path does not follow, a body behind its obstacle.
@@ -87,21 +100,30 @@ def obstacle_of(interface: Interface, bodies: Mapping[str, Body], names: Names) 
         body=name,
         where=names.of(body, name, where, "Interface.slave"),
         facets=facets,
-        shape=interface.face or _plane_along(interface, body, facets),
+        shape=_shape(interface, body, facets) if tool is None else tool[1].shape,
         law=interface.law.terms(),
         size=body.size,
+        carrier=None if tool is None else tool[0],
     )
     mesh = body.mesh
     nodes = np.unique([*mesh.facets[:, facets].ravel(), *(mesh.nvertices + facets)])
-    deepest = float(found.shape.distance(mesh.doflocs[:, nodes]).min())
-    if deepest < -found.touch:
+    distance = found.shape.distance(mesh.doflocs[:, nodes])
+    worst = int(np.argmin(distance))
+    if distance[worst] < -found.touch:
+        if tool is not None:
+            x, y = mesh.doflocs[:, nodes[worst]].tolist()
+            raise overlapping(tool[0], f"body {name!r}", -float(distance[worst]), (x, y))
         raise InputError(
             "Interface.slave",
             interface.name,
-            f"begins {-deepest:.3g} m behind its obstacle",
+            f"begins {-distance[worst]:.3g} m behind its obstacle",
             "move the body or RigidObstacle.point, or turn RigidObstacle.normal around",
         )
     return found
+
+
+def _shape(interface: Interface, body: Body, facets: Ints) -> Shape:
+    return interface.face or _plane_along(interface, body, facets)
 
 
 def _plane_along(interface: Interface, body: Body, facets: Ints) -> Plane:

@@ -47,7 +47,7 @@ def gathered(
     """Rows of all stations for n unknowns, and where their points are.
 
     Args:
-        stations: of the obstacles, then of pairs of bodies.
+        stations: of the obstacles, then of pairs of bodies and of corners of obstacles.
         obstacles: those of the first stations.
         n: unknowns.
         duration: of the step, s.

@@ -75,7 +75,7 @@ def restaged(
     bodies = dict(now.bodies)
     for name, mesh in meshes.items():
         require_known("remesh", name, deforming)
-        bodies[name] = _on(name, deforming[name], mesh, stage.obstacles)
+        bodies[name] = _on(name, deforming[name], mesh, stage.obstacles_at(configuration))
     new = staged(replace(now, bodies=bodies), stage.interfaces, stage.problem.driven)
     start = new.start
     before, after = stage.dofs_at(configuration), new.dofs_at(start)

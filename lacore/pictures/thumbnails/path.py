@@ -71,9 +71,10 @@ def thumbnail_of_shape(
     draw_blocks(axes, stage, configuration)
     corners = axes.dataLim.get_points()
     low, high = corners.min(axis=0), corners.max(axis=0)
-    if stage.obstacles:
+    obstacles = stage.obstacles_at(configuration)
+    if obstacles:
         margin = PLANE_DEPTH * float(np.linalg.norm(high - low))
         low, high = low - margin, high + margin
-    for obstacle in stage.obstacles:
+    for obstacle in obstacles:
         draw_obstacle(axes, obstacle.shape, low, high)
     return finish(axes, low, high)

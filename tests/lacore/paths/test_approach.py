@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lacore.meshes.curved import EdgeCurves
-from lacore.paths.approach import gaps, obstacle_station
 from lacore.paths.configuration import Configuration
+from lacore.paths.contact.approach import gaps, obstacle_station
 from lacore.paths.contact.stations import gathered
 from lacore.paths.flow import Moment, discretised
 from lacore.paths.stage import staged

@@ -1,0 +1,3 @@
+"""The module that is a name of `la`, for `__init__` and for type checkers."""
+
+from . import shapes as shapes

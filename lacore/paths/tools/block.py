@@ -1,0 +1,107 @@
+"""The body of a tool: a rigid block whose contact is that of an exact shape.
+
+Its polygon is a small square about the reference point, which gives it the unknowns of a block.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.bodies.blocks.block_assembly import BlockAssembly
+from lacore.contact.obstacles import Plane, Shape
+from lacore.showing import Compact
+
+PART = "tool"
+"""Name of the one block of a tool."""
+_NOWHERE = Plane((0.0, 0.0), (0.0, 1.0))  # a dataclass wants a default; each tool has its own
+_SIDE = 0.05  # of the smallest body that it touches: the square
+
+
+@dataclass(frozen=True, repr=False)
+class MovedShape(Compact):
+    """A shape that was turned about the origin and then shifted.
+
+    Attributes:
+        shape: before.
+        turn: rad.
+        shift: m.
+    """
+
+    shape: Shape
+    turn: float
+    shift: tuple[float, float]
+
+    def distance(self, places: Floats) -> Floats:
+        """See `Shape`."""
+        return self.shape.distance(self._back(places))
+
+    def normal(self, places: Floats) -> Floats:
+        """See `Shape`."""
+        return np.asarray(_rotation(self.turn) @ self.shape.normal(self._back(places)))
+
+    def outline(self, low: Floats, high: Floats) -> Floats:
+        """See `Shape`."""
+        box = np.array([[low[0], low[0], high[0], high[0]], [low[1], high[1], low[1], high[1]]])
+        box = self._back(box)
+        return self._forth(self.shape.outline(box.min(axis=1), box.max(axis=1)))
+
+    @property
+    def corners(self) -> Floats:
+        """Sharp convex corners, m, shape (2, c)."""
+        return self._forth(corners_of(self.shape))
+
+    def _forth(self, places: Floats) -> Floats:
+        return np.asarray(_rotation(self.turn) @ places + np.reshape(self.shift, (2, 1)))
+
+    def _back(self, places: Floats) -> Floats:
+        return np.asarray(_rotation(-self.turn) @ (places - np.reshape(self.shift, (2, 1))))
+
+
+def corners_of(shape: Shape) -> Floats:
+    """Sharp convex corners of a shape, m, shape (2, c); none of one that names none."""
+    return np.asarray(getattr(shape, "corners", np.zeros((2, 0))))
+
+
+def moved_shape(shape: Shape, about: Floats, at: Floats) -> Shape:
+    """A shape after a point of it has moved, and it has turned about this point.
+
+    Args:
+        shape: before.
+        about: the point before, m, shape (2, 1).
+        at: where it is now, m, and the angle, rad, shape (3, 1).
+    """
+    turn = float(at[2, 0])
+    shift = at[:2] - _rotation(turn) @ about
+    before = shape if isinstance(shape, MovedShape) else MovedShape(shape, 0.0, (0.0, 0.0))
+    shift = shift + _rotation(turn) @ np.reshape(before.shift, (2, 1))
+    x, y = shift[:, 0].tolist()
+    return MovedShape(before.shape, turn + before.turn, (x, y))
+
+
+def _rotation(turn: float) -> Floats:
+    c, s = np.cos(turn), np.sin(turn)
+    return np.array([[c, -s], [s, c]])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ToolBlock(BlockAssembly):
+    """The body of a tool.
+
+    Attributes:
+        shape: where the tool is.
+    """
+
+    shape: Shape = _NOWHERE
+
+    @classmethod
+    def about(cls, reference: tuple[float, float], size: float, shape: Shape) -> ToolBlock:
+        """The body of a tool that is moved by its reference point, beside bodies of a size."""
+        square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * _SIDE * size / 2
+        return cls({PART: square + np.array(reference)}, friction=0.0, shape=shape)
+
+    def carried(self, at: Floats, blocks: dict[str, Floats]) -> ToolBlock:
+        """Itself at a pose, with the blocks there."""
+        return replace(self, blocks=blocks, shape=moved_shape(self.shape, self.centroid, at))
