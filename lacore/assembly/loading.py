@@ -112,7 +112,7 @@ def require_load(loads: Sequence[Load]) -> None:
             "Problem.reference_loads",
             None,
             "there is none, so nothing that the load factor could multiply",
-            "give at least one load",
+            "give at least one load, or let lacore.sequential(..., tools={...}) drive a path",
         )
 
 

@@ -34,6 +34,7 @@ from lacore.paths.contact.stating import Names, check_once, obstacle_of, pair_of
 from lacore.paths.loads import check_load, of_block
 from lacore.paths.tools.block import PART, ToolBlock, moved_shape
 from lacore.paths.tools.contact import drive, driving
+from lacore.paths.tools.tool import NO_TOOLS, Tooling
 from lacore.problem.problem import Problem
 from lacore.showing import Compact
 
@@ -205,7 +206,7 @@ def staged(
     problem: Problem,
     approaching: Sequence[Interface],
     drives: Mapping[str, Floats] | None = None,
-    tools: Mapping[str, ToolBlock] | None = None,
+    tools: Tooling = NO_TOOLS,
 ) -> Stage:
     """A problem made ready for a path.
 
@@ -214,7 +215,7 @@ def staged(
             single rigid blocks.
         approaching: more interfaces, whose sides need not touch yet.
         drives: motions of the tools that move together, see `Problem.driven`; None of none.
-        tools: more bodies, of tools that have an exact shape; None of none.
+        tools: more bodies, of tools that have an exact shape, and what they may touch.
 
     Raises:
         InputError: frames, bodies in space, plane stress, several blocks in one assembly, bonds of
@@ -230,7 +231,7 @@ def staged(
             )
     for place, load in problem.loads.items():
         check_load(load, place)
-    rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools or {})
+    rigid = of_kind(problem.bodies, BlockAssembly) | dict(tools.blocks)
     for name, block in rigid.items():
         require_single(name, block)
     bodies = {n: _curved(n, body) for n, body in problem.bodies.items() if n not in rigid}
@@ -253,6 +254,7 @@ def staged(
         for index, own in enumerate(problem.interfaces)
         if not _ties(own)
     } | {f"approaching[{index}]": own for index, own in enumerate(approaching)}
+    fields |= {f"tools: {index}, {own.name}": own for index, own in enumerate(tools.interfaces)}
     shaped = {name: block for name, block in rigid.items() if isinstance(block, ToolBlock)}
     facing = [own for own in fields.values() if own.obstacle is not None or _tool(own, shaped)]
     obstacles = tuple(

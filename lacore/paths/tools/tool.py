@@ -150,6 +150,9 @@ class Tooling:
         return ToolTravel({name: tuple(own.tolist()) for name, own in self.drives.items()})
 
 
+NO_TOOLS = Tooling({}, (), {})
+
+
 def tooling(problem: Problem, tools: Mapping[str, Tool]) -> Tooling:
     """Tools as bodies of a problem, and what they may touch.
 

@@ -55,7 +55,6 @@ def test_the_sound_one_is_taken():
         ({"bodies": {}}, ("Problem.bodies", "there is none", "bodies={")),
         ({"bodies": {"block": "steel"}}, ("Problem.bodies['block'] = 'steel'", "lacore.Body")),
         ({"bodies": {1: "steel"}}, ("Problem.bodies = 1", "not a name", "give a text")),
-        ({"reference_loads": []}, ("Problem.reference_loads", "at least one load")),
         (
             {"reference_loads": [la.Pressure("block", "top", 0), la.BodyForce("block", (0, 0))]},
             ("Problem.reference_loads = 'pressure 0 Pa on block.top'", "is zero", "that is not"),
@@ -102,6 +101,11 @@ def test_the_sound_one_is_taken():
 )
 def test_problem(given, parts):
     refuses(lambda: problem(**given), *parts)
+
+
+def test_a_problem_without_loads_is_for_tools_alone():
+    stated = problem(reference_loads=[], supports=[HOLD])
+    refuses(lambda: la.solve(stated), "Problem.reference_loads", "at least one load", "tools")
 
 
 def test_interface_given_twice():
