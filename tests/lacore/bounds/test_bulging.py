@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from skfem import MeshTri
+from skfem.quadrature import get_quadrature
 
 import lacore as la
-from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, bubbles
+from lacore.bounds.quadratic.bubbles import EDGES, Bubbles, bubble_power, bubbles
 
 WEIGHT = la.Linear(-18e3, (300.0, 2e3), at=(0.0, 1.0))  # N/m^3, heavier below
 SOILS = {"clay": la.VonMises(40e3), "soil": la.MohrCoulomb(20e3, 20.0)}
@@ -200,6 +202,43 @@ def test_forces_in_one_region_alone_are_carried():
     gap = la.gap_identity(upper, lower)
     assert gap.total == pytest.approx(upper.load_factor - lower.load_factor, rel=1e-9)
     assert gap.least >= -1e-7 * upper.load_factor
+
+
+def test_bubbles_do_their_power():
+    """Of a quadratic velocity in each element, as a quadrature of ``tau : eps`` finds it."""
+    mesh = grid()
+    body = la.Body(mesh, la.VonMises(1.0))
+    x, y = mesh.p[:, mesh.t]
+    carried = bubbles(body, np.stack([x - 0.3 * y, 0.5 * x + y]).swapaxes(1, 2), "load")
+    problem = cut(la.VonMises(1.0), mesh, [la.BodyForce("soil", (0.0, -1.0))])
+    discretisation = la.discretise(problem)
+    dofs = discretisation.bodies["soil"]
+    velocity = np.zeros(discretisation.full.n)
+    corners = mesh.p[:, mesh.t]
+    sides = (corners[:, [0, 1, 0]] + corners[:, [1, 2, 2]]) / 2
+    px, py = np.concatenate([corners, sides], axis=1)
+    own = dofs.dofs[:, dofs.element_nodes]
+    velocity[own[0]], velocity[own[1]] = px**2 - px * py, 0.5 * py**2 + px
+    # In barycentric coordinates tau = sum c_f l_i l_j, and eps is linear.
+    points, weights = get_quadrature(MeshTri.elem, 3)
+    share = np.stack([1 - points.sum(axis=0), *points])
+    at_x, at_y = np.einsum("dve,vq->deq", corners, share)
+    rate = np.stack([2 * at_x - at_y, at_y, 1 - at_x])  # eps_xx, eps_yy, 2 eps_xy
+    products = np.stack([share[0] * share[1], share[1] * share[2], share[0] * share[2]])
+    stress = np.einsum("efc,fq->ceq", carried.control, products)
+    exact = np.abs(2 * areas(mesh))[:, None] * np.sum(rate * stress, axis=0) @ weights[:, None]
+    assert np.abs(exact).max() > 1e-4
+    np.testing.assert_allclose(
+        bubble_power(carried, dofs, velocity),
+        exact[:, 0],
+        rtol=EXACT,
+        atol=EXACT * np.abs(exact).max(),
+    )
+
+
+def areas(mesh):
+    a, b, c = mesh.p[:, mesh.t].transpose(1, 0, 2)
+    return ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
 
 
 def test_a_mesh_of_one_element_carries_no_moment():

@@ -7,7 +7,9 @@ import pytest
 
 import lacore as la
 from lacore.assembly.discretise import discretise
+from lacore.bodies.continuum.solid.faces import EDGES
 from lacore.bounds.gap_identity import restriction
+from lacore.bounds.solid.restriction import solid_restriction
 from lacore.bounds.static_model import static_model
 from tests.lacore.models import CRITERION, cantilever, deformable_block, punch
 from tests.lacore.random_continua import delaunay_square
@@ -24,10 +26,23 @@ def heavy(mesh):
     )
 
 
-def test_restricted_velocities_do_the_same_power():
+def wet(mesh):
+    def pressure(x):
+        return 1.7 + 0.4 * x[0] - 0.9 * x[1]
+
+    return la.Problem(
+        {"block": la.Body(mesh, CRITERION)},
+        [la.StandingWater("block", "right", pressure)],
+        [la.Fix("block", "left")],
+        dead_loads=[la.PorePressure("block", pressure)],
+    )
+
+
+@pytest.mark.parametrize("loaded", [heavy, wet])
+def test_restricted_velocities_do_the_same_power(loaded):
     """On every load, and on every stress that is linear in a triangle."""
     rng = np.random.default_rng(0)
-    stated = heavy(delaunay_square(rng))
+    stated = loaded(delaunay_square(rng))
     kinematic, static = discretise(stated), static_model(stated)
     velocity = rng.normal(size=kinematic.full.n)
     restricted = np.zeros(static.full.n)
@@ -46,6 +61,48 @@ def test_restricted_velocities_do_the_same_power():
     rates, area = other.cone_vectors(velocity).reshape(-1, 3, 2), group.weights[::3] * 3
     exact = np.sum(stress * rates, axis=(1, 2)) + np.sum(stress.sum(1) * rates.sum(1), axis=1)
     assert power == pytest.approx(area @ exact / 12, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("space", ["p1-disc", "p2-vertex", "p2-disc"])
+def test_restricted_velocities_in_space_do_the_same_power(space):
+    """Of a quadratic velocity on forces in the volume and on the surface."""
+    mesh = la.meshes.box((0, 1), (0, 1), (0, 1), 1, 1, 1)
+    stated = la.Problem(
+        {"block": la.Body(mesh, CRITERION, kinematics="3d", space=space)},
+        [la.BodyForce("block", (1.0, -2.0, 0.5))],
+        dead_loads=[la.Traction("block", "right", (0.3, -1.0, 0.7))],
+    )
+    kinematic, static = discretise(stated), static_model(stated)
+    dofs, velocity = kinematic.bodies["block"], np.zeros(kinematic.full.n)
+    x, y, z = places(dofs)
+    degree = 1 if space == "p1-disc" else 2
+    for own, value in zip(dofs.dofs, (x**degree, y**degree + 0.5 * z, z**degree), strict=True):
+        velocity[own] = value
+    nodes, values = solid_restriction(
+        "block", dofs, static.bodies["block"], velocity, stated, np.zeros(0)
+    )
+    restricted = np.zeros(static.full.n)
+    for axis, own in enumerate(values):
+        restricted[3 * nodes + axis] = own
+    share = 1 / (1 + degree)  # of the integral of x^degree over the cube
+    assert static.full.reference_load @ restricted == pytest.approx(
+        share - 2 * (share + 0.25) + 0.5 * share, rel=ROUND_OFF
+    )
+    assert static.full.dead_load @ restricted == pytest.approx(
+        0.3 - (share + 0.25) + 0.7 * share, rel=ROUND_OFF
+    )
+
+
+def places(dofs):
+    """Coordinates of the nodes of tetrahedra: vertices, then the middles of edges."""
+    mesh = dofs.body.mesh
+    corners = mesh.p[:, mesh.t]
+    first, last = EDGES
+    sides = (corners[:, first] + corners[:, last]) / 2
+    own = np.concatenate([corners, sides], axis=1)[:, : dofs.element_nodes.shape[0]]
+    found = np.zeros((3, dofs.dofs.shape[1]))
+    found[:, dofs.element_nodes] = own
+    return found
 
 
 def test_constant_stress_is_in_equilibrium_with_its_tractions():
