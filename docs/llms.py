@@ -125,6 +125,7 @@ def _schema(schema: Mapping[str, Any]) -> Iterator[str]:
     for name, key in (
         ("Support", "[[supports]]"),
         ("Interface", "[[interfaces]]"),
+        ("PathOf", "[path]"),
         ("Asked", "[solve]"),
     ):
         yield f"- `{key}`: {_keys(definitions[name])}"
@@ -145,6 +146,7 @@ TABLES = {
     "Loads, `[[reference_loads]]` and `[[dead_loads]]`": "load",
     'Meshes, `[bodies.NAME.mesh]`; also `{ file = "mesh.msh" }`': "shape",
     "Materials, `[bodies.NAME.material]`, or one such table per region": "criterion",
+    "Travel of a path, `[path.control]`": "measure",
 }
 """Tables of a problem file that have several forms, and the key that selects one."""
 

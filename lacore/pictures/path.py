@@ -20,6 +20,7 @@ from lacore.arrays import Floats, Ints
 from lacore.bodies.continuum.nodal import corner_shapes, vertex_means
 from lacore.conditions.footings import footings
 from lacore.meshes.curved import edge_lines, outlines
+from lacore.numerics.quantities import FORCES, fitting
 from lacore.paths import drift
 from lacore.paths.configuration import Configuration
 from lacore.paths.contact.poses import placed
@@ -81,17 +82,20 @@ def plot_force(path: Path) -> Figure:
     With `Time` as control it is the power of the reference loads.
     """
     figure = Figure(figsize=_FORCE, layout="constrained", facecolor="white")
-    axes = figure.add_subplot()
-    axes.plot(path.history["travel"], path.history["force"], color=_LOAD, lw=1.6)
+    axes, forced = figure.add_subplot(), path.unit == "m"
+    whole = any(body.axisymmetric for body in path.stage.bodies.values())
+    unit = fitting(f"{value} N" for value in path.history["force"]) if forced else "N"
+    force = path.history["force"] / FORCES[unit]
+    axes.plot(path.history["travel"], force, color=_LOAD, lw=1.6)
     if len(path.history) <= _FEW:
-        axes.plot(path.history["travel"], path.history["force"], ".", color=_LOAD, ms=5)
+        axes.plot(path.history["travel"], force, ".", color=_LOAD, ms=5)
     axes.set_title(f"{counted(len(path.history), 'step')}, status: {path.status.label}", loc="left")
-    unit = "N" if any(body.axisymmetric for body in path.stage.bodies.values()) else "N/m"
     axes.set_xlabel(f"travel [{path.unit}]" if path.unit else "travel")
-    axes.set_ylabel(f"force [{unit}]" if path.unit == "m" else "power per rate of the travel")
+    label = f"force [{unit}]" if whole else f"force [{unit}/m]"
+    axes.set_ylabel(label if forced else "power per rate of the travel")
     axes.set_xlim(0, (1 + _MARGIN) * (path.snapshots[-1].travel or 1.0))
     if not path.history.empty:
-        axes.set_ylim(bottom=min(0.0, float(path.history["force"].min())))
+        axes.set_ylim(bottom=min(0.0, float(force.min())))
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     return figure

@@ -3,13 +3,16 @@
 from __future__ import annotations  # not evaluated: what they name is not loaded
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from lacore.errors import InputError
 from verification.commands.options import json_option, print_json
 from verification.usage import Sectioned, folder, number, positive
+
+if TYPE_CHECKING:
+    from lacore.files.problem.reading import Stated
 
 _STOPPED = 130
 _NAME = 17  # characters
@@ -144,6 +147,10 @@ def solve(
     or reference_loads[0].at[0]. The end of the path, such as arch.thickness or thickness, is
     enough if it is unique.
 
+    If the file has a table [path], the bodies are followed through large deformation. The history
+    is printed, and the report folder contains it as CSV, with a series of files for ParaView
+    (shapes/path.pvd).
+
     Exit code: 0 if the load factor and all results of the given options are certified, 1 if one of
     them is missing or not certified, 2 for invalid input. A result is certified if it passes the
     checks of equilibrium, strength and friction. With --bracket, the bounds must also be close
@@ -175,6 +182,8 @@ def solve(
         more |= {"range": whole_range, "safety": safety, "interfaces": interfaces}
         more |= {"vary": vary, "limit": limit, "worst": worst}
         more |= {} if critical is None else {"critical": critical}
+        if stated.path is not None:
+            ctx.exit(_followed(stated, backend, place, as_json, {"bracket": bracket, **more}))
         question = answers.asked(stated, backend, bracket=bracket, **more)
         writing.require_writable(place)
         with stated.locating():
@@ -198,3 +207,36 @@ def solve(
     if unwritten is not None:
         raise unwritten
     ctx.exit(0 if answer.good else 1)
+
+
+def _followed(
+    stated: Stated, backend: str | None, place: Path, as_json: bool, more: dict[str, Any]
+) -> int:
+    """Follow the path that a file states, print it, and return the exit code."""
+    from verification import progress
+    from verification.problems import following, path_page, writing
+
+    backend = following.path_backend(stated, backend, more)
+    writing.require_writable(place)
+    page, unwritten, steps = None, None, following.Steps(place)
+    try:
+        found = following.followed(stated, backend, steps, progress.status)
+    except KeyboardInterrupt:
+        click.echo(f"stopped after {steps.told}", err=True)
+        return _STOPPED
+    try:
+        page = path_page.written(stated, found, place, progress.status)
+    except InputError as error:  # reported after the result, which is complete
+        unwritten = error
+    if as_json:
+        print_json(path_page.document(stated, found, page))
+    else:
+        click.echo(stated.title)
+        for name, text in path_page.lines(stated, found).items():
+            click.echo(f"  {name:<{_NAME}}{text}")
+        if page is not None:
+            click.echo(f"  {'report':<{_NAME}}{page}")
+        click.echo(path_page.history_text(stated, found.path))
+    if unwritten is not None:
+        raise unwritten
+    return 0 if found.good else 1

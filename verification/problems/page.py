@@ -67,7 +67,7 @@ def page(
             [*_mechanism(state, units)],
             told.get("mechanism", ""),
         ),
-        Section("problem", "The problem", [_sketch(state, units), Facts(_parts(state, units))]),
+        Section("problem", "The problem", [*described(state.discretisation.problem, units)]),
     ]
     if answer.bracket is not None:
         sections.append(_bracket(answer.bracket, units))
@@ -75,7 +75,7 @@ def page(
         sections.append(_range(answer.range, units))
     if answer.safety is not None:
         kind = "Intermediate states" if answer.safety.states else "Intermediate bounds"
-        history = _table(answer.safety.history, kind)
+        history = table_of(answer.safety.history, kind)
         sections.append(Section("safety", "Factor of safety", [history], str(told["safety"])))
     sections += [_more(name, own, units) for name, own in answer.more.items()]
     sections += [
@@ -111,15 +111,10 @@ def _mechanism(state: la.LimitState, units: Units) -> Iterator[Block]:
     yield Gallery([_picture("mechanism", caption, state, units)])
 
 
-def _sketch(state: la.LimitState, units: Units) -> Block:
-    problem = state.discretisation.problem
+def described(problem: la.Problem, units: Units) -> Iterator[Block]:
+    """The problem: its picture, and its parts as it prints itself, with nothing cut off."""
     caption = "The problem: supports, contact, loads"
-    return Gallery([_picture("problem", caption, problem, units)])
-
-
-def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
-    """As a problem prints itself, with nothing cut off."""
-    problem = state.discretisation.problem
+    yield Gallery([_picture("problem", caption, problem, units)])
     said = {
         "bodies": [f"{name}: {units.rewritten(o.contents)}" for name, o in problem.bodies.items()],
         "supports": [units.rewritten(own.told) for own in problem.supports],
@@ -127,16 +122,18 @@ def _parts(state: la.LimitState, units: Units) -> dict[str, str]:
             f"{units.rewritten(own.name)}: {friction(own.law, units)}" for own in problem.interfaces
         ],
     }
-    return {
-        "problem": problem.facts().title.partition(": ")[2],
-        **{kind: "; ".join(own) or "none" for kind, own in said.items()},
-        "reference": loads_told(problem, problem.reference_loads, units),
-        "dead": loads_told(problem, problem.dead_loads, units),
-    }
+    yield Facts(
+        {
+            "problem": problem.facts().title.partition(": ")[2],
+            **{kind: "; ".join(own) or "none" for kind, own in said.items()},
+            "reference": loads_told(problem, problem.reference_loads, units),
+            "dead": loads_told(problem, problem.dead_loads, units),
+        }
+    )
 
 
 def _bracket(bracket: la.Bracket, units: Units) -> Section:
-    blocks: list[Block] = [_table(bracket.history, "Solves")]
+    blocks: list[Block] = [table_of(bracket.history, "Solves")]
     if np.isfinite(bracket.width):
         caption = "Contributions of the elements to the distance of the bounds"
         blocks.insert(0, Gallery([_picture("bracket", caption, bracket, units)]))
@@ -146,7 +143,7 @@ def _bracket(bracket: la.Bracket, units: Units) -> Section:
 def _range(found: la.CoulombRange | la.SoilRange, units: Units) -> Section:
     facts = found.facts()
     told = {name: units.rewritten(text) for name, text in facts.told.items()}
-    blocks: list[Block] = [Facts(told), _table(found.states, "States found")]
+    blocks: list[Block] = [Facts(told), table_of(found.states, "States found")]
     return Section("range", "Range of load factors", blocks, facts.title)
 
 
@@ -158,7 +155,7 @@ def _more(name: str, found: Any, units: Units) -> Section:
     picture = Picture(name, own.caption(told), png(own.drawn(told, units), _DPI))
     blocks: list[Block] = [Gallery([picture])]
     if own.table is not None:
-        blocks.append(_table(own.table(told), own.title))
+        blocks.append(table_of(own.table(told), own.title))
     return Section(name, own.title, blocks, own.said(told))
 
 
@@ -190,7 +187,7 @@ def _tables(state: la.LimitState, units: Units) -> Iterator[Block]:
     for title, frame in found.items():
         if len(frame):
             own, heads = in_units(frame, units, problem)
-            yield Details(f"{title}: {len(frame)}", [_table(own, title, heads)])
+            yield Details(f"{title}: {len(frame)}", [table_of(own, title, heads)])
     if len(state.history):
         yield Details(f"Solves: {len(state.history)}", [*_history(state.history)])
 
@@ -199,18 +196,19 @@ def _history(history: pd.DataFrame) -> Iterator[Table]:
     """Yield the solves, and their residuals, which have too many columns to stand beside them."""
     names = {entry.name for entry in fields(Certificate)}
     residuals = [str(name) for name in history if name in names]
-    yield _table(history.drop(columns=residuals), "Solves")
+    yield table_of(history.drop(columns=residuals), "Solves")
     if residuals:
         first = str(history.columns[0])
-        yield _table(history[[first, *residuals]], "Residuals of the solves", form=".1e")
+        yield table_of(history[[first, *residuals]], "Residuals of the solves", form=".1e")
 
 
-def _table(
+def table_of(
     frame: pd.DataFrame,
     caption: str,
     heads: Mapping[str, str] = MappingProxyType({}),
     form: str = ".5g",
 ) -> Table:
+    """The first rows of a table, with the numbers in a format."""
     shown = frame.head(_ROWS)
     rest = f" (the first {_ROWS} of {len(frame)})" if len(frame) > _ROWS else ""
     columns = [

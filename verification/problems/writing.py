@@ -37,7 +37,7 @@ def written(
 ) -> Path:
     """Write all files of an answer; returns the path of its page."""
     files = {SCRIPT: "the same problem as a Python script"}
-    _write(folder / SCRIPT, as_python(stated, question, folder))
+    write_text(folder / SCRIPT, as_python(stated, question, folder))
     (folder / STATE).unlink(missing_ok=True)  # of an earlier answer
     if answer.state.point is not None:
         try:
@@ -103,7 +103,8 @@ def _function(varied: Varied, folder: Path) -> str:
     return found.pop() if len(found) == 1 else ""
 
 
-def _write(file: Path, text: str) -> None:
+def write_text(file: Path, text: str) -> None:
+    """Write a file of a report; `InputError` where it cannot be written."""
     try:
         file.write_text(text, encoding="utf-8")
     except OSError as error:

@@ -25,6 +25,10 @@ Key = tuple[str, ...]
 """Of things that several calls take: ``("facade",)``, ``("facade", "drawing")``."""
 
 
+PROBLEM: Key = ("", "problem")
+"""Of the problem itself, for what is made of it."""
+
+
 @dataclass(frozen=True)
 class Name:
     """One of `NAMES`."""
@@ -85,10 +89,12 @@ class Program:
     Attributes:
         things: each may take those before it.
         call: what all is for.
+        path: what follows it along a path, if the file states one.
     """
 
     things: Mapping[Key, Any]
     call: Call
+    path: Call | None = None
 
     def made(self) -> tuple[Any, Mapping[Key, Any]]:
         """What the call makes, and the things.

@@ -28,6 +28,10 @@ from lacore.meshes.naming import named
 from lacore.meshes.patches import Patch, patches
 from lacore.meshes.reading import read
 from lacore.meshes.structured import quadrilaterals, quarter_ring, rectangle
+from lacore.paths.control import FootingTravel, PointTravel, Time, ToolTravel
+from lacore.paths.pace import AdaptiveSteps
+from lacore.paths.selection import LeastNorm
+from lacore.paths.sequential import sequential
 from lacore.problem.problem import Problem
 
 MAKERS: Mapping[str, Callable[..., Any]] = {
@@ -91,6 +95,13 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "la.Coulomb": Coulomb,
     "la.Tresca": Tresca,
     "la.Problem": Problem,
+    "la.FootingTravel": FootingTravel,
+    "la.PointTravel": PointTravel,
+    "la.ToolTravel": ToolTravel,
+    "la.Time": Time,
+    "la.AdaptiveSteps": AdaptiveSteps,
+    "la.LeastNorm": LeastNorm,
+    "la.sequential": sequential,
 }
 NAMES: Mapping[str, object] = {"la.SMOOTH": SMOOTH, "la.STICK": STICK, "la.BOND": BOND}
 """What stands for a value."""

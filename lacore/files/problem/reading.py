@@ -10,11 +10,22 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from lacore.errors import InputError, typed
-from lacore.files.problem.calls import Key, MisfitError, Program, entry, listed, parts
+from lacore.files.problem.calls import (
+    PROBLEM,
+    Key,
+    MisfitError,
+    Program,
+    entry,
+    listed,
+    made,
+    parts,
+)
 from lacore.files.problem.places import Path
 from lacore.files.problem.source import Source
 from lacore.files.problem.units import chosen
 from lacore.numerics.quantities import Units
+from lacore.paths.path import Path as FollowedPath
+from lacore.paths.sequential import sequential
 from lacore.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -34,6 +45,8 @@ class Stated:
         asked: what is to be found.
         cases: reference loads by the name of their case, as places in the list of the problem.
         units: that answers are told in.
+        path: arguments of `lacore.sequential`, if the file states a path.
+        animated: whether an animation of it is asked for.
     """
 
     source: Source
@@ -44,6 +57,21 @@ class Stated:
     asked: Asked
     cases: Mapping[str, Sequence[int]]
     units: Units
+    path: Mapping[str, Any] | None = None
+    animated: bool = False
+
+    def followed(self, **more: Any) -> FollowedPath:
+        """The path that the file states, see `lacore.sequential`; it states one.
+
+        Args:
+            more: arguments that are no part of the file.
+
+        Raises:
+            InputError: what a path cannot follow, with its line in the file.
+        """
+        assert self.path is not None
+        with self.locating():
+            return sequential(**self.path, **more)
 
     @contextmanager
     def locating(self) -> Iterator[None]:
@@ -54,12 +82,20 @@ class Stated:
             own = listed(self.program.call, self._inside(parts(error.field)), self.things)
             if not own and error.field.startswith("--"):
                 raise  # of the command line
-            raise self.source.error(own, error.value, error.why, error.fix) from error
+            value = None if error.field == "control" else error.value  # a class of Python
+            raise self.source.error(own, value, error.why, error.fix) from error
 
     def _inside(self, path: Path) -> Path:
         """Where in the file is what an error of the problem is about."""
         if path[:1] == ("Problem",):
             return path[1:]
+        if self.program.path is not None:
+            if path[0] in ("backend", "coupling"):
+                return ("solve", *path)
+            if path[0] == "control" or path[0] in self.program.path.arguments:
+                return ("path", *listed(self.program.path, path, self.things))
+            if str(path[0]).endswith("Travel"):
+                return ("path", "control", *path[1:])
         kind = [where for where, own in self.problem.loads.items() if type(own).__name__ == path[0]]
         return (*parts(kind[0])[1:], *path[1:]) if len(kind) == 1 else ()
 
@@ -96,6 +132,9 @@ def stated_by(source: Source) -> Stated:
     try:
         program = stated.program()
         problem, things = program.made()
+        path = None
+        if program.path is not None:
+            path = made(dict(program.path.arguments), {**things, PROBLEM: problem})
     except MisfitError as misfit:
         error = misfit.error
         raise source.error(misfit.at, error.value, error.why, error.fix) from error
@@ -107,4 +146,7 @@ def stated_by(source: Source) -> Stated:
         if case is not None:
             cases.setdefault(case, []).append(place)
     units = chosen(amounts, problem.sizes, stated.solve.units.given)
-    return Stated(source, problem, program, things, title, stated.solve, cases, units)
+    animated = stated.path is not None and stated.path.animation
+    return Stated(
+        source, problem, program, things, title, stated.solve, cases, units, path, animated
+    )

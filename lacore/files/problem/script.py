@@ -2,17 +2,17 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from json import dumps
 from keyword import iskeyword
 from math import isinf
 from pathlib import Path
 from typing import Any
 
-from lacore.files.problem.calls import Call, Key, Name, Own, Program, Spread
+from lacore.files.problem.calls import PROBLEM, Call, Key, Name, Own, Program, Spread
 
 _WIDTH = 96
-_TAKEN = ("la", "Path", "problem", "state")  # by scripts, for something else
+_TAKEN = ("la", "Path", "problem", "state", "path")  # by scripts, for something else
 
 
 def script(program: Program, folder: Path) -> str:
@@ -22,12 +22,24 @@ def script(program: Program, folder: Path) -> str:
         program: of it.
         folder: of the script, from which it finds files.
     """
-    writer = _Writer(folder, _variables(program.things))
+    writer = _Writer(folder, {**_variables(program.things), PROBLEM: "problem"})
     lines = [(writer.variables[key], node) for key, node in program.things.items()]
-    return "".join(
-        f"{name} = {writer.told(node, 0, len(name) + 3)}\n"
-        for name, node in [*lines, ("problem", program.call)]
-    )
+    lines.append(("problem", program.call))
+    return "".join(f"{name} = {writer.told(node, 0, len(name) + 3)}\n" for name, node in lines)
+
+
+def path_script(program: Program, folder: Path, more: Mapping[str, Any]) -> str:
+    """What follows the problem of a `script` along its path: ``path = ...``.
+
+    Args:
+        program: with a path.
+        folder: of the script.
+        more: arguments that the file does not state.
+    """
+    assert program.path is not None
+    writer = _Writer(folder, {**_variables(program.things), PROBLEM: "problem"})
+    call = replace(program.path, arguments={**program.path.arguments, **more})
+    return f"path = {writer.told(call, 0, len('path = '))}\n"
 
 
 def _variables(keys: Iterable[Key]) -> dict[Key, str]:

@@ -61,6 +61,7 @@ _EXAMPLES = {
     "deg/m": "'2 deg/m'",
     "N": "'50 kN'",
     "N m": "'120 kN m'",
+    "s": "'2 s'",
     DEGREES: "'30 deg' or '0.5 rad'",
 }
 

@@ -26,6 +26,18 @@ _WORDS: Sequence[tuple[str, str]] = (
     (r"a name, names, or a function of \(2, n\)", "a name, names, or places in numbers"),
     (rf"{_L}meshes\.rectangle\(crossed=True\)", "crossed = true"),
     (rf"{_L}meshes\.(layered|fan|rectangle|patches)", r'shape = "\1"'),
+    (rf"(control=)?{_L}FootingTravel\(\)", 'control = { measure = "footing" }'),
+    (
+        rf"(control=)?{_L}PointTravel\(body, at, direction\)",
+        'control = { measure = "point", body = ..., at = ..., direction = ... }',
+    ),
+    (
+        rf"(control=)?{_L}ToolTravel\(\{{'tool': \(x, y\)\}}\)",
+        'control = { measure = "tools", velocity = { NAME = [x, y] } }',
+    ),
+    (rf"(control=)?{_L}Time\(\)", 'control = { measure = "time" }'),
+    (rf"add a {_L}RigidBlock", 'add a body of kind "block"'),
+    (r"\bis not one RigidFooting", 'is not one load = "rigid-footing"'),
     (rf"{_L}SMOOTH", '"smooth"'),
     (rf"{_L}STICK", '"stick"'),
     (rf"{_L}BOND", '"bond"'),

@@ -11,6 +11,7 @@ from lacore.files.problem.places import Path
 from lacore.files.problem.schema.bodies import Body
 from lacore.files.problem.schema.conditions import Interface, Load, Support
 from lacore.files.problem.schema.entry import Entry
+from lacore.files.problem.schema.path import PathOf
 from lacore.files.problem.schema.places import DRAWING
 from lacore.files.problem.schema.values import Number
 
@@ -75,6 +76,8 @@ class ProblemFile(Entry):
     """What stays as it is."""
     supports: tuple[Support, ...] = ()
     interfaces: tuple[Interface, ...] = ()
+    path: PathOf | None = None
+    """Along which the bodies deform; without it the load of the initial shape is computed."""
     solve: Asked = Asked()
 
     def program(self) -> Program:
@@ -101,8 +104,10 @@ class ProblemFile(Entry):
                     number = sum(key[:2] == (load.body, load.several) for key in things)
                     key = (load.body, load.several, *([str(number + 1)] if number else []))
                     things[key], nodes[place] = nodes[place], Spread(Own(key))
-        self._require(things, [*things.values(), call])
-        return Program(things, call)
+        path = None if self.path is None else self.path.call(("path",))
+        own = {} if path is None else {**path.arguments, "problem": None}
+        self._require(things, [*things.values(), call, own])
+        return Program(things, call, path)
 
     def _require(self, things: Mapping[Key, Any], nodes: Iterable[Any]) -> None:
         """Raise `MisfitError` where bodies have not what is said of them."""
@@ -118,6 +123,6 @@ class ProblemFile(Entry):
     def arguments(self, at: Path) -> dict[str, Any]:
         """See `Entry.arguments`."""
         given = super().arguments(at)
-        for name in ("title", "solve"):
+        for name in ("title", "path", "solve"):
             given.pop(name, None)
         return {name: list(own) if isinstance(own, tuple) else own for name, own in given.items()}
