@@ -111,9 +111,8 @@ def start_bounds(problem: la.Problem) -> tuple[float, float]:
     No friction from below, associated friction from above; sticking is what it is.
     """
     bodies = {
-        name: replace(body, space=BOUNDING)
+        name: replace(body, space=BOUNDING) if isinstance(body, la.Body) else body
         for name, body in problem.bodies.items()
-        if isinstance(body, la.Body)
     }
     above = associated(replace(problem, bodies=bodies))
     pairs = [

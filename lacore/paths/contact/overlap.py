@@ -12,10 +12,9 @@ from lacore.bodies.continuum.body import Body
 from lacore.paths.contact.meeting import meeting
 from lacore.paths.contact.outlines import Outline
 from lacore.paths.contact.pair_stations import outlines
-from lacore.paths.contact.pairs import Pair
+from lacore.paths.contact.pairs import DEEP, Pair
 
 DEEPEST = 0.1  # of the size of the smaller body: how deep overlaps are looked for
-_CORNER = 1e-3  # of that size: how deep a corner may be in a body, where no edge faces it
 _DRAWN = np.linspace(0.0, 1.0, 5)  # of an edge as a polyline
 
 Touching = set[tuple[str, int]]
@@ -46,7 +45,7 @@ def corner_inside(
         for own, other, name in ((sides[0], sides[1], names[1]), (sides[1], sides[0], names[0])):
             depth, place = _deepest(own, other, solids[name])
             bulge = np.linalg.norm(other.curves.bulge, axis=0).max(initial=0.0)
-            if depth > _CORNER * pair.size + bulge:
+            if depth > DEEP * pair.size + bulge:
                 return pair, depth, place
     return None
 

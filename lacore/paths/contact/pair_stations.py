@@ -18,7 +18,7 @@ from lacore.bodies.any_body import Dofs, PlaneBody
 from lacore.contact.rows import laws_of
 from lacore.paths.contact.meeting import SHARES, SLIVER, Meeting, meeting
 from lacore.paths.contact.outlines import Outline, outline
-from lacore.paths.contact.pairs import Pair
+from lacore.paths.contact.pairs import DEEP, Pair
 from lacore.paths.contact.stations import Station
 
 _SMOOTH = np.cos(np.radians(15.0))  # edges that turn less against each other stand for one curve
@@ -50,6 +50,7 @@ def pair_station(
     first, here = outlines(pair, begin), outlines(pair, now)
     moved = [np.abs(b.curves.middle - a.curves.middle) for a, b in zip(first, here, strict=True)]
     depth = pair.near + 3 * max(float(own.max(initial=0.0)) for own in moved)
+    depth = max(depth, DEEP * pair.size)  # at the end of a step nothing moves, and sides overlap
     found = meeting(*here, depth)
     own = [dofs[side.body] for side in pair.sides]
     values = _control_values(found, found.on(*first, here), own, n)

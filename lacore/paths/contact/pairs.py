@@ -10,6 +10,9 @@ from lacore.contact.interfaces import Interface
 from lacore.showing import Compact
 
 _NEAR = 1e-6  # of the size of the bodies: closer, solvers cannot tell from touching
+DEEP = 1e-3
+"""How deep bodies of a path may overlap, of the size of the smaller one: loose solvers leave more
+than exact ones do."""
 
 
 @dataclass(frozen=True, repr=False)

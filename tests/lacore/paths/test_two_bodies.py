@@ -9,6 +9,7 @@ import lacore as la
 from lacore.paths.contact.meeting import meeting
 from lacore.paths.contact.pair_stations import outlines
 from lacore.paths.ending import Ending
+from lacore.paths.flow import Moment, discretised
 from lacore.paths.renewal.remeshing import restaged
 from lacore.paths.stage import staged
 from verification.cases.shared.exact_paths import cylinder, pressure, sphere, strip_force
@@ -153,6 +154,19 @@ def test_segments_are_the_same_whichever_side_is_the_slave():
         assert own.gaps() == pytest.approx(0.0, abs=1e-15)
         assert own.normal(0.5)[1] == pytest.approx(-1.0 if swapped else 1.0)
     assert found[0] == pytest.approx(found[1])
+
+
+def test_sides_that_a_loose_solver_has_left_in_each_other_still_meet():
+    """At the end of a step nothing moves, and overlaps of penalised contact are no other body."""
+    deep = 2e-4
+    stage = staged(sled(), ())
+    (pair,) = stage.pairs
+    sunk = {"low": 0.0, "top": -deep}
+    nodes = {name: own + np.array([[0.0], [sunk[name]]]) for name, own in stage.start.nodes.items()}
+    moment = Moment(*[replace(stage.start, nodes=nodes)] * 2, 1.0, 0.0)
+    contact = discretised(stage, moment).full.contact
+    assert pair.near < deep
+    assert contact.weights.sum() == pytest.approx(1.0)  # the length of the upper block
 
 
 def overlapping():
