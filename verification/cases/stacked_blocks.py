@@ -16,7 +16,7 @@ other: no point slips, whatever the friction between them. The closed form is th
 elements of the two do not match, and their vertices pass each other along the path.
 """
 
-from math import log, sqrt
+from math import log, nan, sqrt
 
 import lacore as la
 from verification.case import Band, Case, Reference, Variant
@@ -57,7 +57,7 @@ def spread(path: la.Path) -> float:
     strains = path.snapshots[-1].configuration.strain
     low = min(float(own.min()) for own in strains.values())
     high = max(float(own.max()) for own in strains.values())
-    return 2 * (high - low) / (high + low)
+    return 2 * (high - low) / (high + low) if high > 0 else nan
 
 
 def path(law: str, mu: float, slave: str, steps: int, scheme: str) -> Following:
@@ -123,7 +123,6 @@ h = {_PRESSED:g} H:   eb = {-2 / sqrt(3) * log(_PRESSED):.6f}
             f"{law}-mu-{mu:g}-{slave}",
             {"law": law, "mu": mu, "slave": slave, "steps": 4, "scheme": "implicit-midpoint"},
             meshes=("coarse",),
-            unfit={"regularised": "velocities of penalised programs are not exact to 1e-5"},
         )
         for law, mu, slave in (
             ("linear-3", 0.0, "lower"),
