@@ -29,6 +29,7 @@ from verification.cases.shared.hardening_laws import LAWS
 WIDTH, HEIGHT, TRAVEL = 1.0, 1.0, 0.25
 _CLOSING = 2.0  # m of height per m of travel
 _MOTIONS = {"both": (-1.0, 1.0), "upper": (-2.0, 0.0)}  # of the upper and of the lower platen
+_VOLUME = 1e-9  # of a step: exact backends leave up to 3e-10 of the strain of a step, a half
 _ALLOWED = 1e-7  # a case of one body asks for 1e-8; rigid blocks add unknowns and tolerances
 
 
@@ -72,7 +73,7 @@ def path(law: str, moving: str, steps: int, scheme: str) -> Following:
         la.ToolTravel({"upper": (0, upper), "lower": (0, lower)}),
         exact=lambda travel: _force(law, travel),
         load="force",
-        volume=1e-10,
+        volume=_VOLUME,
     )
 
 
@@ -123,7 +124,10 @@ h = {_LEFT:g} H:         eb = {-2 / sqrt(3) * log(_LEFT):.6f}
             f"{law}-{moving}",
             {"law": law, "moving": moving, "steps": 2, "scheme": "implicit-midpoint"},
             meshes=("coarse",),
-            unfit={"regularised": "velocities of penalised programs are not exact to 1e-7"},
+            unfit={
+                "regularised": "penalised contact lets tools 2e-5 to 4e-5 m into the block, and the"
+                " load at the end of a step feels them per its length, an eighth of a metre"
+            },
         )
         for law, moving in (("perfect", "both"), ("linear-3", "both"), ("linear-3", "upper"))
     ),
