@@ -81,6 +81,7 @@ from .paths.path import Path as Path
 from .paths.renewal.mesher import Remeshing as Remeshing
 from .paths.selection import LeastNorm as LeastNorm
 from .paths.sequential import sequential as sequential
+from .paths.steady import Steady as Steady
 from .paths.tools.tool import Tool as Tool
 from .problem import examples as examples
 from .problem import types as types

@@ -7,6 +7,7 @@ class Ending(Enum):
     """Each text says what to do."""
 
     REACHED = "the travel asked for is reached"
+    STEADY = "load and flow have become stationary"
     INVERSION = (
         "the next step would turn an element inside out: start from elements that are drawn out"
         " across the flow, mesh anew from the last configuration, or take smaller steps if these"

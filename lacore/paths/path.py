@@ -20,6 +20,7 @@ from lacore.paths.contact.block_forces import block_forces
 from lacore.paths.ending import Ending
 from lacore.paths.flow import Moment, flow
 from lacore.paths.stage import Stage
+from lacore.paths.steady import Steady, SteadyState, steady_state
 from lacore.problem.problem import Problem
 from lacore.showing import Compact, Facts, Picture, Shown, counted, listed
 
@@ -234,6 +235,10 @@ class Path(Shown):
             InputError: see `state`.
         """
         return block_forces(self.state(step))
+
+    def steady(self, criterion: Steady | None = None) -> SteadyState:
+        """Judge whether load and flow have become stationary, by default as `Steady()` does."""
+        return steady_state(self, Steady() if criterion is None else criterion)
 
     def problem(self, step: int = -1) -> Problem:
         """The problem on the bodies of a `snapshot`: the last by default.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -36,6 +37,7 @@ from lacore.paths.renewal.remeshing import (
 from lacore.paths.schemes import SCHEMES, Here, PathEndError, Scheme, Stride, Walk, require_upright
 from lacore.paths.selection import LeastNorm, require_selection
 from lacore.paths.stage import Stage, staged
+from lacore.paths.steady import Steady
 from lacore.paths.stored.checkpoint import Checkpoint, identity
 from lacore.paths.tools.tool import Tool, tooling
 from lacore.problem.problem import Problem
@@ -58,6 +60,7 @@ def sequential(
     keep_every: int = 1,
     checkpoint: str | PathLike[str] | None = None,
     remesh: Remesh | None = None,
+    until: Steady | None = None,
     hooks: Sequence[GivenHook] = (),
     tools: Mapping[str, Tool] | None = None,
     on_step: Callable[[PathStep], None] | None = None,
@@ -101,6 +104,8 @@ def sequential(
             strains are transferred (`lacore.paths.renewal.transfer`), the previous velocity is
             discarded. An event reports the jumps in volume and load, and the errors of the
             transfer.
+        until: `Steady` ends the path with the status `STEADY` when load and flow have become
+            stationary, before the travel is reached.
         hooks: functions that are called after each step, or a `Hook` for other moments, such as
             ``lacore.hooks.progress()``. If one raises an exception, the path ends with the status
             `STOPPED` and keeps all finished steps.
@@ -169,6 +174,7 @@ def sequential(
                 "selection": selection,
                 "keep_every": keep_every,
                 "remesh": described(remesh),
+                "until": until,
             }
             kept = opened.enter_context(Checkpoint(checkpoint, identity(stage, settings, said)))
             progress = kept.load(stage.start)
@@ -188,6 +194,8 @@ def sequential(
         walk.solving = call.solving
         try:
             while (distance := pace.distance(here.travel)) > 0:
+                if until is not None and (found := _steady(log, until, settings)) is not None:
+                    return call.end(found)
                 fresh = bool(log.later) and log.later[-1][0] == here.step + 1
                 poor = [] if fresh else distorted(remesh, walk.stage, here.configuration)
                 try:
@@ -217,6 +225,13 @@ def sequential(
                 log.inversion(here, stop)
             return call.end(log.path(stop.ending, str(stop), settings))
     return call.end(log.path(Ending.REACHED, Ending.REACHED.value, settings))
+
+
+def _steady(log: Log, until: Steady, settings: Mapping[str, Any]) -> Path | None:
+    """The path so far, if it has become steady."""
+    path = log.path(Ending.STEADY, Ending.STEADY.value, settings)
+    found = path.steady(until)
+    return replace(path, message=f"{Ending.STEADY.label}: {found}") if found.reached else None
 
 
 def _step(walk: Walk, scheme: Scheme, here: Here, distance: float, pace: Pace, log: Log) -> Here:

@@ -137,7 +137,7 @@ def values():
         *(la.hardening.Perfect(1.0), la.hardening.Linear(1.0, wide)),
         *(la.hardening.Voce(1.0, 2.0, 1 / 3), la.hardening.Swift(1.0, 1 / 3, 0.2)),
         *(la.AdaptiveSteps(1 / 3), la.LeastNorm(), la.Time(), la.FootingTravel()),
-        la.Remeshing(size={LONG: 1 / 3}),
+        *(la.Remeshing(size={LONG: 1 / 3}), la.Steady(1 / 3, wide)),
         la.ToolTravel({LONG: (1 / 3, wide), "b": (0, -1)}),
         *(la.PointTravel(LONG, (1 / 3, wide), (0, 1)), la.SolverProcess()),
         *(*drawn(), la.sections.Section(((-1 / 3, 0), (1 / 3, 0)), LONG)),

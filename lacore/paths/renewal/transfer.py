@@ -2,6 +2,7 @@
 
 import numpy as np
 import shapely
+from skfem import Mesh
 
 from lacore.arrays import Floats
 from lacore.bodies.continuum.dofs import BodyDofs
@@ -16,12 +17,26 @@ def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     between its nodes; beyond its boundary those of the nearest place. Uniform strains stay what
     they are, none becomes larger or smaller than all before; peaks are smoothed over an element.
     """
-    mesh = subdivided(old.body.mesh)
-    at_nodes = node_means(old, strain)
-    corners = mesh.p[:, mesh.t]
-    triangles = shapely.polygons(corners.transpose(2, 1, 0))
     places = np.asarray(new.basis.global_coordinates())
-    wanted = shapely.points(places.reshape(2, -1).T)
+    values, _ = at_places(old.body.mesh, node_means(old, strain), places.reshape(2, -1))
+    return np.asarray(values.reshape(places.shape[1:]))
+
+
+def at_places(mesh: Mesh, at_nodes: Floats, places: Floats) -> tuple[Floats, Floats]:
+    """Interpolate values linearly between the nodes of a curved mesh.
+
+    Args:
+        mesh: with midside nodes.
+        at_nodes: values, shape (..., nodes).
+        places: shape (2, n); beyond the boundary the value is that at the nearest place.
+
+    Returns:
+        Values, shape (..., n), and the distances from the mesh, m, shape (n,).
+    """
+    parts = subdivided(mesh)
+    corners = parts.p[:, parts.t]
+    triangles = shapely.polygons(corners.transpose(2, 1, 0))
+    wanted = shapely.points(places.T)
     triangle = shapely.STRtree(triangles).nearest(wanted)
     lines = shapely.shortest_line(triangles[triangle], wanted)
     points = shapely.get_coordinates(lines)[::2].T  # the point itself where it is inside
@@ -33,8 +48,9 @@ def transferred(old: BodyDofs, strain: Floats, new: BodyDofs) -> Floats:
     whole = area(a, b, c)
     shares = np.stack([area(points, b, c), area(a, points, c), area(a, b, points)]) / whole
     shares = np.maximum(shares, 0.0)  # round-off at edges
-    values = np.sum(shares * at_nodes[mesh.t[:, triangle]], axis=0) / shares.sum(axis=0)
-    return np.asarray(values.reshape(places.shape[1:]))
+    nodal = at_nodes[..., parts.t[:, triangle]]
+    values = np.sum(shares * nodal, axis=-2) / shares.sum(axis=0)
+    return np.asarray(values), np.asarray(shapely.length(lines))
 
 
 def transfer_errors(

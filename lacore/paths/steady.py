@@ -1,0 +1,163 @@
+"""Whether load and flow of a path have become stationary (T36)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lacore.arrays import Floats
+from lacore.errors import InputError, require_positive
+from lacore.paths.renewal.transfer import at_places
+from lacore.showing import Compact
+
+if TYPE_CHECKING:
+    from lacore.paths.path import Path, Snapshot
+
+_PARTS = 3  # of a window, whose means are compared
+_LEAST = 2 * _PARTS  # steps of a window
+_INSIDE = 1e-6  # of the body size: distance of a place that still belongs to a body
+
+
+@dataclass(frozen=True, repr=False)
+class Steady(Compact):
+    """When the load and the flow of a path count as stationary (T36).
+
+    Load: the force is averaged over three equal parts of a window, the last part of the travel. The
+    largest difference of these means, relative to the mean over the window, is the drift; it must
+    be at most `tolerance`. A load that approaches its limit exponentially differs from it by less
+    than the drift at the end of the window, if this is longer than the distance in which the
+    difference decreases by a factor e. A window has at least six steps, and begins after the first
+    step.
+
+    Flow: the velocities at the beginning and at the end of the window, each divided by its norm,
+    may differ by at most `flow` in the mean over the places that the bodies occupy at both moments.
+
+    Attributes:
+        tolerance: of the drift, relative to the mean load.
+        window: length of the window, in units of the travel; None: a third of the travel so far.
+        flow: largest difference of the velocities, relative to their norm.
+
+    Example:
+        >>> until = la.Steady(tolerance=0.02)  # as `until` of `lacore.sequential`
+    """
+
+    tolerance: float = 0.01
+    window: float | None = None
+    flow: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "flow"):
+            require_positive(f"Steady.{name}", getattr(self, name))
+        if self.window is not None:
+            require_positive("Steady.window", self.window)
+        if self.tolerance >= 1:
+            raise InputError(
+                "Steady.tolerance",
+                self.tolerance,
+                "as large as the load itself",
+                "give a ratio such as 0.01",
+            )
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyState(Compact):
+    """Whether a path has become steady, see `Steady`.
+
+    Attributes:
+        reached: whether load and flow are stationary at the end of the path.
+        step: first step since which the load is stationary; None if it is not.
+        force: mean of `PathStep.force` since then, or over the window; NaN without a window.
+        drift: of the load over the window, relative to its mean; NaN without a window.
+        flow: difference of the velocities; NaN if it is unknown.
+        message: reason in words.
+    """
+
+    reached: bool
+    step: int | None
+    force: float
+    drift: float
+    flow: float
+    message: str
+
+    def __str__(self) -> str:
+        """The reason in words."""
+        return self.message
+
+
+def steady_state(path: Path, criterion: Steady) -> SteadyState:
+    """Judge the end of a path."""
+    travel, force = (path.history[name].to_numpy(dtype=float) for name in ("travel", "force"))
+    if travel.size <= _LEAST:
+        few = f"a window needs {_LEAST} steps after the first one, and the path has {travel.size}"
+        return _not_reached(f"not steady: {few}")
+    so_far = float(path.history["end"].iloc[-1])
+    window = so_far / 3 if criterion.window is None else criterion.window
+    first = int(np.searchsorted(travel, so_far - window))
+    if first < 1 or travel.size - first < _LEAST:
+        why = (
+            f"it covers {travel.size - max(first, 0)} of {travel.size} steps, and"
+            f" {_LEAST} or more after the first one are needed"
+        )
+        return _not_reached(f"not steady: the window of {window:.4g} is not usable: {why}")
+    drift, mean = drift_of(force[first:]), float(np.mean(force[first:]))
+    change = _flow_change(path, travel[first])
+    stationary = bool(drift <= criterion.tolerance)  # not so if it is NaN
+    flows = bool(change <= criterion.flow)
+    since = None
+    if stationary:
+        starts = range(1, first + 1)
+        begin = next(own for own in starts if drift_of(force[own:]) <= criterion.tolerance)
+        since, mean = int(path.history["step"].iloc[begin]), float(np.mean(force[begin:]))
+    facts = (
+        f"the load drifts by {drift:.2g} of its mean {mean:.6g} over the last {window:.4g} of the"
+        f" travel (tolerance {criterion.tolerance:g}), velocities differ by {change:.2g} (tolerance"
+        f" {criterion.flow:g})"
+    )
+    reached = stationary and flows
+    head = f"steady from step {since} on" if reached else "not steady"
+    return SteadyState(reached, since, mean, drift, change, f"{head}: {facts}")
+
+
+def drift_of(loads: Floats) -> float:
+    """Largest difference of the means of three parts, relative to the mean; NaN if unknown."""
+    if not np.isfinite(loads).all():
+        return float("nan")
+    means = np.array([float(np.mean(part)) for part in np.array_split(loads, _PARTS)])
+    mean = abs(float(np.mean(loads)))
+    return float(np.ptp(means)) / mean if mean > 0 else float("nan")
+
+
+def _not_reached(message: str) -> SteadyState:
+    nan = float("nan")
+    return SteadyState(False, None, nan, nan, nan, message)
+
+
+def _flow_change(path: Path, travel: float) -> float:
+    """How much velocities differ from those at a travel; NaN where none were kept, or no place."""
+    moving = [own for own in path.snapshots if own.moment is not None]
+    earlier = [own for own in moving if own.travel <= travel]
+    if not earlier:
+        return float("nan")
+    before, now = earlier[-1], moving[-1]
+    weights, velocities = [], []
+    for name, dofs in path.stage_of(now).dofs_at(now.configuration).items():
+        places = np.asarray(dofs.basis.global_coordinates()).reshape(2, -1)
+        then, apart = _velocity(path, before, name, places)
+        since, _ = _velocity(path, now, name, places)
+        inside = apart <= _INSIDE * dofs.body.size
+        weights.append(dofs.weights.ravel()[inside])
+        velocities.append(np.stack([then, since])[:, :, inside])
+    weight, velocity = np.concatenate(weights), np.concatenate(velocities, axis=2)
+    norms = np.sqrt(np.sum(weight * velocity**2, axis=(1, 2)))
+    if not (norms > 0).all():
+        return float("nan")
+    one, other = velocity / norms[:, None, None]
+    return float(np.sqrt(np.sum(weight * (one - other) ** 2)))
+
+
+def _velocity(path: Path, at: Snapshot, name: str, places: Floats) -> tuple[Floats, Floats]:
+    """Of a body at places, shape (2, n), and their distances from it."""
+    mesh = path.stage_of(at).meshes_at(at.configuration)[name]
+    return at_places(mesh, at.velocity[name], places)
