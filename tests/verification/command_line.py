@@ -32,7 +32,7 @@ def one_interpreter(rendered=True):
         if not rendered:
             patch.setattr("verification.problems.page._picture", empty_picture)
         patch.setattr("verification.perform.processes.run_in_processes", run_in_order)
-        patch.setattr("verification.report.drawing._TOGETHER", 1000)
+        patch.setattr("verification.perform.pool.TOGETHER", 1000)
         yield
 
 

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from math import isfinite
 from pathlib import Path
 
 import pandas as pd
@@ -16,6 +17,8 @@ from verification.campaigns.comparison import capabilities, check_names, pick
 from verification.case import Case, Variant
 from verification.catalogue.catalogue import Catalogue
 from verification.runs.commands import instance_name
+from verification.runs.run import Run
+from verification.store.provenance import code_of
 
 INDEX = "index.csv"
 _CLOSE = 1e-7  # residual below which a value is known well enough to be compared to 1e-6
@@ -40,6 +43,7 @@ class Instance:
         backend: that knows the value.
         solver: the native status of its solve; of `auto` each solver that was asked, the one that
             answered last.
+        code: Digest of the code behind the value, as of `code_of`.
         sha256: of the file.
         left_out: why it was not written.
     """
@@ -60,8 +64,25 @@ class Instance:
     residual: float
     backend: str
     solver: str
+    code: str
     sha256: str
     left_out: str
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of the minimum of a program.
+
+    Attributes:
+        status, load_factor, residual, backend, solver, code: As in `Instance`.
+    """
+
+    status: str
+    load_factor: float
+    residual: float
+    backend: str
+    solver: str
+    code: str
 
 
 def formats() -> dict[str, Writes]:
@@ -73,6 +94,20 @@ def formats() -> dict[str, Writes]:
             if isinstance(backend, Writes):
                 found = dict.fromkeys(backend.writers, backend) | found
     return found
+
+
+def writer_of(ending: str) -> Writes:
+    """Return the first backend that writes a format; those after it are not loaded.
+
+    Raises:
+        InputError: No backend writes it.
+    """
+    for name in la.backend_names():
+        with suppress(CapabilityError):
+            backend = la.find_backend(name)
+            if isinstance(backend, Writes) and ending in backend.writers:
+                return backend
+    raise la.InputError("format", ending, "no backend here writes it", "install its solver")
 
 
 def write_instances(
@@ -102,12 +137,13 @@ def write_instances(
             for mesh in case.levels(variant, meshes):
                 for row in _written(case, variant, mesh, by, out):
                     rows.append(row)
-                    _table(rows).to_csv(out / INDEX, index=False)
+                    table_of(rows).to_csv(out / INDEX, index=False)
                     done(row)
-    return _table(rows)
+    return table_of(rows)
 
 
-def _table(rows: Sequence[Instance]) -> pd.DataFrame:
+def table_of(rows: Sequence[Instance]) -> pd.DataFrame:
+    """Return the index of files."""
     return pd.DataFrame([asdict(row) for row in rows], columns=list(Instance.__annotations__))
 
 
@@ -145,36 +181,58 @@ def _residual(state: la.LimitState) -> float:
 def _written(
     case: Case, variant: Variant, mesh: str, by: Mapping[str, Writes], out: Path
 ) -> list[Instance]:
-    problem = case.problem(variant, mesh)
-    state = _solved(problem)
-    stated = state.discretisation  # with nodes at the hinges that the solve has found in members
+    state = _solved(case.problem(variant, mesh))
+    run = Run(case, variant, mesh, state.backend)
+    # Its discretisation has nodes at the hinges that the solve has found in members.
+    return write(run, state.discretisation, known_of(state, code_of(run)), by, out)
+
+
+def known_of(state: la.LimitState, code: str) -> Known:
+    """Return what a state of the associated problem proves, computed by some code."""
+    return Known(
+        status=state.status.name,
+        load_factor=state.load_factor,
+        residual=_residual(state),
+        backend=state.backend,
+        solver=str(state.history["native_status"].iloc[-1]),
+        code=code,
+    )
+
+
+def write(
+    run: Run, stated: la.Discretisation, known: Known, by: Mapping[str, Writes], out: Path
+) -> list[Instance]:
+    """Write the associated program of a run in each format, and return the rows of the index.
+
+    Args:
+        run: Names of the case, the variant and the mesh.
+        stated: Discretisation of its problem, as solved.
+        known: What is known of the minimum.
+        by: A backend that writes it, by format.
+        out: Folder, which exists.
+    """
     program = dimensionless(stated.program, stated.natural).associated()
-    contact = associated_contact(program.contact)
-    proof, scales = state.certificate, program.scales
-    solved = state.status is la.Status.SOLVED and proof is not None
+    contact, scales = associated_contact(program.contact), program.scales
+    has_value = known.status == la.Status.SOLVED.name and isfinite(known.residual)
     about = Instance(
         file="",
-        case=case.id,
-        variant=variant.name,
-        mesh=mesh,
+        case=run.case.id,
+        variant=run.variant.name,
+        mesh=run.mesh,
         unknowns=program.n,
-        status=state.status.name,
-        value=POWER * state.load_factor / scales.load_factor if solved else float("nan"),
+        value=POWER * known.load_factor / scales.load_factor if has_value else float("nan"),
         power=POWER,
-        load_factor=state.load_factor,
         load_factor_unit=scales.load_factor,
         length_unit=scales.length,
         stress_unit=scales.stress,
         velocity_unit=scales.velocity,
-        residual=_residual(state),
-        backend=state.backend,
-        solver=str(state.history["native_status"].iloc[-1]),
         sha256="",
         left_out="",
+        **asdict(known),
     )
     rows = []
     for ending, backend in by.items():
-        name = instance_name(case.id, variant.name, mesh, ending)
+        name = instance_name(run.case.id, run.variant.name, run.mesh, ending)
         try:
             check_capable(backend, program)
             backend.writers[ending](program, contact, out / name)

@@ -68,6 +68,13 @@ if TYPE_CHECKING:
     " are compared. Brackets ignore it.",
 )
 @out_option("reports/compare", "Folder for the results and the report, index.html.")
+@click.option(
+    "--export/--no-export",
+    "exports",
+    default=True,
+    help="Write the optimisation programs of the runs to DIR/instances, where the pages link to"
+    " them, or leave them out. Default: --export.",
+)
 @time_limit_option
 @cases_option
 @jobs_option_with(" To compare solution times, use --jobs 1 --fresh.")
@@ -84,6 +91,7 @@ def compare(
     couplings: list[str],
     options: tuple[str, ...],
     out: Path,
+    exports: bool,
     time_limit: float,
     known: Catalogue,
     jobs: int,
@@ -124,6 +132,7 @@ def compare(
     from verification.analysis.summary import summaries
     from verification.campaigns import comparison, overview
     from verification.campaigns.backend_options import with_options
+    from verification.campaigns.compared_programs import sources_of, write_programs
     from verification.campaigns.run_all import run_all
     from verification.campaigns.unusable import with_unusable
     from verification.commands import screen, tables
@@ -162,6 +171,10 @@ def compare(
                 repeat,
                 show_stored_failures,
             )
+        if exports:
+            sources = sources_of(outcomes)
+            with progress.patiently("writing programs", len(sources)) as on_done:
+                write_programs(sources, out, on_done)
         results = as_table(outcome.record() for outcome in outcomes)
         about = describe(run.backend for run in runs)
         page = write_report(outcomes, about, out)

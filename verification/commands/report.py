@@ -55,6 +55,7 @@ def report(
     nothing from the internet. The folder tables/ contains the tables as CSV and Markdown, and
     results.csv contains all runs.
     """
+    from verification.campaigns.compared_programs import copy_programs
     from verification.commands import screen, tables
     from verification.report.reporting import write_report
     from verification.store.logs import copy_logs
@@ -73,6 +74,7 @@ def report(
     about = list(sessions(file_of(results)).values())[-1]
     folder = out or (results.parent if results.is_file() else results)
     copy_logs(outcomes, file_of(results).parent, folder)
+    copy_programs(file_of(results).parent, folder)
     page = write_report(outcomes, about, folder, most)
     if as_json:
         print_json({"summary": vars(tally(outcomes)), "report": str(page)})

@@ -1,11 +1,8 @@
 """The pictures of a report: which ones it shows; they are drawn in separate processes."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from queue import SimpleQueue
 
 from matplotlib.figure import Figure
 
@@ -13,14 +10,13 @@ from lacore import views
 from lacore.pictures.thumbnails.bracket import thumbnail_of_shares
 from lacore.pictures.thumbnails.paper import DPI
 from lacore.pictures.thumbnails.path import thumbnail_of_shape
-from lacore.solvers.child_process import ChildProcess
 from verification.case import Case, Variant, is_of_lacore
 from verification.case.bracketing import BRACKET
 from verification.case.sketches import sketch_of, sketched
 from verification.catalogue.checks import said
 from verification.evidence.limit_state import restored
 from verification.evidence.path import last_shape
-from verification.perform.processes import ONE_THREAD
+from verification.perform.pool import answers
 from verification.report.blocks import Picture, Text, slug
 from verification.report.bracket import drawn_bracket, mesh_of, stored_shares
 from verification.report.charts.figures import finest_exact, png
@@ -31,7 +27,6 @@ from verification.verdicts.words import FAIL
 MOST = 4
 """Number of mechanisms, and of brackets, of each case in a report of a few cases."""
 _FEW = 48  # pictures: half a minute of one core
-_TOGETHER = 4  # pictures that are drawn here: another process takes as long to start
 _LIMIT = 120.0  # s, of a picture
 _DPI = 90
 _WORKER = "verification.report.drawing:Painter"
@@ -187,45 +182,8 @@ def draw(
     A few are drawn in this process, except those of user-defined cases, which could end it.
     """
     found: dict[str, Picture | Text] = {}
-    least = 0 if all(is_of_lacore(subject.case) for subject in subjects) else 1
-    for subject, picture in _each(subjects, max(least, min(jobs, len(subjects) // _TOGETHER))):
-        found[subject.name] = picture
+    isolate = not all(is_of_lacore(subject.case) for subject in subjects)
+    for subject, answer in answers(_WORKER, "draw", subjects, jobs, _LIMIT, isolate):
+        found[subject.name] = _failed(subject, answer) if isinstance(answer, Exception) else answer
         on_done(subject.caption)
     return found
-
-
-def _each(subjects: Sequence[Subject], jobs: int) -> Iterator[tuple[Subject, Picture | Text]]:
-    if jobs < 1:
-        yield from ((subject, painted(subject)) for subject in subjects)
-        return
-    idle: SimpleQueue[ChildProcess] = SimpleQueue()
-
-    def task(subject: Subject) -> Picture | Text:
-        child = idle.get()
-        try:
-            answer: Picture | Text = child.ask(_LIMIT, "draw", subject)
-        except Exception as error:  # its process ended, or it cannot go there
-            return _failed(subject, error)
-        else:
-            return answer
-        finally:
-            idle.put(child)
-
-    with ExitStack() as stack:
-        children = [ChildProcess(_WORKER, ONE_THREAD) for _ in range(jobs)]
-        for child in children:
-            stack.callback(child.close)
-            idle.put(child)
-        pool = stack.enter_context(ThreadPoolExecutor(jobs))
-
-        def abandon() -> None:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in children:
-                child.kill()
-
-        stack.callback(abandon)
-        tasks: dict[Future[Picture | Text], Subject] = {
-            pool.submit(task, subject): subject for subject in subjects
-        }
-        for future in as_completed(tasks):
-            yield tasks[future], future.result()

@@ -21,7 +21,7 @@ from verification.report.blocks import (
     Table,
 )
 from verification.report.document import Place, render
-from verification.report.manifest import replace_files
+from verification.store.manifest import replace_files
 from verification.store.spreadsheets import as_text
 
 INDEX = "index.html"

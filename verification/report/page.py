@@ -1,7 +1,7 @@
 """The report of a comparison: an index with a row per variant, and a page for each case."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
@@ -46,8 +46,14 @@ from verification.report.path import path_chart, paths_table
 from verification.report.ranging import beside_table, ranges_table
 from verification.report.studies.measurement import noise_section, settings_section
 from verification.report.studies.sections import solvers, studies
-from verification.report.tables import RUN, certificates_table, commands, reasons_table
-from verification.runs.commands import commands_of
+from verification.report.tables import (
+    RUN,
+    certificates_table,
+    commands,
+    reasons_table,
+    with_programs,
+)
+from verification.runs.commands import INSTANCES, commands_of
 from verification.runs.outcome import Outcome
 from verification.store.provenance import PROVENANCE
 from verification.store.results import RESULTS, as_table
@@ -100,15 +106,16 @@ def compared(
     machine: Mapping[str, str],
     drawn: Drawn,
     title: str = "Collapse loads compared with reference values",
+    programs: Collection[str] = (),
 ) -> Report:
-    """Write the report of outcomes, with the pictures of its `subjects`."""
+    """Write the report of outcomes, with the pictures of its `subjects` and links to programs."""
     results = results_frame(outcomes)
-    own = by_case(outcomes, results)
+    own = by_case(outcomes, with_programs(results, programs))
     files = case_files(one.case.id for one in own)
     found = studies(results)
     pages = {f"studies/{section.id}.html": section for section in found}
     index = _index(outcomes, results, own, files, drawn)
-    sections = [*index, *_more(outcomes, results, pages, machine)]
+    sections = [*index, *_more(outcomes, results, pages, machine, programs)]
     return Report(
         {INDEX: Document(title, _lead(outcomes, own), sections, list(_summary(outcomes)))}
         | {
@@ -180,6 +187,7 @@ def _more(
     results: pd.DataFrame,
     pages: Mapping[str, Section],
     machine: Mapping[str, str],
+    programs: Collection[str],
 ) -> list[Section]:
     links = [Page(section.title, file) for file, section in pages.items()]
     return [
@@ -189,12 +197,13 @@ def _more(
         noise_section(results),
         Section("verdicts", "How a verdict is reached", [Details("Rules", [_rules()])]),
         Section("machine", "Machine and versions", [Facts(machine)]),
-        Section("downloads", "Downloads", [_downloads()]),
+        Section("downloads", "Downloads", [_downloads(programs)]),
     ]
 
 
-def _downloads() -> Pages:
-    """Link the files with all runs."""
+def _downloads(programs: Collection[str]) -> Pages:
+    """Link the files with all runs, and the index of programs if there are any."""
+    index = f"{INSTANCES}/index.csv"
     return Pages(
         [
             Page("results.csv", RESULTS, "All runs, with settings, residuals, times and verdicts."),
@@ -205,6 +214,7 @@ def _downloads() -> Pages:
                 "Machine, date and versions, for lacore history. Each table of the report also"
                 " links to its CSV file.",
             ),
+            *([Page(index, index, "Minima and checksums of the programs.")] if programs else []),
         ]
     )
 

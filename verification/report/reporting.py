@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from verification import progress
+from verification.campaigns.compared_programs import program_files
 from verification.case import Case
 from verification.defaults import cores
 from verification.report import manual, page
@@ -71,7 +72,7 @@ def write_report(
     Args:
         outcomes: of a comparison, verification or sweep.
         about: their provenance.
-        folder: to write into.
+        folder: to write into. Pages link the programs that `write_programs` wrote there.
         most: mechanisms, and brackets, that are drawn of each case; None: `most_for` the cases.
 
     Raises:
@@ -80,7 +81,8 @@ def write_report(
     cases = len({outcome.run.case.id for outcome in outcomes})
     drawn = _drawn(page.subjects(outcomes, most_for(cases) if most is None else most))
     with progress.status("writing the pages"):
-        return write(page.compared(outcomes, about, drawn), folder)
+        programs = program_files(folder)
+        return write(page.compared(outcomes, about, drawn, programs=programs), folder)
 
 
 def write_manual(

@@ -1,10 +1,11 @@
 """Columns that the tables of runs share, and the tables that all runs have."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import pandas as pd
 
 from verification.report.blocks import Anchor, Block, Column, Table, Text
+from verification.runs.commands import INSTANCES
 
 VERDICTS: Mapping[str, str] = {"pass": "good", "FAIL": "bad"}
 """Colours of verdicts; all others are mild."""
@@ -30,10 +31,11 @@ def commands(results: pd.DataFrame) -> list[Block]:
     """Return the commands that repeat each run, and those that export its optimisation program."""
     repeated = results[results["repeat_command"].fillna("") != ""]
     exported = results[results["export_command"].fillna("") != ""]
-    repeats = (Column("repeat_command", "run", link=RUN),)
+    repeats = (Column("repeat_command", "run", link=RUN), *_program(results))
     exports = (
         Column("export_command", "program"),
         Column("instance_file", "file in reports/instances"),
+        *_program(results),
     )
     note = (
         "Exported programs have associated friction and flow; index.csv, in the same folder, states"
@@ -46,6 +48,23 @@ def commands(results: pd.DataFrame) -> list[Block]:
         programs = exported.drop_duplicates("instance_file")
         blocks += [Table(exports, programs, sortable=False), Text(note, soft=True)]
     return blocks
+
+
+def with_programs(results: pd.DataFrame, files: Collection[str]) -> pd.DataFrame:
+    """Add a column ``program``: the file of the program next to the report; empty without one.
+
+    Args:
+        results: With a column ``instance_file``.
+        files: Names of the programs that exist.
+    """
+    names = results["instance_file"]
+    return results.assign(program=(f"{INSTANCES}/" + names).where(names.isin(files), ""))
+
+
+def _program(results: pd.DataFrame) -> tuple[Column, ...]:
+    """Return the column that links programs, if any is there."""
+    linked = "program" in results and results["program"].ne("").any()
+    return (Column("program", "file of the program", file=True),) if linked else ()
 
 
 def certificates_table(results: pd.DataFrame) -> Table:
@@ -61,6 +80,7 @@ def certificates_table(results: pd.DataFrame) -> Table:
             Column(name, name.removeprefix(_RESIDUAL).replace("_", " "), ".1e")
             for name in _residuals(results)
         ),
+        *_program(results),
     )
     return Table(columns, proven, anchor=CERTIFICATE)
 

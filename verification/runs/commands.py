@@ -9,6 +9,8 @@ from verification.case.beside import RANGE
 from verification.case.bracketing import BRACKET
 from verification.runs.run import Run, canonical
 
+INSTANCES = "instances"
+"""Folder of programs as files, next to the report of a comparison."""
 _PLAIN = (bool, int, float, str)
 _RESERVED = ",:"  # they separate the values of an axis
 

@@ -23,7 +23,7 @@ from verification.report.blocks import (
 )
 from verification.report.charts.figures import png
 from verification.report.files import case_files, markdown, pictures
-from verification.report.manifest import MANIFEST
+from verification.store.manifest import MANIFEST
 
 
 def test_table_as_markdown():
