@@ -4,7 +4,6 @@ What proves an answer are its residuals, recomputed. A loop asks hundreds of tim
 asked second has few iterations, and `interior_point` is not asked again where it was in vain.
 """
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -25,6 +24,7 @@ from lacore.errors import require_count, require_positive
 from lacore.inner.left_over import judged_left
 from lacore.numerics.symmetric import fast_solver
 from lacore.program import DissipationGroup, FrozenContact, KinematicProgram
+from lacore.solvers.compilation import SolveClock
 from lacore.status import Status
 
 _OWN, _OTHER = "interior_point", "clarabel"
@@ -142,9 +142,9 @@ class AutoSolver:
 
         The words of all that were asked are told, that of the answer last.
         """
-        begin, asked = time.perf_counter(), list[_Asked]()
+        clock, asked = SolveClock(), list[_Asked]()
         for name in self._order(contact):
-            asked.append(self._asked(name, contact, time.perf_counter() - begin, bool(asked)))
+            asked.append(self._asked(name, contact, clock.seconds, bool(asked)))
             if asked[-1].ends:
                 break
             # It stalls in hundreds of iterations, and a loop asks hundreds of times.
@@ -156,7 +156,7 @@ class AutoSolver:
             asked[-1].answer,
             native_status="; ".join(f"{one.name}: {one.answer.native_status}" for one in asked),
             iterations=sum(one.answer.iterations for one in asked),
-            solve_time=time.perf_counter() - begin,
+            solve_time=clock.seconds,
         )
 
     def _order(self, contact: FrozenContact) -> Sequence[str]:

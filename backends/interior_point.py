@@ -35,6 +35,7 @@ from lacore.numerics.linear_algebra import SingularError
 from lacore.numerics.symmetric import fast_solver, symmetric_solver
 from lacore.numerics.threads import one_thread_each
 from lacore.program import FrozenContact, KinematicProgram
+from lacore.solvers.compilation import compiling
 from lacore.state import ProgramState
 from lacore.status import Status
 
@@ -118,15 +119,16 @@ class InteriorPoint:
 @cache
 def _compiled() -> None:
     """All loops compiled, which is no part of the time of a solve."""
-    program, contact = least_program()
-    solver = InteriorPointSolver(program, InteriorPointOptions())
-    solver.solve(contact)
-    solver.close()
-    loops, points = best_loops(), np.array([[2.0], [1.0]])
-    scaling = loops.scaled(points, points)
-    loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
-    values, vectors = loops.frames(scaling, np.ones(0), np.ones((1, 1, 1)), 1)
-    loops.framed(values, vectors, points)
+    with compiling():
+        program, contact = least_program()
+        solver = InteriorPointSolver(program, InteriorPointOptions())
+        solver.solve(contact)
+        solver.close()
+        loops, points = best_loops(), np.array([[2.0], [1.0]])
+        scaling = loops.scaled(points, points)
+        loops.banded(scaling, points, points, 1.0, (0.1, 10.0))  # which it may do without
+        values, vectors = loops.frames(scaling, np.ones(0), np.ones((1, 1, 1)), 1)
+        loops.framed(values, vectors, points)
 
 
 _Way = tuple[str, int, ProgramState]  # native status, iterations, and where it ended

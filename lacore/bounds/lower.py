@@ -36,6 +36,8 @@ from lacore.meshes.polygonal import POLYGON
 from lacore.problem.problem import Problem
 from lacore.program import KinematicProgram, associated_contact, dimensionless
 from lacore.showing import Facts, Picture, Shown, counted
+from lacore.solvers.compilation import SolveClock, started
+from lacore.solvers.isolation import make_ready
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 
@@ -70,7 +72,8 @@ class LowerBound(Shown):
         history: one row an inner solve: margin taken off all strengths, load factors as solved and
             as proven, residuals before and after the projection, statuses, times.
         build_time: of assembly, s, wall clock.
-        solve_time: of everything after it, s, wall clock.
+        solve_time: of everything after it but compilation, s, wall clock.
+        compile_time: as of `LimitState`.
         options: of the backend, as they were given.
         message: the status in words.
         model: the assembled problem.
@@ -92,6 +95,7 @@ class LowerBound(Shown):
     model: StaticModel
     point: ProgramState | None
     ray: Ray | None = None
+    compile_time: float = 0.0
 
     @property
     def lost(self) -> float:
@@ -125,6 +129,7 @@ class LowerBound(Shown):
             f"{self.backend}: {solves} in {self.solve_time:.3g} s,"
             f" after {self.build_time:.3g} s of assembly"
         )
+        told |= started(self.compile_time)
         told["size"] = self.model.contents
         return Facts(f"LowerBound: load factor {self.load_factor:.7g}, {self.rigor.phrase}", told)
 
@@ -254,8 +259,9 @@ def _found(
     if model.bulging.any:
         model = model.weakened(most)
     program = dimensionless(model.program, model.natural)
-    built = time.perf_counter()
     check_capable(engine, program)
+    build_time, clock = time.perf_counter() - begin, SolveClock()
+    make_ready(engine)
     exact = exactness(dofs.body for dofs in model.bodies.values())
     attempts, status, ray = list[Attempt](), Status.NOT_CERTIFIED, None
     tolerance = nominal_tolerance(engine, engine_options)
@@ -283,7 +289,7 @@ def _found(
         status = inner.status
         laws = associated_contact(program.contact)
         status, refuted, ray = judged_claim(status, program, laws, laws, prepare, _TOLERANCE)
-    bound = _bound(model, program, status, attempts, backend, options, built - begin, built)
+    bound = _bound(model, program, status, attempts, backend, options, build_time, clock)
     if refuted:
         bound = replace(bound, message=f"{status.label}: {refuted}")
     if ray is None:
@@ -299,7 +305,7 @@ def _bound(
     backend: str,
     options: Mapping[str, Any],
     build_time: float,
-    built: float,
+    clock: SolveClock,
 ) -> LowerBound:
     """The end of it as a bound of the problem, in SI units."""
     last, scales = attempts[-1], program.scales
@@ -337,7 +343,8 @@ def _bound(
         certificate=last.after,
         history=pd.DataFrame([attempt.row(scales.load_factor) for attempt in attempts]),
         build_time=build_time,
-        solve_time=time.perf_counter() - built,
+        solve_time=clock.seconds,
+        compile_time=clock.compile_time,
         options=dict(options),
         message=message,
         model=model,

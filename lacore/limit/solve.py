@@ -56,7 +56,8 @@ from lacore.program import (
     frictionless_contact,
 )
 from lacore.regularization import RegularisedValues
-from lacore.solvers.isolation import SolverProcess
+from lacore.solvers.compilation import SolveClock
+from lacore.solvers.isolation import SolverProcess, make_ready
 from lacore.status import Rigor, Status
 
 _LOOPS: tuple[Coupling, ...] = (
@@ -162,8 +163,8 @@ def solve(
             break
         last, finer = state, hinged(state, given, bar)
         state = asked(finer)
-        built, spent = last.build_time + state.build_time, last.solve_time + state.solve_time
-        state = replace(state, build_time=built, solve_time=spent)
+        times = ("build_time", "solve_time", "compile_time")
+        state = replace(state, **{own: getattr(last, own) + getattr(state, own) for own in times})
     if state.status is Status.SOLVED and excess(state) > bar:
         state = replace(
             state,
@@ -198,8 +199,8 @@ def _solved(
     near = near.within(program)
     if not program.frictional:
         coupling_options = replace(coupling_options, accepted=None)
-    built = time.perf_counter()
-    build_time = built - begin
+    build_time, clock = time.perf_counter() - begin, SolveClock()
+    make_ready(engine)
     regularised = engine.capabilities.regularised
     prepare = preparing(engine, engine_options, good_for(coupling_options.tolerance))
     couple = _LOOP_OF[coupling]
@@ -246,7 +247,7 @@ def _solved(
     if ray is not None and state.status is coupled.status:
         ray = ray_in_si(program.scales, ray, point_in_si(problem, ray.point))
         state = replace(state, ray=ray)
-    return replace(state, solve_time=time.perf_counter() - built)
+    return replace(state, solve_time=clock.seconds, compile_time=clock.compile_time)
 
 
 def _falling(state: LimitState) -> LimitState:

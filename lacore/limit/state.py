@@ -31,6 +31,7 @@ from lacore.limit.tables.held_parts import support_reactions
 from lacore.program import KinematicProgram
 from lacore.regularization import RegularisedValues
 from lacore.showing import Facts, Picture, Shown, counted
+from lacore.solvers.compilation import started
 from lacore.state import ProgramState
 from lacore.status import Rigor, Status
 
@@ -62,7 +63,9 @@ class LimitState(Shown):
             the continuum, which `lacore.bracket` encloses.
         regularised: the values of T19 (regularised backends), as load factors.
         history: one row an inner solve: load factor, residuals, statuses, times.
-        build_time, solve_time: s, wall clock: assembly, and everything after it.
+        build_time, solve_time: s, wall clock: assembly, and everything after it but compilation.
+        compile_time: s, in which this solve started the process of a backend and let it compile; 0
+            if that was done before.
         options: of the backend, as they were given.
         tolerance: bar for the residuals.
         message: the status in words, with what the backend added.
@@ -93,6 +96,7 @@ class LimitState(Shown):
     point: ProgramState | None
     ray: Ray | None = None
     answered_by: str = ""
+    compile_time: float = 0.0
 
     def _point(self) -> ProgramState:
         if self.point is None:
@@ -315,6 +319,7 @@ class LimitState(Shown):
             f"{self.backend}, {self.coupling} coupling: {solves} in {self.solve_time:.3g} s,"
             f" after {self.build_time:.3g} s of assembly"
         )
+        told |= started(self.compile_time)
         told["size"] = self.discretisation.contents
         worth = self.discretisation.worth(self.rigor).partition(":")[0]
         return Facts(f"LimitState: load factor {self.load_factor:.7g}, {worth}", told)

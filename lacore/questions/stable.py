@@ -25,6 +25,7 @@ from lacore.limit.stability import Stability, Standing, stability_of
 from lacore.limit.state import LimitState
 from lacore.problem.problem import Problem
 from lacore.showing import Facts, Picture, Shown
+from lacore.solvers.compilation import SolveClock
 from lacore.status import Rigor, Status
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def stable(
     begin = time.perf_counter()
     require_dead_loads(problem)
     discretisation = discretise(problem)
-    built = time.perf_counter()
+    build_time, clock = time.perf_counter() - begin, SolveClock()
     given = backend, options or {}, "associated", tolerance, np.nan
     found = stability_of(discretisation, *given)
     if found.standing is Standing.FALLS and cells.from_below(problem):
@@ -132,8 +133,9 @@ def stable(
         bracket=None,
         regularised=None,
         history=pd.DataFrame({"peak_memory": []}),
-        build_time=built - begin,
-        solve_time=time.perf_counter() - built,
+        build_time=build_time,
+        solve_time=clock.seconds,
+        compile_time=clock.compile_time,
         options=dict(options or {}),
         tolerance=tolerance,
         message=str(found),

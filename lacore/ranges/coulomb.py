@@ -30,6 +30,7 @@ from lacore.program import dimensionless
 from lacore.ranges.continuum import continuum_range
 from lacore.ranges.told import residuals, short
 from lacore.showing import Facts, Picture, Shown, counted, listed
+from lacore.solvers.compilation import SolveClock
 from lacore.status import Scope, Status
 
 _SEARCHED = (Status.SOLVED, Status.NOT_CERTIFIED, Status.JAM)
@@ -66,7 +67,7 @@ class CoulombRange(Shown):
         backend: name.
         seed, restarts: of the search.
         solves: inner solves of the search.
-        solve_time: s, wall clock.
+        solve_time: s, wall clock, without the compilation of the backend.
         message: the status in words.
         stopped: why the search ended before its restarts did; empty where it did not.
         ray: what proves LOCKED or UNSAFE, with its residuals: see `LimitState`; None else.
@@ -224,7 +225,7 @@ def coulomb_range(
         raise InputError(
             "backend", backend, "is regularised: it certifies no Coulomb state", "take 'clarabel'"
         )
-    begin = time.perf_counter()
+    begin, clock = time.perf_counter(), SolveClock()
     if not isinstance(problem, Discretisation):
         problem = discretise(problem)
     if problem.program.frictional:
@@ -296,7 +297,7 @@ def coulomb_range(
                 tolerance=tolerance,
             ),
             load_factor=_outward(side, end.load_factor * scale, first),
-            solve_time=time.perf_counter() - begin,
+            solve_time=clock.seconds,
         )
     for refused in [state for state in ends.values() if state.status is not Status.SOLVED][:1]:
         first, ends = refused, {}
@@ -320,7 +321,7 @@ def coulomb_range(
         seed=seed,
         restarts=restarts,
         solves=search.solves + len(first.history) + 2,
-        solve_time=time.perf_counter() - begin,
+        solve_time=clock.seconds,
         message=first.message,
         stopped=stopped,
         ray=None if ends else first.ray,

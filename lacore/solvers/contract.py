@@ -184,7 +184,7 @@ class WarmsUp(Protocol):
     """A backend with something to do once in a process, such as compilation."""
 
     def warm_up(self) -> None:
-        """Do it. Comparisons call it before the first solve and measure its time separately."""
+        """Do it. It is called before the first solve in a process, and its time is kept apart."""
 
 
 Writer = Callable[[KinematicProgram, FrozenContact, Path], None]

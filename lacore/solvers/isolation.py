@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property, partial
 from pathlib import Path
@@ -60,6 +61,16 @@ class SolverProcess(ServedProcess):
         kind, variant = type(backend), backend.name.partition(":")[2]
         source = Source(backend.name, f"{kind.__module__}:{kind.__qualname__}", variant)
         return IsolatedBackend(source, lambda _: backend, self)
+
+
+def make_ready(backend: Backend) -> None:
+    """Let a backend start and compile, if it works in a process of its own.
+
+    A backend that fails to do so reports it in place of an answer.
+    """
+    if isinstance(backend, IsolatedBackend):
+        with suppress(CapabilityError):
+            backend.start()
 
 
 class KeptProcesses(threading.local):

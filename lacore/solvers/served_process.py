@@ -11,6 +11,7 @@ from math import nan
 from typing import Any, Self
 
 from lacore.solvers.child_process import START, ChildProcess, LostError
+from lacore.solvers.compilation import compiling
 
 _WORKER = "lacore.solvers.solver_worker:SolverWorker"
 _CODEC = "lacore.solvers.plain_answers:PlainAnswers"
@@ -52,7 +53,6 @@ class ServedProcess:
         self._to_warm_up: set[Source] = set()
         self._lost: dict[Source, LostError] = {}
         self._compile_time = nan
-        self._start_time = 0.0
 
     def open(self, source: Source) -> Any:
         """Start the process with a backend, and return what the backend says of itself.
@@ -65,8 +65,9 @@ class ServedProcess:
             self.close()
         self._generation += 1
         self._warm, self._compile_time = False, nan
-        about, seconds = self._timed(START, "open", source.target, source.variant)
-        self._source, self._start_time = source, self._start_time + seconds
+        with compiling():
+            about = self._process.ask(START, "open", source.target, source.variant)
+        self._source = source
         return about
 
     def warm_up(self, source: Source) -> None:
@@ -95,28 +96,20 @@ class ServedProcess:
             self._compile(source)
 
     def _compile(self, source: Source) -> None:
+        begin = time.perf_counter()
         try:
-            compiles, seconds = self._timed(WARM_UP, "warm_up")
+            with compiling():
+                compiles = self._process.ask(WARM_UP, "warm_up")
         except LostError as lost:
             self._lost[source] = LostError(lost.status, lost.native, f"in warm_up(): {lost}")
             raise self._lost[source] from lost
-        self._warm, self._start_time = True, self._start_time + seconds
-        self._compile_time = seconds if compiles else nan
-
-    def _timed(self, limit: float, *request: Any) -> tuple[Any, float]:
-        begin = time.perf_counter()
-        answer = self._process.ask(limit, *request)
-        return answer, time.perf_counter() - begin
+        self._warm = True
+        self._compile_time = time.perf_counter() - begin if compiles else nan
 
     @property
     def compile_time(self) -> float:
         """What `warm_up` took in the process that is running, s; NaN where there is none."""
         return self._compile_time
-
-    @property
-    def start_time(self) -> float:
-        """What all starts have taken, imports and compilation, s: no part of any solve."""
-        return self._start_time
 
     def _was_busy(self) -> bool:
         try:

@@ -1,11 +1,11 @@
 """The row of one random problem."""
 
-import time
 from collections.abc import Callable, Mapping
 from math import isnan, nan
 from typing import Any
 
 import lacore as la
+from lacore.solvers.compilation import SolveClock
 from verification.fuzz.drawn.cases import kind_of, random_numbers, recipe_of
 from verification.fuzz.examine import Judgement, examine
 from verification.runs.outcome import NO_EVIDENCE, Outcome
@@ -25,7 +25,7 @@ def run_random(run: Run, names: Mapping[str, Any], memory: Callable[[], float]) 
         names: columns that are known already.
         memory: peak memory of this process, MB.
     """
-    begin = time.perf_counter()
+    clock = SolveClock()
     kind = kind_of(run)
     found = examine(recipe_of(kind, **run.parameters), random_numbers(kind, **run.parameters))
     verdict, why = _verdict(found)
@@ -40,7 +40,7 @@ def run_random(run: Run, names: Mapping[str, Any], memory: Callable[[], float]) 
         message=found.message,
         verdict=verdict,
         why=why,
-        solve_time=time.perf_counter() - begin,
+        solve_time=clock.seconds,
         peak_memory_mb=memory(),
     )
     return Outcome(run, row, NO_EVIDENCE)

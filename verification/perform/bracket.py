@@ -1,6 +1,5 @@
 """Put a case between two proven load factors, and look where the rest of the gap is."""
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,6 +11,7 @@ from lacore.adaptive.marking import lower_shares
 from lacore.adaptive.whole import continua, mesh_of, with_kept_water
 from lacore.arrays import Floats
 from lacore.bounds.enclosing import associated, has_coulomb
+from lacore.solvers.compilation import SolveClock
 from verification.case.bracketing import Bracketing
 from verification.evidence.bracket import Shares, packed_shares
 from verification.evidence.limit_state import records
@@ -52,7 +52,7 @@ def run_bracket(
     stated = run.case.bracket or Bracketing()
     stated = replace(stated, target_width=run.settings.get("target_width", stated.target_width))
     coulomb, problem = has_coulomb(problem), associated(problem)
-    begin = time.perf_counter()
+    clock = SolveClock()
     found = la.bracket(
         problem,
         stated.target_width,
@@ -61,7 +61,7 @@ def run_bracket(
         run.backend,
         jobs=1,  # other runs have the other processors
     )
-    seconds = time.perf_counter() - begin
+    seconds = clock.seconds
     proven = np.isfinite(found.lower) and np.isfinite(found.upper)
     rigor = la.Rigor.DISCRETE.label if proven else la.Rigor.NOT_CERTIFIED.label
     row = Row(

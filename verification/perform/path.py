@@ -1,6 +1,5 @@
 """Follow a case along its path: one row, with the worst that happened on the way."""
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from math import nan
@@ -14,6 +13,7 @@ from lacore.arrays import Floats
 from lacore.bodies.continuum.spaces import BOUNDING
 from lacore.bounds.enclosing import associated
 from lacore.errors import InputError
+from lacore.solvers.compilation import SolveClock
 from verification.case import Band, Reference
 from verification.case.following import Following
 from verification.evidence.limit_state import records
@@ -56,7 +56,7 @@ def run_path(
     for name in run.settings:
         if name not in _TAKEN:
             raise InputError(f"setting {name}", None, "paths do not take it", "leave it out")
-    begin = time.perf_counter()
+    clock = SolveClock()
     path = la.sequential(
         discretisation.problem,
         stated.travel,
@@ -69,7 +69,7 @@ def run_path(
         options={**shorter_limit(run.backend, time_limit), **run.options},
         **run.settings,
     )
-    seconds = time.perf_counter() - begin
+    seconds = clock.seconds
     history = path.history
     loads = _numbers(history, stated.load)
     load = float(loads[-1]) if loads.size else nan

@@ -27,8 +27,8 @@ from lacore.solvers.served_process import ISOLATE, WARM_UP
 from verification.case import Case, is_of_lacore
 from verification.defaults import TIME_LIMIT
 from verification.perform.calibration import Calibration
+from verification.perform.compile_times import with_compile_time
 from verification.perform.one_run import Assembled, assemble, lost, outcome_of
-from verification.perform.start_times import StartTimes
 from verification.runs.outcome import Evidence, Outcome
 from verification.runs.row import Row
 from verification.runs.run import FUZZ, Run
@@ -80,9 +80,8 @@ class Worker:
         if run.skip:  # its backend may be one that hangs while it is loaded
             skipped = outcome_of(run, self._assembled)
             return skipped.row, skipped.evidence
-        starts = StartTimes(run.backend)
         outcome = outcome_of(run, self._assembled, time_limit, peak_memory, print_exception)
-        row, note = starts.apart(outcome.row), _note(run.backend)
+        row, note = with_compile_time(outcome.row), _note(run.backend)
         row = replace(
             row,
             calibration_before=self._calibrated,

@@ -1,0 +1,97 @@
+"""Starting and compiling a backend is no part of the time of a solve."""
+
+import time
+from threading import Thread
+
+import pytest
+
+import backends.auto
+import backends.interior_point
+import lacore as la
+from lacore.solvers.compilation import SolveClock, compiling
+from tests.broken_backends import COMPILE, plant
+from tests.lacore.models import punch
+
+
+@pytest.fixture
+def seconds(monkeypatch):
+    """A clock that is set by hand."""
+    now = [0.0]
+    monkeypatch.setattr(time, "perf_counter", lambda: now[0])
+    return now
+
+
+def test_a_clock_stands_still_while_a_backend_compiles(seconds):
+    early = SolveClock()
+    seconds[0] += 1.0
+    with compiling():
+        seconds[0] += 20.0
+    late = SolveClock()
+    seconds[0] += 2.0
+    assert (early.seconds, early.compile_time) == (3.0, 20.0)
+    assert (late.seconds, late.compile_time) == (2.0, 0.0)
+
+
+def test_compilation_that_fails_is_no_solve_time(seconds):
+    @compiling()
+    def compiles():
+        seconds[0] += 4.0
+        raise ValueError("no compiler")
+
+    clock = SolveClock()
+    with pytest.raises(ValueError, match="no compiler"):
+        compiles()
+    assert (clock.seconds, clock.compile_time) == (0.0, 4.0)
+
+
+def test_compilation_in_another_thread_is_its_own(seconds):
+    def compiles():
+        with compiling():
+            seconds[0] += 8.0
+
+    clock, other = SolveClock(), Thread(target=compiles)
+    other.start()
+    other.join()
+    assert (clock.seconds, clock.compile_time) == (8.0, 0.0)
+
+
+def twice(solve):
+    """Two results, and the time of the first as it is seen from outside."""
+    begin = time.perf_counter()
+    first = solve()
+    return first, solve(), time.perf_counter() - begin
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda: la.solve(punch(), backend="CompilesSlowly"),
+        lambda: la.lower_bound(punch(), "CompilesSlowly"),
+    ],
+    ids=["solve", "lower_bound"],
+)
+def test_the_first_solve_of_a_plug_in_waits_for_its_warm_up(tmp_path, monkeypatch, solve):
+    plant(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    first, second, whole = twice(solve)
+    la.find_backend("CompilesSlowly").process.close()
+    assert first.status is second.status is la.Status.SOLVED
+    assert first.compile_time >= COMPILE
+    assert first.solve_time <= whole - first.compile_time
+    assert second.compile_time == 0.0
+    assert "s to start and compile the backend" in repr(first)
+    assert "compile" not in repr(second)
+
+
+@pytest.mark.parametrize("name", ["interior_point", "auto"])
+def test_backends_of_lacore_compile_outside_of_the_solve_time(monkeypatch, name):
+    """However often they compiled before."""
+    if name == "auto":
+        monkeypatch.setattr(backends.auto, "_COMPILED", 0)
+        monkeypatch.setattr(backends.auto, "_LEAST", 0)
+    backends.interior_point._compiled.cache_clear()
+    first, second, whole = twice(lambda: la.solve(punch(), backend=name))
+    assert first.compile_time > 0.0
+    assert first.solve_time <= whole - first.compile_time
+    assert first.history["solve_time"].sum() <= first.solve_time
+    assert second.compile_time == 0.0
