@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lacore as la
-from lacore.backend import check_capable, find_backend
+from lacore.backend import check_capable, find_backend, load_backend
 from lacore.certificate import certify
 from lacore.inner.preparing import preparing
 from lacore.program import associated_contact, dimensionless, reaction_contact
@@ -77,7 +77,9 @@ def value(solver, program, contact):
 
 
 def prepared(name, program, **options):
-    backend = find_backend(name)
+    backend = load_backend(name)
+    if reason := backend.unavailable():
+        pytest.skip(reason)
     check_capable(backend, program)
     return backend.prepare(program, backend.Options(**options))
 

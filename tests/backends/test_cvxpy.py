@@ -287,7 +287,7 @@ def test_variants():
         backend = load_backend(f"cvxpy:{solver}")
         assert backend.name == f"cvxpy:{solver}"
         assert backend.Options().time_limit > 0
-        assert solver in backend.version()
+        assert solver in backend.version() or backend.unavailable()
     with pytest.raises(la.InputError, match="did you mean 'ECOS'"):
         load_backend("cvxpy:EKOS")
 
