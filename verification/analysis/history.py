@@ -46,7 +46,8 @@ class History:
         changes: One row for each run whose verdict or load factor differs between a version and
             the one before that has the run: ``case``, ``variant``, ``backend``, ``coupling``,
             ``mesh``, ``settings``, ``before``, ``after``, ``verdict_before``, ``verdict_after``,
-            ``load_factor_before``, ``load_factor_after``, ``change``, relative.
+            ``load_factor_before``, ``load_factor_after``, ``change``, relative, ``lacore_before``,
+            ``lacore_after``, the version of lacore that computed each, if the results have it.
         only: Number of runs that not all versions have, by version.
     """
 
@@ -175,7 +176,7 @@ def _changes(keyed: Mapping[str, pd.DataFrame], tolerance: float) -> pd.DataFram
             last[key] = (name, record)
     columns = ("case", "variant", "backend", "coupling", "mesh", "settings", "before", "after")
     values = ("verdict_before", "verdict_after", "load_factor_before", "load_factor_after")
-    return table(rows, [*columns, *values, "change"])
+    return table(rows, [*columns, *values, "change", "lacore_before", "lacore_after"])
 
 
 def _change(
@@ -200,6 +201,8 @@ def _change(
             "load_factor_before": first,
             "load_factor_after": second,
             "change": change,
+            "lacore_before": old.get("lacore", ""),
+            "lacore_after": new.get("lacore", ""),
         }
     ]
 

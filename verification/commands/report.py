@@ -169,7 +169,7 @@ def history(ctx: click.Context, results: tuple[Path, ...], out: Path, as_json: b
         document = {
             "versions": [
                 {"name": own.name, "runs": len(own.results), "only": found.only[own.name]}
-                | {"provenance": dict(own.provenance)}
+                | {"provenance": own.provenance, "sessions": [*map(dict, own.sessions)]}
                 for own in versions
             ],
             "backends": found.backends.to_dict("records"),

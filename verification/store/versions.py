@@ -1,7 +1,7 @@
 """Stored results of several versions of lacore or of solvers, each with its provenance."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
@@ -29,31 +29,54 @@ class Version:
     Attributes:
         name: Shortest name that distinguishes it from the others.
         place: Folder or file, as given.
-        results: One row for each run, with the columns of `load_results`.
-        provenance: Machine, date and versions, as text by name; empty if unknown.
+        results: One row for each run, with the columns of `load_results`, and ``lacore``, the
+            version of lacore that computed it; empty if unknown.
+        sessions: Machine, date and versions, as text by name, of each session that computed a row;
+            none if unknown. A comparison that was resumed has several.
     """
 
     name: str
     place: str
     results: pd.DataFrame
-    provenance: Mapping[str, str]
+    sessions: tuple[Mapping[str, str], ...]
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """Return the different texts of all sessions by name."""
+        names = dict.fromkeys(name for own in self.sessions for name in own)
+        return {name: _different(own.get(name, "") for own in self.sessions) for name in names}
 
     @property
     def packages(self) -> dict[str, str]:
-        """Return the versions of lacore, of its dependencies and of the solvers, by package."""
-        parts = self.provenance.get("packages", "").split(", ")
-        pairs = (part.rpartition(" ") for part in parts if " " in part)
-        return {name: version for name, _, version in pairs}
+        """Return the versions of lacore, of its dependencies and of the solvers, by package.
+
+        If the sessions had different versions of a package, all of them are listed.
+        """
+        each = [packages_of(own) for own in self.sessions]
+        names = dict.fromkeys(name for own in each for name in own)
+        return {name: _different(own.get(name, "") for own in each) for name in names}
 
     @property
     def lacore(self) -> str:
-        """Return the version of lacore; empty if unknown."""
+        """Return the version of lacore, or all of them; empty if unknown."""
         return self.packages.get("lacore", "")
 
     @property
     def date(self) -> str:
-        """Return when the runs began; empty if unknown."""
-        return self.provenance.get("date", "")
+        """Return when the sessions began, the first and the last of them; empty if unknown."""
+        dates = sorted({own["date"] for own in self.sessions if own.get("date")})
+        return " to ".join(dict.fromkeys([*dates[:1], *dates[-1:]]))
+
+
+def packages_of(provenance: Mapping[str, str]) -> dict[str, str]:
+    """Return the versions of packages in the provenance of a session, by package."""
+    parts = provenance.get("packages", "").split(", ")
+    pairs = (part.rpartition(" ") for part in parts if " " in part)
+    return {name: version for name, _, version in pairs}
+
+
+def _different(texts: Iterable[str]) -> str:
+    return ", ".join(dict.fromkeys(filter(None, texts)))
 
 
 def load_versions(places: Sequence[Path]) -> list[Version]:
@@ -76,8 +99,8 @@ def load_versions(places: Sequence[Path]) -> list[Version]:
     read = [_read(file) for file in files]
     names = _names(places, files)
     return [
-        Version(name, str(place), results, provenance)
-        for name, place, (results, provenance) in zip(names, places, read, strict=True)
+        Version(name, str(place), results, of_rows)
+        for name, place, (results, of_rows) in zip(names, places, read, strict=True)
     ]
 
 
@@ -95,14 +118,22 @@ def _file_of(place: Path) -> Path:
     raise InputError(FIELD, str(place), f"contains no results ({NAME} or {RESULTS})", _FIX)
 
 
-def _read(file: Path) -> tuple[pd.DataFrame, dict[str, str]]:
+def _read(file: Path) -> tuple[pd.DataFrame, tuple[Mapping[str, str], ...]]:
+    """Return the rows with the version of lacore of each, and the sessions that computed them."""
     if file.suffix == ".csv":
-        results, provenance = _read_table(file), _read_provenance(file.parent / PROVENANCE)
+        results, known = _read_table(file), _read_provenance(file.parent / PROVENANCE)
+        numbers = pd.Series(0, index=results.index)
+        by_number: Mapping[int, Mapping[str, str]] = {0: known} if known else {}
     else:
-        results, provenance = load_results(file), list(sessions(file).values())[-1]
+        results, by_number = load_results(file), sessions(file)
+        numbers = results["session"].astype(int) if len(results) else pd.Series(dtype=int)
     if not len(results):
         raise InputError(FIELD, str(file), "contains no finished run", _FIX)
-    return results, provenance
+    lacore = {number: packages_of(own).get("lacore", "") for number, own in by_number.items()}
+    named = [lacore.get(int(number), "") for number in numbers]
+    results = results.assign(lacore=pd.Series(named, index=results.index, dtype="string"))
+    there = set(numbers)
+    return results, tuple(own for number, own in by_number.items() if number in there)
 
 
 def _read_table(file: Path) -> pd.DataFrame:

@@ -2,11 +2,16 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import pandas as pd
 import pytest
 
+import lacore as la
 from tests.verification.command_line import lacore
+from verification.catalogue.catalogue import find
+from verification.store.results import load_outcomes
+from verification.store.store import NAME, Store
 
 RUN = ("wall-1:mu-0.65", "--backends", "clarabel,highs")
 
@@ -60,6 +65,39 @@ def test_a_store_and_its_table_are_the_same_results(stored, tmp_path):
     )
     assert document["changes"] == []
     assert [own["only"] for own in document["versions"]] == [0, 0]
+
+
+@pytest.fixture
+def resumed(stored, tmp_path):
+    """A store whose last run is from a later session, and a session after it without any run."""
+    shutil.copytree(stored[1], place := tmp_path / "resumed")
+    known = {case.id: case for case in (find("wall-1")[0],)}
+    outcomes, _ = load_outcomes(place, known)
+    last = next(one for one in outcomes if one.run.backend == "highs")
+    later = {"packages": "lacore 9.0.0, highspy 2.0", "date": "2030-01-01 00:00 UTC"}
+    with Store(place / NAME, later) as store:
+        store.append(replace(last, row=replace(last.row, load_factor=9.0)), "later")
+    with Store(place / NAME, {"packages": "lacore 99.0.0", "date": "2031-01-01 00:00 UTC"}):
+        pass
+    return place
+
+
+def test_each_run_has_the_version_of_its_own_session(stored, resumed, tmp_path):
+    words = ("history", stored[1], resumed, "--out", tmp_path / "page")
+    first = la.__version__
+    document = json.loads(lacore(*words, "--json").stdout)
+    (change,) = document["changes"]
+    assert (change["backend"], change["load_factor_after"]) == ("highs", 9.0)
+    assert (change["lacore_before"], change["lacore_after"]) == (first, "9.0.0")
+    new, mixed = document["versions"]
+    assert [own["packages"].split(", ")[0] for own in new["sessions"]] == [f"lacore {first}"]
+    assert len(mixed["sessions"]) == 2  # the one without a run computed nothing
+    shown = lacore(*words).stdout
+    assert f"resumed: lacore {first}, 9.0.0, " in shown
+    assert " to 2030-01-01 00:00 UTC" in shown
+    assert "99.0.0" not in shown
+    page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
+    assert f"{first}, 9.0.0" in page
 
 
 def test_a_table_without_provenance_is_accepted(stored, tmp_path):

@@ -112,6 +112,7 @@ def _changes(found: History) -> Block:
     if not len(found.changes):
         return Text(_NO_CHANGE)
     settings = found.changes["settings"].ne("").any()
+    known = any(found.changes[name].ne("").any() for name in ("lacore_before", "lacore_after"))
     columns = (
         Column("verdict_after", "verdict", moods=VERDICTS),
         Column("verdict_before", "before"),
@@ -126,17 +127,26 @@ def _changes(found: History) -> Block:
         Column("change", "change %", "+.2g", scale=100),
         Column("before", "changed from"),
         Column("after", "to"),
+        *(
+            [Column("lacore_before", "lacore before"), Column("lacore_after", "lacore")]
+            if known
+            else []
+        ),
     )
     return Table(columns, found.changes)
 
 
 def _packages(versions: Sequence[Version]) -> list[Section]:
-    """Return the packages whose version differs, one column for each of the results."""
+    """Return the packages whose version differs, one column for each of the results.
+
+    A package may also differ between the sessions of the same results.
+    """
     names = dict.fromkeys(name for own in versions for name in own.packages)
     rows = [
         {"package": name} | {own.name: own.packages.get(name, "unknown") for own in versions}
         for name in names
         if len({own.packages.get(name, "unknown") for own in versions}) > 1
+        or any(", " in own.packages.get(name, "") for own in versions)
     ]
     if not rows:
         return []
